@@ -50,7 +50,7 @@ const struct generator gen_needles = {
     .name = "needles",
     .summary = "needles and slivers, long and thin, around (offset, offset, offset)",
     .param = {[N] = {"n", "triangles", 1000, 0, 1 << 20, true},
-              [ASPECT] = {"aspect", "length over width", 100, 1, 1e9},
-              [OFFSET] = {"offset", "added to every coordinate", 0, -1e9, 1e9}},
+              [ASPECT] = {"aspect", "length over width", 100, 1, 1e9, false},
+              [OFFSET] = {"offset", "added to every coordinate", 0, -1e9, 1e9, false}},
     .make = make,
 };

@@ -116,7 +116,8 @@ const struct generator gen_platonic = {
                          "0 tetrahedron, 1 cube, 2 octahedron, 3 dodecahedron, 4 icosahedron, "
                          "5 all",
                          5, 0, 5, true},
-              [RADIUS] = {"radius", "distance of the vertices from the centre", 1, 1e-9, 1e9},
+              [RADIUS] = {"radius", "distance of the vertices from the centre", 1, 1e-9, 1e9,
+                          false},
               [ROWS] = {"rows", "copies along z", 1, 1, 1 << 14, true}},
     .make = make,
     .seedless = true,

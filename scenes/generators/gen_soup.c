@@ -33,7 +33,7 @@ const struct generator gen_soup = {
     .name = "soup",
     .summary = "random triangles in the unit cube around (offset, offset, offset)",
     .param = {[N] = {"n", "triangles", 1000, 0, 1 << 20, true},
-              [SIZE] = {"size", "largest side of a triangle's box", 0.1, 0, 1},
-              [OFFSET] = {"offset", "added to every coordinate", 0, -1e9, 1e9}},
+              [SIZE] = {"size", "largest side of a triangle's box", 0.1, 0, 1, false},
+              [OFFSET] = {"offset", "added to every coordinate", 0, -1e9, 1e9, false}},
     .make = make,
 };

@@ -16,7 +16,7 @@ const struct generator gen_sphere = {
     .name = "sphere",
     .summary = "closed sphere around the origin, 8 n^2 triangles, vertices shared; no seed",
     .param = {[N] = {"n", "parts of each octahedron edge", 16, 1, 1448, true},
-              [RADIUS] = {"radius", "radius", 1, 1e-9, 1e9}},
+              [RADIUS] = {"radius", "radius", 1, 1e-9, 1e9, false}},
     .make = make,
     .seedless = true,
 };

@@ -69,7 +69,7 @@ const struct generator gen_terrain = {
     .summary = "fractal terrain over the unit square, y up, 2 * 4^k triangles",
     .param = {[K] = {"k", "the grid has 2^k quads a side", 5, 0, 11, true},
               [ROUGHNESS] = {"roughness", "factor of the amplitude from one scale to the next", 0.5,
-                             0, 1},
-              [HEIGHT] = {"height", "amplitude of the largest scale", 0.25, 0, 1e6}},
+                             0, 1, false},
+              [HEIGHT] = {"height", "amplitude of the largest scale", 0.25, 0, 1e6, false}},
     .make = make,
 };
