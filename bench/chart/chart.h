@@ -24,7 +24,8 @@ struct chart {
     const char *unit; /* behind the legend's numbers, such as "ms" */
     const struct chart_series *series;
     size_t series_count;
-    size_t x_count; /* frames that the x axis has room for, so that it stands still while they come;
+    size_t
+        x_count; /* frames that the x axis has room for, so that it does not change while they come;
                        fewer than a series has: that many */
 };
 

@@ -1,4 +1,4 @@
-/* The front of what is small, fast and loses nothing, and which of it are worth using. */
+/* The Pareto front of size, speed and error, and which of its points are worth using. */
 #ifndef PARETO_H
 #define PARETO_H
 

@@ -55,7 +55,7 @@ static void put_marker(FILE *stream, const struct plot_series *series, double x,
                 path[series->shape % SHAPES], paint);
 }
 
-/* Widens [*lo, *hi] to take in `value`, if it can stand on a logarithmic axis. */
+/* Widens [*lo, *hi] to contain `value`, unless a logarithmic axis cannot show it. */
 static void take_in(double value, double *lo, double *hi)
 {
     if (!(value > 0.0) || !isfinite(value))

@@ -18,7 +18,7 @@
 
 struct frames_settings {
     uint32_t frames;  /* measured: 1 to FRAMES_MOST */
-    uint32_t turns;   /* around the camera's target during them; 0: the camera stands */
+    uint32_t turns;   /* around the camera's target during them; 0: the camera does not move */
     uint32_t warm_up; /* frames before them, which are dropped */
     const volatile sig_atomic_t *stop; /* NULL, or ends the run once it is not 0 */
 };
@@ -31,7 +31,7 @@ struct frames_sample {
 
 struct frames_contestant {
     char handler[48];  /* the name in files */
-    uint64_t bytes;    /* of what the handler needs beside the triangles; 0: nothing */
+    uint64_t bytes;    /* that the handler needs besides the triangles; 0: none */
     bool device_clock; /* of every sample */
     bool rays_alone;   /* samples are of tracing, without shading; set by the caller */
     double *ms;        /* settings.frames; the first frames_run.done are measured */
@@ -52,7 +52,7 @@ struct frames_run {
 typedef enum status frames_draw(void *user, size_t contestant, double angle,
                                 struct frames_sample *out, struct reason *reason);
 
-/* Writes what is there so far; called every FRAMES_REWRITE frames and once at the end. */
+/* Writes what was measured so far; called every FRAMES_REWRITE frames and once at the end. */
 typedef enum status frames_tell(void *user, const struct frames_run *run, struct reason *reason);
 
 /* An empty run. Errors: STATUS_INPUT a setting out of range; STATUS_MEMORY. */

@@ -1,6 +1,6 @@
 /* Frame pacing: when a frame is due, with one pass in flight. Has no clock: every call is given the
  * time, so that tests can choose it. After RTRS's two schedulers, whose rules are kept but for
- * its lost first frame (F29): what is to be drawn stays so until it is drawn. */
+ * its lost first frame (F29): a frame stays due until it is drawn. */
 #ifndef PACING_H
 #define PACING_H
 
@@ -33,8 +33,7 @@ double pacing_tick(struct pacing *pacing, uint64_t now_ns);
 /* The picture is out of date: the camera moved, or the size changed. */
 void pacing_touch(struct pacing *pacing);
 
-/* True if a pass is to be begun now: something changed and none is in flight. The caller begins it.
- */
+/* True if the caller has to begin a pass now: something changed and none is in flight. */
 bool pacing_begin(struct pacing *pacing);
 
 /* The pass has ended. */

@@ -13,7 +13,7 @@ struct painter_plan {
     const struct layout *layout; /* NULL: the engine needs no tree */
     const struct builder *builder;
     struct build_options build;
-    const struct bvh *tree; /* NULL, or in place of what the builder makes */
+    const struct bvh *tree; /* NULL, or in place of the builder's */
     const struct box_test *box;
     const struct tri_test *tri;
     struct look look;

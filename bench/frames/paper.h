@@ -1,4 +1,4 @@
-/* The paper's Figure 8: bytes of a scene and of its trees, and what the paper leaves out of it. */
+/* The paper's Figure 8: bytes of a scene and of its trees, and what the paper omits. */
 #ifndef PAPER_H
 #define PAPER_H
 
@@ -9,7 +9,7 @@
 #define PAPER_LEAF_RF     4u
 #define PAPER_EPS         0.02f
 
-/* Bytes of a tree's node; items stand in the nodes of the last, beside those of the others. */
+/* Bytes of a tree's node. The last has its items in the nodes, the others in an array. */
 #define PAPER_DIRECT_BYTES 48u /* as published, padded twice */
 #define PAPER_PLAIN_BYTES  32u /* the same content without padding */
 #define PAPER_RF_BYTES     16u /* of a record: an inner node is one, a leaf two */

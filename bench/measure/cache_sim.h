@@ -1,5 +1,5 @@
 /* A simulated cache: two levels of lines of 64 bytes, each set-associative, the least recently used
- * line of a set replaced; reads alone. A line that level 1 has not is read from level 2, which
+ * line of a set replaced; only reads. A line that is not in level 1 is read from level 2, which
  * keeps its own (neither inclusive nor exclusive by force: a line dropped by level 2 may stay in
  * level 1). Nothing is fetched ahead. */
 #ifndef CACHE_SIM_H

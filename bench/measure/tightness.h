@@ -32,7 +32,7 @@ struct tightness_one tightness_measure(const struct judge *judge, const struct s
                                        const struct model *model,
                                        const struct tightness_pair *pair);
 
-/* Pairs whose smallest rejected errors are alike: a group of so many, the last of more. */
+/* Pairs of a group, whose smallest rejected errors are alike; the last group has more. */
 #define TIGHTNESS_GROUP 1000u
 
 /* Of many pairs; quantiles as in error_measure.h. */

@@ -6,7 +6,7 @@
 
 #include <stdlib.h>
 
-/* Where the arrays are: so far apart that they cannot meet. */
+/* Addresses of the arrays, far enough apart that they cannot overlap. */
 enum { NODES, ITEMS, INDICES, VERTICES };
 
 static uint64_t place(int array, uint64_t offset)

@@ -21,7 +21,7 @@ enum report_kind {
 
 enum report_state {
     REPORT_RAN,     /* the command did its work; its exit code is the result */
-    REPORT_GIVEN,   /* likewise, earlier: read from a file */
+    REPORT_GIVEN,   /* the command ran earlier: read from a file */
     REPORT_SKIPPED, /* wanted, and cannot be had here */
     REPORT_FAILED   /* wanted, and it did not come to a result */
 };
@@ -43,7 +43,7 @@ struct report_part {
 
 /* A picture, as the bytes of a PNG file. Owns all. */
 struct report_picture {
-    char *group; /* pictures of one group stand beside each other under this heading; may be "" */
+    char *group; /* pictures of one group are side by side under this heading; may be "" */
     char *title, *caption;
     unsigned char *png;
     size_t size;

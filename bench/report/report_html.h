@@ -44,7 +44,7 @@ void html_heads(struct html *html, const char *heads);
 void html_body(struct html *html);
 void html_table_end(struct html *html);
 
-/* A picture that stands in the page itself, as a data: URI. */
+/* A picture inside the page, as a data: URI. */
 void html_png(struct html *html, const char *alt, uint32_t width, uint32_t height,
               const void *bytes, size_t size);
 

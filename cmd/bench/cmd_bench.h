@@ -59,7 +59,7 @@ struct benchmark {
     int (*run)(struct bench *bench); /* returns an exit code, or bench->code; NULL: bench_each */
     bool titled;                     /* its name is printed before the scenes */
     bool triangles;                  /* a scene without triangles is an error */
-    bool alone;    /* takes minutes or writes files of its own: only if it is named */
+    bool alone;    /* takes minutes or writes files of its own: runs only if it is named */
     bool rows_out; /* --out BASE names its files of rows and its plot */
 };
 
@@ -74,8 +74,8 @@ void bench_worse(struct bench *bench, int code);
 void bench_failed(struct bench *bench, const char *spec, enum status status,
                   const struct reason *reason);
 
-/* Opens the user's scenes with the bench's seed, or else those of the benchmark (files that were not
- * fetched are left out with a line), and plays each. Returns bench->code. */
+/* Opens the user's scenes with the bench's seed, or else those of the benchmark (files that were
+ * not fetched are left out with a line), and plays each. Returns bench->code. */
 int bench_each(struct bench *bench, const struct benchmark *benchmark);
 
 /* The members of a table that the user named, or else those with the names `own` (NULL-terminated).

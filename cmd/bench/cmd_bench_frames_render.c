@@ -1,4 +1,4 @@
-/* raydiff render --benchmark: frames of what render would draw, measured. */
+/* raydiff render --benchmark: measures the frames that render draws. */
 #include "cmd/bench/cmd_bench_frames.h"
 
 #include "fuzz/findings/versions.h"

@@ -21,7 +21,7 @@ extern const char *const matrix_kinds[MATRIX_KINDS];
 struct matrix_entry {
     char name[MATRIX_NAME];
     const struct engine *engine;
-    const struct layout *layout;   /* NULL: sees the scene alone */
+    const struct layout *layout;   /* NULL: takes no tree */
     const struct tri_store *store; /* NULL likewise */
     const struct builder *builder; /* NULL likewise */
     uint32_t passes;               /* of reinsertion */
@@ -86,7 +86,7 @@ struct matrix {
 enum status matrix_entries_make(const struct bench *bench, struct matrix_entries *out,
                                 struct reason *reason) MUST_USE;
 
-/* True if the user named engines of the GPU alone. */
+/* True if the user named only engines of the GPU. */
 bool matrix_is_gpu(const struct bench *bench);
 
 /* True if its speed is compared with the layout f32 of the same engine, not with Embree. */
@@ -101,7 +101,7 @@ enum status matrix_measure(struct matrix *matrix, const struct contestant *c,
                            struct matrix_row *row, struct reason *reason) MUST_USE;
 
 /* Marks what is on the front and worth using, prints the tables and hands out rows. With `full`
- * also the table of what does not depend on threads. */
+ * also the table of sizes, which do not depend on threads. */
 void matrix_print(struct matrix *matrix, bool full);
 
 /* A figure of the rows: benchmark matrix, the first number of threads of each scene. Errors:

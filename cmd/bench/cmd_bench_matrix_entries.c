@@ -93,7 +93,7 @@ static enum status add_own(struct matrix_entries *out, struct reason *reason)
     return status;
 }
 
-/* The entry's layout on each storage that was named; `once` is there already, on `indexed`. */
+/* The entry's layout on each storage that was named; with `once` it was added on `indexed` before. */
 static enum status add_stores(const struct bench *bench, const struct matrix_entry *entry,
                               bool once, struct matrix_entries *out, struct reason *reason)
 {

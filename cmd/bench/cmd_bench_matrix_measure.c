@@ -155,7 +155,7 @@ static enum status watch_packed(struct matrix *m, const struct contestant *c,
 /* --- all -------------------------------------------------------------------------------------- */
 
 /* What Embree's traversal reads is what it holds without the buffers of vertices and indices: its
- * leaves have copies, but those of the compact mode have indices alone. */
+ * leaves have copies, except in the compact mode, which has only indices. */
 static void measure_embree(const struct matrix *m, struct matrix_row *row)
 {
     uint64_t arrays = 12 * ((uint64_t)m->scene->vertex_count + m->scene->tri_count);

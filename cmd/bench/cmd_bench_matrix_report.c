@@ -34,7 +34,7 @@ static bool has_better_tree(const struct matrix *m, const struct matrix_row *row
     return false;
 }
 
-/* Marks the rows of the GPU, or the others. Worth using are ours alone, each on its best tree. */
+/* Marks the rows of the GPU, or the others. Only our own can be worth using, each on its best tree. */
 static void mark_front(struct matrix *m, bool gpu)
 {
     struct pareto_point point[CONTESTANTS] = {{0}}, own[CONTESTANTS] = {{0}};

@@ -162,7 +162,7 @@ static bool may_be_cut(enum paper_line_id id)
     return recipes[id].profile == PROFILE_RTRS && recipes[id].plan == FRAME_WHOLE;
 }
 
-/* The painter that was entered last leaves again. */
+/* Removes the painter that was entered last. */
 static void leave_out(struct paper_table *table, enum paper_line_id id, enum status status,
                       const char *why)
 {

@@ -42,7 +42,7 @@ static json_t *count(bool known, uint64_t value)
     return known ? json_integer((json_int_t)value) : json_null();
 }
 
-/* A row of what was measured; of a line that was left out the reason. */
+/* Adds the row of a line; of one that was left out, with the reason. */
 static void add_row(struct paper_table *table, enum paper_line_id id)
 {
     const struct frames_run *run = &table->session.run;

@@ -22,7 +22,7 @@ struct contestant {
     uint64_t boxes, tris; /* tests of one trace; 0: not counted */
     double mrays[BENCH_ROUNDS];
     double ratio[BENCH_ROUNDS]; /* to its base, round by round */
-    size_t base;                /* index of what it is compared with; its own: nothing */
+    size_t base; /* index of the contestant that it is compared with; its own: none */
 };
 
 struct race {

@@ -32,7 +32,7 @@ enum { SPECIAL, GENERAL, ONE_BOUNCE, CONTESTANTS };
 /* A scene, and what of its furniture is used. */
 struct special_scene {
     const char *name, *spec;
-    uint32_t lights; /* at most so many of its own */
+    uint32_t lights; /* of its own, at most */
     bool dull;       /* nothing reflects */
 };
 

@@ -165,7 +165,7 @@ static const struct option_set set = {
 
 static void when_text(char *text, size_t text_bytes)
 {
-    const char *fixed = getenv("SOURCE_DATE_EPOCH"); /* for reports that are to be the same */
+    const char *fixed = getenv("SOURCE_DATE_EPOCH"); /* for reproducible reports */
     time_t now = fixed ? (time_t)strtoll(fixed, NULL, 10) : time(NULL);
     struct tm utc;
     if (!gmtime_r(&now, &utc) || strftime(text, text_bytes, "%Y-%m-%d %H:%M UTC", &utc) == 0)

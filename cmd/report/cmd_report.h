@@ -28,7 +28,7 @@ struct runner {
 /* How a child ended. */
 struct run {
     int code;     /* its exit code; EXIT_ENGINE if it was killed or took too long */
-    bool stopped; /* by a signal to us: nothing more is to be done */
+    bool stopped; /* by a signal to the report: it ends */
     bool dead;    /* it did not end by itself, or crashed */
     double seconds;
     char said[RUN_SAID_MOST]; /* lines of its standard error, but progress; or how it died */

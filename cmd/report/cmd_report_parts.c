@@ -102,7 +102,7 @@ static enum status make_check(const struct report_options *options, struct runne
     return run_part(report, runner, cmd_check, &line, "check.json", &part, reason);
 }
 
-/* Names of scenes stand in one word, with ';' between them. */
+/* All names of scenes in one word, with ';' between them. */
 static char *joined_scenes(const struct report_options *options)
 {
     size_t bytes = 1;

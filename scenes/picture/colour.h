@@ -15,7 +15,7 @@ enum colour_kind {
 /* The colours of values, and the texts around them. Texts are borrowed; NULL is none. */
 struct colour_scale {
     enum colour_kind kind;
-    bool logarithmic; /* sequential alone: lo > 0, and values below lo look as lo */
+    bool logarithmic; /* only sequential: lo > 0, and values below lo look as lo */
     double lo, hi;    /* sequential: lo < hi; diverging: from -hi to hi, hi > 0; else unread */
     const char *title;
     const char *unit;    /* what is counted, beside the scale bar, such as "boxes visited" */

@@ -26,8 +26,8 @@ struct picture_sheet {
     int text;               /* enlargement of text, bar and swatches */
     int left, top;          /* of the values */
     int values_w, values_h; /* in pixels of the picture */
-    int inner;              /* width of what lies between the margins */
-    struct image *image;    /* NULL: measures alone */
+    int inner;              /* width between the margins */
+    struct image *image;    /* NULL: only measures */
     int y;                  /* of the line that comes next */
 };
 

@@ -10,7 +10,7 @@
 /* A filled rectangle; its top left pixel is x, y. */
 void draw_rect(struct image *image, int x, int y, int width, int height, uint32_t colour);
 
-/* Its outermost pixels alone. */
+/* Only its outermost pixels. */
 void draw_frame(struct image *image, int x, int y, int width, int height, uint32_t colour);
 
 /* A line with round ends, `width` pixels thick, with smooth edges. Pixel x covers x to x + 1, so a

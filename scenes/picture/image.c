@@ -49,7 +49,7 @@ void image_free(struct image *image)
     *image = (struct image){0};
 }
 
-/* One PNG file on its way in or out. libpng leaves through `left`, with its rule in `why`; what is
+/* One PNG file being read or written. libpng leaves through `left`, with its rule in `why`; what is
  * held across that is in here, where a longjmp changes nothing. */
 struct passage {
     png_structp png;

@@ -1,4 +1,4 @@
-/* Where the ticks of an axis stand, and what is written beside them. */
+/* Positions of the ticks of an axis, and their texts. */
 #ifndef TICKS_H
 #define TICKS_H
 
