@@ -13,59 +13,54 @@
 
 extern const char baseline_shipped[]; /* BUILD/gen/baseline.c, made from fuzz/baseline.txt */
 
-static bool is_engine(const char *pattern)
+/* The fields of a pattern, from its last. */
+enum baseline_field { FIELD_CAUSE, FIELD_KIND, FIELD_LAYOUT, FIELD_ENGINE, FIELDS };
+
+/* The i-th text that a field can have; NULL behind the last. */
+static const char *text_of(enum baseline_field field, size_t i)
 {
-    for (size_t i = 0; engines[i]; i++)
-        if (fnmatch(pattern, engines[i]->name, 0) == 0)
-            return true;
-    return strncmp(pattern, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0;
+    switch (field) {
+    case FIELD_CAUSE:
+        return i < CAUSE_COUNT - CAUSE_NONE ? cause_name((enum cause)(CAUSE_NONE + i)) : NULL;
+    case FIELD_KIND:
+        i += FUZZ_KIND_WRONG + 1;
+        return i < FUZZ_KIND_COUNT ? fuzz_kind_name((enum fuzz_kind)i) : NULL;
+    case FIELD_LAYOUT:
+        return i == 0 ? "-" : layouts_all[i - 1] ? layouts_all[i - 1]->name : NULL;
+    default:
+        return engines[i] ? engines[i]->name : NULL;
+    }
 }
 
-static bool is_layout(const char *pattern)
+static bool can_match(enum baseline_field field, const char *pattern)
 {
-    for (size_t i = 0; layouts_all[i]; i++)
-        if (fnmatch(pattern, layouts_all[i]->name, 0) == 0)
+    for (size_t i = 0; text_of(field, i); i++)
+        if (fnmatch(pattern, text_of(field, i), 0) == 0)
             return true;
-    return fnmatch(pattern, "-", 0) == 0;
-}
-
-static bool is_kind(const char *pattern)
-{
-    for (enum fuzz_kind kind = FUZZ_KIND_WRONG + 1; kind < FUZZ_KIND_COUNT; kind++)
-        if (fnmatch(pattern, fuzz_kind_name(kind), 0) == 0)
-            return true;
-    return false;
-}
-
-static bool is_cause(const char *pattern)
-{
-    for (enum cause cause = CAUSE_NONE; cause < CAUSE_COUNT; cause++)
-        if (fnmatch(pattern, cause_name(cause), 0) == 0)
-            return true;
-    return false;
+    return field == FIELD_ENGINE && strncmp(pattern, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0;
 }
 
 /* Every field must be able to match something: a misspelt one would silently excuse nothing. */
 static enum status check(const struct waivers *list, const struct waiver *waiver,
                          struct reason *reason)
 {
-    static bool (*const is[])(const char *) = {is_cause, is_kind, is_layout, is_engine};
-    static const char *const what[] = {"cause", "kind", "layout", "engine"};
+    static const char *const what[FIELDS] = {"cause", "kind", "layout", "engine"};
     char pattern[FUZZ_SIGNATURE_MOST];
     if (strlen(waiver->pattern) >= sizeof pattern)
         return fail(reason, STATUS_INPUT, "%s:%zu: a pattern has at most %d characters", list->path,
                     waiver->line, FUZZ_SIGNATURE_MOST - 1);
     strcpy(pattern, waiver->pattern);
-    for (size_t i = 0; i < ARRAY_COUNT(is); i++) {
-        char *dot = strrchr(pattern, '.'), *field = i == 3 ? pattern : dot ? dot + 1 : NULL;
+    for (enum baseline_field i = 0; i < FIELDS; i++) {
+        char *dot = strrchr(pattern, '.');
+        char *field = i == FIELD_ENGINE ? pattern : dot ? dot + 1 : NULL;
         if (!field)
             return fail(reason, STATUS_INPUT,
                         "%s:%zu: '%.80s' is no pattern of engine.layout.kind.cause", list->path,
                         waiver->line, waiver->pattern);
-        if (!is[i](field))
+        if (!can_match(i, field))
             return fail(reason, STATUS_INPUT, "%s:%zu: no %s is called '%.60s'", list->path,
                         waiver->line, what[i], field);
-        if (i < 3)
+        if (i != FIELD_ENGINE)
             *dot = '\0';
     }
     return STATUS_OK;

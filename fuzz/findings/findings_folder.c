@@ -141,10 +141,10 @@ static enum status read_files(const struct folder *folder, struct findings_membe
     struct finding_file file;
     enum status status =
         get(folder, &entry->signature, "first.trial", &file, &entry->has_first, reason);
-    if (!status && entry->has_first)
+    if (!status && entry->has_first) {
         entry->first = findings_order(&file.trial);
-    if (!status && entry->has_first)
         strcpy(entry->versions, file.versions);
+    }
     finding_file_free(&file);
     if (status)
         return status;

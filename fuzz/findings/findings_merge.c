@@ -1,4 +1,4 @@
-#define _GNU_SOURCE /* realpath */
+#define _POSIX_C_SOURCE 200809L /* strndup */
 #include "fuzz/findings/findings_inner.h"
 
 #include <errno.h>
@@ -29,7 +29,7 @@ static enum status keep(void *user, const struct findings_line *line, struct rea
 {
     struct merging *m = user;
     void *array = m->kept;
-    char *text = malloc(line->length + 1);
+    char *text = strndup(line->text, line->length);
     enum status status =
         array_reserve(&array, &m->kept_capacity, m->kept_count + 1, sizeof *m->kept);
     m->kept = array;
@@ -37,8 +37,6 @@ static enum status keep(void *user, const struct findings_line *line, struct rea
         free(text);
         return fail(reason, STATUS_MEMORY, "no memory for %zu findings", m->kept_count + 1);
     }
-    memcpy(text, line->text, line->length);
-    text[line->length] = '\0';
     m->kept[m->kept_count++] = (struct kept){line->signature, line->order, line->ray, text};
     return STATUS_OK;
 }

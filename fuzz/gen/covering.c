@@ -168,8 +168,7 @@ enum status covering_make(const uint32_t *members, uint32_t tables, struct cover
     }
     status = pairs_make(members, tables, &pairs);
     if (!status) {
-        uint64_t enough = 0;
-        while (!status && pairs.open > enough) {
+        while (!status && pairs.open > 0) {
             uint32_t row[COVERING_TABLES_MOST];
             make_row(&pairs, row);
             status = add_row(out, &capacity, row);

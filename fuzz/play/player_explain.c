@@ -134,14 +134,13 @@ static enum status ray_cause(struct judged *judged, const struct ray *ray,
     enum status status = judged_explain(judged, ray, &again, reason);
     if (status)
         return status;
+    enum cause *cause = &finding->signature.cause;
     bool finished = finding->signature.kind != FUZZ_KIND_UNFINISHED;
     bool same = again.answer.finished == finished &&
                 (!finished || memcmp(&again.answer.hit, &finding->answer, sizeof(struct hit)) == 0);
-    finding->signature.cause = again.why.cause;
-    if (again.why.cause == CAUSE_NONE)
-        finding->signature.cause = CAUSE_UNEXPLAINED;
+    *cause = again.why.cause == CAUSE_NONE ? CAUSE_UNEXPLAINED : again.why.cause;
     if (!same && (finished || again.why.cause == CAUSE_NONE))
-        finding->signature.cause = CAUSE_NOT_REPEATABLE;
+        *cause = CAUSE_NOT_REPEATABLE;
     explain_free(&again.why);
     return STATUS_OK;
 }
@@ -262,20 +261,22 @@ static enum status scaled_cause(struct fuzz_player *player, const struct fuzz_tr
 static enum status find_cause(struct fuzz_player *player, struct play_stage *stage,
                               struct fuzz_finding *finding, struct reason *reason)
 {
+    const struct seat *seat = &player->seat[finding->contestant];
+    const enum fuzz_kind kind = finding->signature.kind;
+    enum cause *cause = &finding->signature.cause;
     struct explain_asked asked;
-    enum status status = ask_anew(&player->seat[finding->contestant], stage, &asked, reason);
+    enum status status = ask_anew(seat, stage, &asked, reason);
     if (status || !asked.possible)
         return status;
-    if (finding->signature.kind != FUZZ_KIND_TREE)
+    if (kind != FUZZ_KIND_TREE) {
         status = ray_cause(&asked.judged, &stage->trial->ray[finding->ray], finding, reason);
-    else if (asked.judged.has_tree)
-        finding->signature.cause = tree_cause(&asked.judged.tree);
-    if (!status && finding->signature.kind == FUZZ_KIND_UNFINISHED &&
-        finding->signature.cause == CAUSE_NOT_REPEATABLE)
-        status = together_cause(&player->seat[finding->contestant], stage->trial, finding, reason);
-    if (finding->signature.kind == FUZZ_KIND_TREE && asked.judged.has_tree &&
-        finding->signature.cause == CAUSE_UNEXPLAINED)
-        finding->signature.cause = box_cause(&asked.judged.tree);
+    } else if (asked.judged.has_tree) {
+        *cause = tree_cause(&asked.judged.tree);
+        if (*cause == CAUSE_UNEXPLAINED)
+            *cause = box_cause(&asked.judged.tree);
+    }
+    if (!status && kind == FUZZ_KIND_UNFINISHED && *cause == CAUSE_NOT_REPEATABLE)
+        status = together_cause(seat, stage->trial, finding, reason);
     judged_free(&asked.judged);
     return status;
 }
@@ -299,26 +300,20 @@ enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *tr
 {
     const struct seat *seat = &player->seat[finding->contestant];
     struct play_stage *stage = &player->stage[0];
-    switch (finding->signature.kind) {
-    case FUZZ_KIND_CRASH:
-    case FUZZ_KIND_HANG:
-    case FUZZ_KIND_PROTOCOL:
+    const enum fuzz_kind kind = finding->signature.kind;
+    enum cause *cause = &finding->signature.cause;
+    if (kind == FUZZ_KIND_CRASH || kind == FUZZ_KIND_HANG || kind == FUZZ_KIND_PROTOCOL)
         return STATUS_OK; /* no answer to explain, and tracing again would fail again */
-    default:
-        break;
-    }
     enum status status = stage_set(stage, player, trial, NULL, reason);
-    if (!status && finding->signature.kind == FUZZ_KIND_REFUSED)
-        finding->signature.cause =
-            stage->has_tree ? end_cause(seat->layout, &stage->bvh) : CAUSE_UNEXPLAINED;
+    if (!status && kind == FUZZ_KIND_REFUSED)
+        *cause = stage->has_tree ? end_cause(seat->layout, &stage->bvh) : CAUSE_UNEXPLAINED;
     else if (!status && (!seat->layout || stage->has_packed[seat->layout_index]) &&
-             (finding->ray < trial->ray_count || finding->signature.kind == FUZZ_KIND_TREE))
+             (finding->ray < trial->ray_count || kind == FUZZ_KIND_TREE))
         status = find_cause(player, stage, finding, reason);
-    if (!status && finding->signature.kind == FUZZ_KIND_TREE && seat->layout &&
-        finding->signature.cause == CAUSE_UNEXPLAINED)
-        finding->signature.cause = rule_cause(stage->rule[seat->layout_index]);
+    if (!status && kind == FUZZ_KIND_TREE && seat->layout && *cause == CAUSE_UNEXPLAINED)
+        *cause = rule_cause(stage->rule[seat->layout_index]);
     stage_clear(stage);
-    if (!status && finding->signature.cause == CAUSE_OUTSIDE)
+    if (!status && *cause == CAUSE_OUTSIDE)
         status = scaled_cause(player, trial, finding, reason);
     return status;
 }

@@ -137,7 +137,7 @@ enum status stage_set(struct play_stage *stage, const struct fuzz_player *player
     stage->trial = trial;
     enum status status = make_room(stage, player->seat_count, trial->ray_count);
     if (status)
-        return fail(reason, status, "no memory to play %u rays", (unsigned)trial->ray_count);
+        return fail(reason, status, "no memory to play %u rays", trial->ray_count);
     status = fuzz_trial_build(trial, &stage->bvh, reason);
     stage->has_tree = status == STATUS_OK;
     if (status && status != STATUS_LIMIT)

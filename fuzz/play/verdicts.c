@@ -76,7 +76,7 @@ static enum status make_judges(struct verdicts_judging *j, struct reason *reason
         j->bits[i] = model[i].bits;
         if (model[i].formula == TWIN_UNKNOWN &&
             !(j->note[i] = alloc_zeroed(trial->ray_count, sizeof *j->note[i])))
-            return fail(reason, STATUS_MEMORY, "no memory for %u rays", (unsigned)trial->ray_count);
+            return fail(reason, STATUS_MEMORY, "no memory for %u rays", trial->ray_count);
         for (size_t k = 0; k < i && j->alike[i] == i; k++)
             if (j->judge[k] && same_model(&model[k], &model[i]))
                 j->alike[i] = k;
