@@ -1,5 +1,6 @@
 /* Judgements as text. */
 #include "ref/base/decimal.h"
+#include "ref/base/text.h"
 #include "ref/judge/judge.h"
 
 #include <stdio.h>
@@ -35,22 +36,18 @@ static void print_line(const struct ray *ray, const struct hit *answer, const ch
 void judge_line(const struct ray *ray, const struct judgement *judgement, const struct hit *answer,
                 char *text, size_t text_bytes)
 {
-    char expected[160], t[DECIMAL_WITHIN_MOST];
+    char expected[160] = "miss", t[DECIMAL_WITHIN_MOST];
     decimal_within(judgement->t_lo, judgement->t_hi, t);
-    int length =
-        judgement->expected == ABI_NO_PRIM
-            ? snprintf(expected, sizeof expected, "miss")
-            : snprintf(expected, sizeof expected, "prim=%u t=%s", (unsigned)judgement->expected, t);
+    if (judgement->expected != ABI_NO_PRIM)
+        snprintf(expected, sizeof expected, "prim=%u t=%s", (unsigned)judgement->expected, t);
     decimal_within(judgement->lost_lo, judgement->lost_hi, t);
     if (judgement->behind)
-        length += snprintf(expected + length, sizeof expected - (size_t)length,
-                           ", lost: prim=%u t=%s", (unsigned)judgement->lost, t);
+        text_append(expected, sizeof expected, ", lost: prim=%u t=%s", (unsigned)judgement->lost,
+                    t);
     if (judgement->over > 0.0)
-        snprintf(expected + length, sizeof expected - (size_t)length, " err/E=%.3g",
-                 judgement->over);
+        text_append(expected, sizeof expected, " err/E=%.3g", judgement->over);
     else if (judgement->displacement > 0.0)
-        snprintf(expected + length, sizeof expected - (size_t)length, " displacement=%.3g uM",
-                 judgement->displacement);
+        text_append(expected, sizeof expected, " displacement=%.3g uM", judgement->displacement);
     print_line(ray, answer, expected, text, text_bytes);
 }
 

@@ -171,14 +171,13 @@ size_t leaks_extra(const struct topology *topology, const struct oracle *oracle,
 /* The engine whose lists are counted. */
 struct lister {
     const struct leak_rays *rays;
-    const struct scene *scene;
     struct model model;
 };
 
 static struct twin twin_of(const struct lister *lister, const struct ray *ray, uint32_t prim)
 {
     float v[3][3];
-    scene_tri(lister->scene, prim, v);
+    scene_tri(oracle_scene(lister->rays->oracle), prim, v);
     return twin_eval(lister->model.formula, lister->model.rounding, ray, v);
 }
 
@@ -296,7 +295,7 @@ static enum status count_lists(const struct leak_rays *rays, const struct engine
     struct all_hits all = {.once = job->packed && job->packed->split};
     every.query = QUERY_ALL;
     enum status status = engine->prepare(self, &every, reason);
-    struct lister lister = {rays, job->scene, {.formula = TWIN_UNKNOWN}};
+    struct lister lister = {rays, {.formula = TWIN_UNKNOWN}};
     if (!status && engine->model)
         lister.model = engine->model(self, job->tri);
     for (size_t at = 0; at < rays->ray_count && !status; at += all.done) {

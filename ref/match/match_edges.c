@@ -11,8 +11,9 @@
  * that its owner names is judged by that formula instead. */
 #include "ref/match/match_edges.h"
 
+#include "ref/base/text.h"
+
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,12 +44,11 @@ double match_edges_limit(size_t class, size_t hits)
 
 void match_edges_text(const struct edges_lost edges[MATCH_EDGES], char text[MATCH_EDGES_TEXT])
 {
-    int used = 0;
+    text[0] = '\0';
     for (size_t class = 0; class < MATCH_EDGES; class ++)
-        used += snprintf(text + used, MATCH_EDGES_TEXT - (size_t)used,
-                         "%zu of %zu (at most %.0f), ", edges[class].lost, edges[class].hits,
-                         match_edges_limit(class, edges[class].hits));
-    snprintf(text + used, MATCH_EDGES_TEXT - (size_t)used, "the nearest first: not rounding");
+        text_append(text, MATCH_EDGES_TEXT, "%zu of %zu (at most %.0f), ", edges[class].lost,
+                    edges[class].hits, match_edges_limit(class, edges[class].hits));
+    text_append(text, MATCH_EDGES_TEXT, "the nearest first: not rounding");
 }
 
 struct noted {

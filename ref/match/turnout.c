@@ -1,6 +1,7 @@
 #include "ref/match/turnout.h"
 
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -119,18 +120,16 @@ void turnout_line(const struct turnout_one *one, char *text, size_t text_bytes)
 {
     static const char *const words[TURNOUT_ENDS] = {"answered", "refused", "skipped",
                                                     "cannot run here", "failed"};
-    size_t asked = turnout_asked(one), used = 0;
-    used += (size_t)snprintf(text, text_bytes, "answered %zu of %zu", one->end[TURNOUT_ANSWERED],
-                             asked);
-    for (int i = TURNOUT_REFUSED; i < TURNOUT_ENDS && used < text_bytes; i++)
+    size_t asked = turnout_asked(one);
+    snprintf(text, text_bytes, "answered %zu of %zu", one->end[TURNOUT_ANSWERED], asked);
+    for (int i = TURNOUT_REFUSED; i < TURNOUT_ENDS; i++)
         if (one->end[i] > 0)
-            used +=
-                (size_t)snprintf(text + used, text_bytes - used, ", %s %zu", words[i], one->end[i]);
-    if (one->reason.text[0] && used < text_bytes)
-        used += (size_t)snprintf(text + used, text_bytes - used, ": %.200s", one->reason.text);
-    if (turnout_code(one) == EXIT_MISMATCH && used < text_bytes)
-        snprintf(text + used, text_bytes - used, "; vacuous: %s",
-                 asked == 0                        ? "it was never asked"
-                 : one->end[TURNOUT_ANSWERED] == 0 ? "nothing of it is tested"
-                                                   : "hardly anything of it is tested");
+            text_append(text, text_bytes, ", %s %zu", words[i], one->end[i]);
+    if (one->reason.text[0])
+        text_append(text, text_bytes, ": %.200s", one->reason.text);
+    if (turnout_code(one) == EXIT_MISMATCH)
+        text_append(text, text_bytes, "; vacuous: %s",
+                    asked == 0                        ? "it was never asked"
+                    : one->end[TURNOUT_ANSWERED] == 0 ? "nothing of it is tested"
+                                                      : "hardly anything of it is tested");
 }
