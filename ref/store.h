@@ -23,7 +23,10 @@ struct tri_store {
     enum status (*measure)(const struct packed *packed, const struct scene *scene,
                            const uint32_t *prim, uint32_t count, uint64_t *words,
                            struct reason *reason);
-    /* Writes them to `word`. */
+    /* Of storages of rows (ref/store/rows.h): puts nine floats in place of the vertices and returns
+     * what the upper two bits keep. NULL: the vertices, and 0. */
+    uint32_t (*row)(float v[3][3]);
+    /* Writes `count` items to `word`. */
     void (*write)(const struct packed *packed, const struct scene *scene, const uint32_t *prim,
                   uint32_t count, uint32_t *word);
     /* The triangle of item `slot` of the leaf with that `first`, or ABI_NO_PRIM. Like the next two

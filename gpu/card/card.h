@@ -1,5 +1,5 @@
 /* A card per driver: what its arithmetic, conversions and loops do, measured. The tracing shaders
- * need only what gpu/card/probe.h measures; the rest says what they must keep away from, and why. */
+ * need only what gpu/card/probe.h measures; the rest shows which operations they must avoid. */
 #ifndef CARD_H
 #define CARD_H
 
@@ -9,7 +9,7 @@
 
 /* How a function with a choice of roundings computes. Counted where the choices differ. */
 struct card_choice {
-    uint32_t telling; /* operands on which plain and other differ */
+    uint32_t telling; /* operands for which plain, other and the result are not all equal */
     uint32_t plain;   /* as if written out, each operation rounded */
     uint32_t other;   /* fused, or rearranged */
     uint32_t neither;
@@ -46,7 +46,7 @@ struct card_pack {
 
 #define CARD_LOOPS 3u
 
-/* Iterations of one loop; of two of them one after the other; of two nested ones. */
+/* Iterations of one loop, of two loops in sequence, and of two nested loops. */
 struct card_loop {
     uint32_t asked[CARD_LOOPS], ran[CARD_LOOPS];
 };

@@ -74,7 +74,7 @@ static uint32_t tile_of(const struct frame_job *job, const struct vk_limits *lim
     return tile;
 }
 
-/* The module of the layout, and what the tracing shaders are told of the tree. */
+/* Finds the module of the layout; constants and push constants of the tree are the tracer's. */
 static enum status find_shader(const struct frame_job *job, bool brute, struct frame_dispatch *out,
                                struct reason *reason)
 {

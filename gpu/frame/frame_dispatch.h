@@ -1,5 +1,5 @@
-/* What a renderer's shaders are told of a frame job: which module, its specialization constants,
- * its push constants. */
+/* The dispatch of a frame job: the rendering shader's module, its specialization constants and its
+ * push constants. */
 #ifndef FRAME_DISPATCH_H
 #define FRAME_DISPATCH_H
 

@@ -22,8 +22,8 @@ struct slab {
     uint32_t first_row, rows;
 };
 
-/* Draws a slab in as many submissions as that takes. `dispatch` is told all but the place. Errors:
- * as vk_dispatch and vk_pipeline_make. */
+/* Draws a slab in as many submissions as needed. `dispatch` has everything but the position in the
+ * picture. Errors: as vk_dispatch and vk_pipeline_make. */
 enum status framer_slab(struct framer *framer, const struct frame_dispatch *dispatch,
                         const struct slab *slab, struct trace_report *report,
                         struct reason *reason) MUST_USE;

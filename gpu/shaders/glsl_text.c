@@ -86,7 +86,7 @@ static const char *our_text(const char *name)
     return NULL;
 }
 
-/* One that is not ours: beside the layout's file. */
+/* Includes a file that is not ours: it lies beside the layout's file. */
 static enum status include_theirs(struct making *m, const char *name, const char *from, size_t line)
 {
     char path[GLSL_NAME_MOST];

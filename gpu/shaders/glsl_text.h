@@ -19,7 +19,7 @@ extern const struct glsl_source glsl_sources[];
 enum glsl_use {
     GLSL_TRACE,
     GLSL_RENDER,
-    GLSL_DECODE, /* says what it decodes, see gpu/trace/decode.h */
+    GLSL_DECODE, /* outputs what it decodes, see gpu/trace/decode.h */
     GLSL_USES
 };
 
@@ -37,13 +37,13 @@ typedef enum status glsl_read_fn(const char *path, char **bytes, size_t *size,
 
 /* Makes the text of the shader that traces, renders or decodes with the layout of the file `path`.
  * Its includes are ours or, where no file of ours has the name, files beside it. Errors:
- * STATUS_INPUT "FILE:LINE: rule": an include that is not to be had, files that include each other,
+ * STATUS_INPUT "FILE:LINE: rule": an include that is not found, files that include each other,
  * over GLSL_FILES_MOST or GLSL_TEXT_MOST; as `read`; STATUS_MEMORY. On error *out is zero.
  */
 enum status glsl_text_make(const char *path, enum glsl_use use, glsl_read_fn *read,
                            struct glsl_text *out, struct reason *reason) MUST_USE;
 
-/* Says in `reason` what a compiler's log, whose errors are "ERROR: FILE:LINE: text", says first:
+/* Writes the first error of a compiler's log, "ERROR: FILE:LINE: text", to `reason` as
  * "NAME:LINE: text". Returns STATUS_INPUT. */
 enum status glsl_text_blame(const struct glsl_text *text, const char *log, struct reason *reason);
 

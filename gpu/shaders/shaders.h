@@ -21,16 +21,16 @@ const struct shader *shader_find(const char *name);
 #define SHADERS_ADDED_MOST 12
 
 /* Checks and decorates a compiled module (gpu/shaders/spirv_fix.h) of the layout and adds it as
- * "trace_LAYOUT", "render_LAYOUT" or "decode_LAYOUT". For programs, while no other thread looks.
+ * "trace_LAYOUT", "render_LAYOUT" or "decode_LAYOUT". For programs; not thread-safe.
  *   file   of its source, for reasons
  * Errors: STATUS_INPUT "FILE: rule"; STATUS_LIMIT over SHADERS_ADDED_MOST; STATUS_INTERNAL what
  * came out is not as it must be; STATUS_MEMORY. */
 enum status shader_add(const char *layout, enum glsl_use use, const char *file,
                        const uint32_t *word, size_t count, struct reason *reason) MUST_USE;
 
-/* Says why the layout has no shader, of those that have none; a text without end is cut. */
+/* Sets the reason why a layout has no shader; a text that is too long is cut. */
 void shader_lacks(const char *layout, const char *why);
-/* What was said of it, or "there is no shader for layout LAYOUT". */
+/* Writes that reason, or "there is no shader for layout LAYOUT". */
 void shader_why_not(const char *layout, struct reason *reason);
 
 #endif

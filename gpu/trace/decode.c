@@ -14,7 +14,7 @@
 #define GROUP    64u
 #define BINDINGS (ABI_BIND_ASKED + 1)
 
-/* A record, and which of its slots; and what the shader says of it. As in shaders/decode.glsl. */
+/* A record and one of its slots, and what the shader decodes there. As in shaders/decode.glsl. */
 struct decode_question {
     uint32_t ref, what;
 };
@@ -118,7 +118,7 @@ static enum status fill(struct vk *vk, struct decode_comparing *c,
     return status;
 }
 
-/* What the shader says to every question. */
+/* Has the shader answer all questions. */
 static enum status ask(struct vk *vk, const struct shader *shader, struct decode_comparing *c,
                        struct reason *reason)
 {
@@ -158,7 +158,7 @@ static enum status ask(struct vk *vk, const struct shader *shader, struct decode
 
 /* --- the comparison -------------------------------------------------------------------------- */
 
-/* Says what differs of the first record. Returns false. */
+/* Describes the first record that differs. Returns false. */
 static bool differs(struct decode_comparing *c, uint32_t ref, const char *field, const char *mine,
                     const char *theirs)
 {

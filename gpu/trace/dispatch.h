@@ -1,5 +1,5 @@
 /* One dispatch of a tracing shader: which module, its specialization constants, its push constants.
- * The engines make it, `raydiff export` writes it down: both ask here. */
+ * Used by the engines, and by `raydiff export`, which writes it to a file. */
 #ifndef DISPATCH_H
 #define DISPATCH_H
 
@@ -39,7 +39,7 @@ struct dispatch dispatch_query(const struct job *job, uint32_t workgroup);
 /* Workgroups for so many rays. */
 uint32_t dispatch_groups(const struct dispatch *dispatch, uint32_t ray_count);
 
-/* What kept a ray from its end, by its flags. */
+/* Describes why a ray was not finished, by its flags. */
 const char *dispatch_cause(uint32_t flag);
 
 /* What vk_pipeline_make needs; borrows the dispatch. */

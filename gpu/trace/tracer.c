@@ -153,7 +153,7 @@ static uint64_t least_of(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-/* Buffers for `count` rays at a time, or for as many as the device allows; *at_once says which. */
+/* Buffers for *at_once rays: `count`, or as many as the device allows. */
 static enum status reserve_rays(struct tracer *tracer, size_t count, uint32_t capacity,
                                 uint32_t *at_once, struct reason *reason)
 {

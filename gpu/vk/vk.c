@@ -182,8 +182,8 @@ uint32_t vk_close(struct vk *vk, struct reason *reason)
     if (vk->instance && vk->fn.DestroyInstance)
         vk->fn.DestroyInstance(vk->instance, NULL);
     uint32_t messages = vk_messages(vk, reason);
-    /* The loader stays loaded: unloading it unloads drivers whose threads and thread-local
-     * destructors may still run, and no tool can say any more whose memory was lost. */
+    /* The loader stays loaded. Unloading it unloads drivers whose threads and thread-local
+     * destructors may still run, and leak checkers could not name the owner of lost memory. */
     free(vk);
     return messages;
 }
@@ -246,7 +246,7 @@ enum status vk_submit(struct vk *vk, const char *what, struct reason *reason)
                     vk->limits.device, (double)wait_ns * 1e-9);
     }
     vk->pending = false;
-    /* A watching layer may tell what it saw from a thread of its own, which this waits for. */
+    /* The layer may report accesses from a thread of its own, which this waits for. */
     if (result == VK_SUCCESS && vk->options.watch)
         result = vk->fn.DeviceWaitIdle(vk->device);
     return vk_check(vk, result, what, reason);

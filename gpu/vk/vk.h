@@ -1,11 +1,11 @@
 /* One Vulkan device used for compute: found at run time, one queue, buffers, one dispatch at a
- * time. Knows nothing of rays. Not for use by several threads at once. */
+ * time. Independent of rays. Not thread-safe. */
 #ifndef VK_H
 #define VK_H
 
 #include "ref/base/base.h"
 
-#define VK_WAIT_NS       60000000000u /* longest wait for one dispatch unless asked otherwise */
+#define VK_WAIT_NS       60000000000u /* longest wait for one dispatch by default */
 #define VK_BINDINGS_MAX  8u
 #define VK_CONSTANTS_MAX 16u
 #define VK_SERIES_MAX    64u
@@ -49,7 +49,7 @@ struct vk_buffer;   /* a storage buffer */
 
 /* Opens loader, instance and one device. `*out` is NULL on error.
  * Errors: STATUS_UNSUPPORTED no loader, driver not there, no device, no match (the reason lists
- * what there is), no compute queue, no validation layer; STATUS_DEVICE a call failed;
+ * the devices), no compute queue, no validation layer; STATUS_DEVICE a call failed;
  * STATUS_MEMORY. */
 enum status vk_open(const struct vk_options *options, struct vk **out,
                     struct reason *reason) MUST_USE;
@@ -64,7 +64,7 @@ const struct vk_limits *vk_limits(const struct vk *vk);
 /* Validation messages so far; the first one goes to `reason` unless there is none. */
 uint32_t vk_messages(const struct vk *vk, struct reason *reason);
 
-/* Writes what there is, one device a line with its index, or why there is none. */
+/* Lists the devices, one a line with its index, or the reason why there is none. */
 void vk_describe(const struct vk_options *options, char *text, size_t text_bytes);
 
 /* Makes a storage buffer of `bytes` bytes (0 is made 16), content undefined.
@@ -94,7 +94,7 @@ enum status vk_buffer_write(struct vk *vk, struct vk_buffer *buffer, uint64_t of
 enum status vk_buffer_read(struct vk *vk, struct vk_buffer *buffer, uint64_t offset, void *data,
                            uint64_t bytes, struct reason *reason) MUST_USE;
 
-/* A compute shader to be. */
+/* A compute shader, for vk_pipeline_make. */
 struct vk_shader {
     const char *name;     /* for messages */
     const uint32_t *word; /* SPIR-V with entry point `main` */
@@ -130,10 +130,10 @@ struct vk_step {
     struct vk_pipeline *pipeline; /* all with the same bindings and push_bytes */
     const void *push;
     uint32_t groups;
-    struct vk_buffer *groups_of; /* NULL, or where three words say how many groups there are, as */
-    uint64_t groups_at;          /* those before it wrote them; then `groups` is not read */
-    struct vk_buffer *update; /* NULL, or a buffer whose first bytes become these before it, up */
-    const void *bytes;        /* to VK_UPDATE_MAX of them, a multiple of 4 */
+    struct vk_buffer *groups_of; /* NULL, or the buffer that holds the number of groups as three */
+    uint64_t groups_at;          /* words at this offset, written before; `groups` is not read */
+    struct vk_buffer *update; /* NULL, or a buffer whose first bytes are set before the dispatch */
+    const void *bytes;        /* to these: at most VK_UPDATE_MAX, a multiple of 4 */
     uint32_t byte_count;
 };
 

@@ -119,7 +119,7 @@ static struct vk_limits limits_of(const struct choose_answers *answers, uint32_t
     return limits;
 }
 
-/* True if `part` occurs in `text`, whatever the case. */
+/* True if `part` occurs in `text`, ignoring case. */
 static bool contains(const char *text, const char *part)
 {
     size_t length = strlen(part);
@@ -134,7 +134,7 @@ static bool contains(const char *text, const char *part)
     return length == 0;
 }
 
-/* True if the driver that was asked for runs this device. */
+/* True if the device belongs to the driver in the options. */
 static bool is_wanted(const struct vk *vk, const struct vk_limits *limits)
 {
     const struct driver *driver = &vk->driver;

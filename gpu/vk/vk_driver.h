@@ -1,4 +1,4 @@
-/* Which Vulkan driver is meant: by name, by its JSON file, or any. Several drivers can be opened
+/* Selects a Vulkan driver: by name, by its JSON file, or any. Several drivers can be opened
  * one after the other in one process: the loader reads its environment anew for every instance. */
 #ifndef VK_DRIVER_H
 #define VK_DRIVER_H
@@ -8,7 +8,7 @@
 #define DRIVER_PATH_BYTES 1024u
 
 enum driver_kind {
-    DRIVER_ANY,      /* whatever the loader finds */
+    DRIVER_ANY,      /* any that the loader finds */
     DRIVER_FILE,     /* that of one JSON file */
     DRIVER_HARDWARE, /* a device that is not a CPU */
     DRIVER_PART,     /* part of a driver's or device's name, in any case */
@@ -16,7 +16,7 @@ enum driver_kind {
 
 struct driver {
     enum driver_kind kind;
-    const char *text;            /* as asked for; NULL: any */
+    const char *text;            /* as given; NULL: any */
     bool fetched;                /* lies in the folder of `make drivers` */
     char icd[DRIVER_PATH_BYTES]; /* DRIVER_FILE: its JSON file */
 };
@@ -28,7 +28,7 @@ extern const char *const driver_names[];
  * a name; NULL is any. `stock` is the system's lavapipe; mesa25 and swiftshader lie where `make
  * drivers` put them: in $RAYDIFF_DRIVERS, else in drivers/ beside the program or up to three
  * folders above, else in build/drivers. `text` is borrowed.
- * Errors: STATUS_UNSUPPORTED the driver or file is not there (the reason says what to do). */
+ * Errors: STATUS_UNSUPPORTED driver or file not found (the reason contains the remedy). */
 enum status driver_find(const char *text, struct driver *out, struct reason *reason) MUST_USE;
 
 /* Writes "package version" of a fetched driver, comma-separated, as recorded when it was fetched;

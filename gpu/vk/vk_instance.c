@@ -6,9 +6,9 @@
 
 #define VALIDATION_LAYER "VK_LAYER_KHRONOS_validation"
 
-/* What the layer says of its own watching, and is no fault: of the features that it asks the device
- * for, of what it cannot watch and no shader of ours does (buffer addresses; ray queries on a device
- * that has none), and that watching and the plain checks together, which is what we want, are slow. */
+/* Messages of the layer about its own checks, which are not counted: features that it enables,
+ * accesses that it cannot check and that our shaders do not make (buffer addresses; ray queries on a
+ * device without them), and a warning that both kinds of checks together are slow. */
 static const struct note {
     const char *name, *text;
 } watch_notes[] = {
@@ -44,7 +44,7 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlag
     return VK_FALSE;
 }
 
-/* General messages are left out: they are the loader's, about drivers that are not used. */
+/* Without general messages: the loader sends those about drivers that are not used. */
 static VkDebugUtilsMessengerCreateInfoEXT messenger_info(struct vk_log *log)
 {
     return (VkDebugUtilsMessengerCreateInfoEXT){
@@ -58,7 +58,7 @@ static VkDebugUtilsMessengerCreateInfoEXT messenger_info(struct vk_log *log)
     };
 }
 
-/* *found tells whether the loader knows the validation layer. */
+/* Sets *found if the loader lists the validation layer. */
 static enum status find_layer(struct vk *vk, bool *found, struct reason *reason)
 {
     uint32_t count = 0;

@@ -152,7 +152,7 @@ enum status vk_load_library(struct vk *vk, struct reason *reason) MUST_USE;
 enum status vk_load_instance(struct vk *vk, struct reason *reason) MUST_USE;
 enum status vk_load_device(struct vk *vk, struct reason *reason) MUST_USE;
 
-/* Makes vk->instance, with the validation layer if asked. */
+/* Makes vk->instance, with the validation layer if vk->options need it. */
 enum status vk_instance_make(struct vk *vk, struct reason *reason) MUST_USE;
 
 /* Chooses vk->physical, vk->family and fills in vk->limits and vk->memory. */
@@ -164,10 +164,10 @@ void vk_list(struct vk *vk, bool details, char *text, size_t text_bytes);
 /* True if the device has the extension. */
 bool vk_has_extension(struct vk *vk, VkPhysicalDevice device, const char *name);
 
-/* True if the device, of Vulkan `version`, can do what vk_options.ray_query asks for. */
+/* True if the device, of Vulkan `version`, has what vk_options.ray_query requires. */
 bool vk_can_query_rays(struct vk *vk, VkPhysicalDevice device, uint32_t version);
 
-/* What vkCreateDevice needs for that. */
+/* The features that vkCreateDevice is given for ray queries. */
 struct vk_ray_features {
     VkPhysicalDeviceBufferDeviceAddressFeatures address;
     VkPhysicalDeviceAccelerationStructureFeaturesKHR accel;
@@ -175,7 +175,7 @@ struct vk_ray_features {
 };
 #define VK_RAY_EXTENSIONS 3u
 extern const char *const vk_ray_extensions[VK_RAY_EXTENSIONS];
-/* Chains and, if `wanted`, switches on what is needed; returns the head of the chain. */
+/* Chains the features, enabled if `wanted`; returns the head of the chain. */
 void *vk_ray_chain(struct vk_ray_features *features, bool wanted);
 
 /* Makes a buffer that no shader binds, up to the largest piece of memory. */

@@ -10,20 +10,20 @@
 #define PRINTF_LIKE(a, b) __attribute__((format(printf, a, b)))
 #define ARRAY_COUNT(a)    (sizeof(a) / sizeof((a)[0]))
 
-/* How the world can fail us. Every fallible function returns one; its outputs come last and are
- * zero on error, so that freeing them is always safe. */
+/* Kinds of failure. Every function that can fail returns one; its outputs come last and are zero on
+ * error, so that freeing them is always safe. */
 enum status {
     STATUS_OK,
     STATUS_MEMORY,      /* no memory */
     STATUS_INPUT,       /* a file, flag or scene is wrong */
     STATUS_LIMIT,       /* a stated limit of a layout or engine is exceeded */
-    STATUS_REFUSED,     /* an engine from outside refuses what it is asked */
+    STATUS_REFUSED,     /* an engine from outside refuses the job */
     STATUS_UNSUPPORTED, /* not available here: the caller skips, with the reason */
     STATUS_DEVICE,      /* a device or driver failed, or did not finish its work */
     STATUS_INTERNAL,    /* two of our own ways to the same answer contradict each other: our bug */
 };
 
-/* One line that says why a status is not STATUS_OK: what, where, which rule. */
+/* One line that explains a status other than STATUS_OK: what, where, which rule. */
 struct reason {
     char text[320];
 };

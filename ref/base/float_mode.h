@@ -1,4 +1,4 @@
-/* How the calling thread rounds floats and takes subnormals: the register that says so. */
+/* Rounding and treatment of subnormals in the calling thread: its control register. */
 #ifndef REF_FLOAT_MODE_H
 #define REF_FLOAT_MODE_H
 

@@ -60,7 +60,7 @@ static bool add(json_t *object, const char *names, va_list *list)
     while (*names) {
         char key[NAME_MOST];
         const char *conversion = next_name(names, key, list);
-        /* Takes its value over whatever comes of it. */
+        /* Takes over its value, also on failure. */
         all = json_object_set_new(object, key, next_value(conversion, list)) == 0 && all;
         names = conversion + strcspn(conversion, " ");
         names += strspn(names, " ");

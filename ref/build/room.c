@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <sys/mman.h>
 
-/* From so many bytes on pages of 2 MB are asked for: with 4 KB a fast builder would spend a good
- * part of its time on first touches. */
+/* Arrays of twice this size use pages of 2 MB. With pages of 4 KB a fast builder would spend much
+ * of its time on page faults. */
 #define PAGE_BYTES ((size_t)2 << 20)
 
 void *room_make(size_t count, size_t size)

@@ -61,7 +61,7 @@ static uint32_t split(void *user, const struct grow_range *range, struct grow_ra
     struct ref *ref = b->ref + range->first;
     if (range->count <= FEW_MOST) {
         uint32_t left = few_split(ref, range->count, b->leaf);
-        child[0].centres = child[1].centres = range->centres; /* only halve would ask */
+        child[0].centres = child[1].centres = range->centres; /* read by halve() only */
         return left || range->count <= b->leaf ? left : halve(user, range, child);
     }
     struct bins bins;

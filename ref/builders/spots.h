@@ -1,4 +1,4 @@
-/* A tree whose nodes can be moved: each knows its parent, and keeps its number. */
+/* A tree whose nodes can be moved: each has its parent's index and keeps its number. */
 #ifndef SPOTS_H
 #define SPOTS_H
 

@@ -13,7 +13,7 @@ struct way {
     float tbest;
     struct hit *list; /* QUERY_ALL */
     uint32_t capacity, found;
-    fast_read_fn *read; /* NULL, or told of all that is read */
+    fast_read_fn *read; /* NULL, or called for all that is read */
     void *reader;
 };
 

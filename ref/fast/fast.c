@@ -90,7 +90,7 @@ static uint32_t add_block(struct fast_tree *tree, const uint32_t *prim, uint32_t
 {
     struct block block;
     uint32_t first = (uint32_t)tree->block_words;
-    (void)block_make(scene, prim, count, &block); /* fits: the collapse asked */
+    (void)block_make(scene, prim, count, &block); /* fits: leaf_cost checked it */
     block_write(&block, tree->block + first);
     tree->block_words += block_words(&block);
     return FAST_LEAF | (block.vertex_count - 1) << FAST_LEAF_COUNT | first;

@@ -44,7 +44,7 @@ static enum status buffer_reserve(struct buffer *buffer, size_t more, struct rea
 {
     enum status status =
         array_reserve(&buffer->bytes, &buffer->capacity, buffer->size + more + 1, 1);
-    if (status != STATUS_OK)
+    if (status)
         return fail(reason, status, "no memory for a file of %zu bytes", buffer->size + more);
     return STATUS_OK;
 }
@@ -56,7 +56,7 @@ static enum status read_all(const struct source *source, int file, size_t expect
     size_t room = expected > 0 && expected <= source->most ? expected + 1 : 1 << 16;
     for (;;) {
         enum status status = buffer_reserve(buffer, room - buffer->size, reason);
-        if (status != STATUS_OK)
+        if (status)
             return status;
         ssize_t got = read(file, buffer->bytes + buffer->size, room - buffer->size);
         if (got < 0 && errno == EINTR)
@@ -133,9 +133,9 @@ static enum status gunzip_member(const struct source *source, const struct buffe
     most = most < source->most ? most : source->most;
     enum status status = STATUS_OK;
     int code = Z_OK;
-    while (status == STATUS_OK && code == Z_OK) {
+    while (!status && code == Z_OK) {
         status = unzip_reserve(out, most, reason);
-        if (status != STATUS_OK)
+        if (status)
             break;
         const size_t room = out->capacity - out->size - 1;
         zip.next_out = (Bytef *)out->bytes + out->size;
@@ -146,12 +146,12 @@ static enum status gunzip_member(const struct source *source, const struct buffe
             status = too_large(source, most, reason);
     }
     size_t done = packed->size - zip.avail_in;
-    if (status == STATUS_OK && code == Z_MEM_ERROR)
+    if (!status && code == Z_MEM_ERROR)
         status = fail(reason, STATUS_MEMORY, "%s: no memory to unzip", source->label);
-    else if (status == STATUS_OK && code == Z_BUF_ERROR)
+    else if (!status && code == Z_BUF_ERROR)
         status = fail(reason, STATUS_INPUT, "%s: byte %zu: the gzip data are cut short",
                       source->label, done);
-    else if (status == STATUS_OK && code != Z_STREAM_END)
+    else if (!status && code != Z_STREAM_END)
         status = fail(reason, STATUS_INPUT, "%s: byte %zu: the gzip data are damaged (%s)",
                       source->label, done, zip.msg ? zip.msg : "needs a dictionary");
     inflateEnd(&zip);
@@ -168,7 +168,7 @@ static enum status gunzip(const struct source *source, const struct buffer *pack
             return fail(reason, STATUS_INPUT, "%s: byte %zu: something follows the gzip data",
                         source->label, at);
         enum status status = gunzip_member(source, packed, &at, out, reason);
-        if (status != STATUS_OK)
+        if (status)
             return status;
     }
     return STATUS_OK;
@@ -183,14 +183,14 @@ enum status file_read_from(int file, const char *path, size_t most, char **bytes
     struct buffer raw = {0}, text = {0};
     enum status status = read_raw(&source, file, &raw, reason);
     close(file);
-    if (status == STATUS_OK && is_gzip(raw.bytes, raw.size)) {
+    if (!status && is_gzip(raw.bytes, raw.size)) {
         status = gunzip(&source, &raw, &text, reason);
         free(raw.bytes);
         raw = text;
     }
-    if (status == STATUS_OK && raw.size == 0)
+    if (!status && raw.size == 0)
         status = fail(reason, STATUS_INPUT, "%s: is empty", source.label);
-    if (status != STATUS_OK) {
+    if (status) {
         free(raw.bytes);
         return status;
     }

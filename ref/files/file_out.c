@@ -76,7 +76,7 @@ static void close_for(int file, int why)
     errno = why;
 }
 
-/* Linux has closed it also where it says that it was interrupted. */
+/* Linux has closed the file even if close() returns EINTR. */
 static int put_close(void *cookie)
 {
     return close((int)(intptr_t)cookie) == 0 || errno == EINTR ? 0 : -1;

@@ -25,7 +25,7 @@ enum status folder_open(const char *path, bool make, struct folder *out,
 enum status folder_open_in(const struct folder *parent, const char *name, bool make,
                            struct folder *out, struct reason *reason) MUST_USE;
 
-void folder_close(struct folder *folder); /* a zero one is fine */
+void folder_close(struct folder *folder); /* does nothing if zero */
 
 /* *there: a regular file of that name is. Errors: STATUS_INPUT what is there is something else. */
 enum status folder_has(const struct folder *folder, const char *name, bool *there,

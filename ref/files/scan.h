@@ -1,4 +1,4 @@
-/* A cursor over the text of a mesh file that knows its line, for the text formats. */
+/* A cursor over the text of a mesh file that counts lines, for the text formats. */
 #ifndef SCAN_H
 #define SCAN_H
 

@@ -17,7 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* Files that a kernel without close_range is asked to close one by one. */
+/* Highest file number that is closed where the kernel has no close_range. */
 #define FILES_MOST 4096
 
 /* What a message begins with. */
@@ -124,7 +124,7 @@ static enum child_got take(struct child *end, size_t want)
     return CHILD_GOT;
 }
 
-/* The same of a whole message: first its head, which says how much follows. */
+/* The same for a whole message: first its head, which has the size of the rest. */
 static enum child_got take_message(struct child *end, size_t most, size_t *size)
 {
     struct child_head head;

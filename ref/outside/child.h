@@ -25,7 +25,7 @@ typedef void child_fn(struct child *parent, void *user);
 
 /* Makes a process that runs `run`. All that the parent has in memory is there as well, but of open
  * files only the standard ones; it is killed when the parent's thread ends. The parent may have no
- * threads that the child would need. Errors: STATUS_DEVICE no process or socket to be had. */
+ * threads that the child would need. Errors: STATUS_DEVICE no process or socket could be made. */
 enum status child_start(child_fn *run, void *user, struct child *out,
                         struct reason *reason) MUST_USE;
 
@@ -37,7 +37,7 @@ enum child_got {
     CHILD_GOT,     /* a message */
     CHILD_LATE,    /* not yet a whole one: what came is kept, call again */
     CHILD_GONE,    /* the other end ended, perhaps within a message */
-    CHILD_TOO_LONG /* longer than asked for, or than memory: nothing more can be received */
+    CHILD_TOO_LONG /* longer than `most`, or no memory: nothing more can be received */
 };
 
 /* Receives a message of at most `most` bytes, waiting up to `ms` (0: takes what is there). *bytes
@@ -45,7 +45,7 @@ enum child_got {
 enum child_got child_receive(struct child *end, size_t most, uint32_t ms, const void **bytes,
                              size_t *size) MUST_USE;
 
-/* A message of exactly `size` bytes. False: none came, for whatever reason. */
+/* Receives a message of exactly `size` bytes. False: none was received. */
 bool child_receive_into(struct child *end, void *bytes, size_t size, uint32_t ms) MUST_USE;
 
 /* Waits up to `ms` until one of them has something to receive or has ended; NULL and zero ones are

@@ -46,7 +46,7 @@ static long parent_of(int folder, const char *name)
     return after && strlen(after) > 4 ? strtol(after + 4, NULL, 10) : 0;
 }
 
-/* Kills our children. Theirs become ours then, since we are the nearest that reaps. */
+/* Kills our children. Their children become ours then: we are the nearest subreaper. */
 static void kill_children(void)
 {
     char bytes[16384];

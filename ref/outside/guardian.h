@@ -22,11 +22,11 @@ struct guardian {
  * a process with threads: nothing in it may take a lock. */
 typedef void guardian_fn(const void *user);
 
-/* Starts a guardian and the command. Errors: STATUS_DEVICE no process or socket to be had. */
+/* Starts a guardian and the command. Errors: STATUS_DEVICE no process or socket could be made. */
 enum status guardian_start(guardian_fn *run, const void *user, struct guardian *out,
                            struct reason *reason) MUST_USE;
 
-/* Waits up to `ms` for the command itself to end. True: *status is what waitpid says of it. */
+/* Waits up to `ms` for the command itself to end. True: *status is that of waitpid. */
 bool guardian_ended(struct guardian *guardian, unsigned ms, int *status);
 
 /* Ends the command and all that it started, and zeroes it. Returns when that is done, or after some

@@ -131,7 +131,7 @@ void pipe_child_listen(struct pipe_child *child)
             child->said[i] = '?';
 }
 
-/* write() without a SIGPIPE: whoever uses the library chooses what signals do. */
+/* write() without a SIGPIPE: the library does not change what signals do. */
 static ssize_t write_quietly(int to, const void *bytes, size_t size)
 {
     sigset_t pipe_signal, before, pending;

@@ -24,7 +24,7 @@ static inline bool pipe_child_runs(const struct pipe_child *child)
 }
 
 /* Runs `sh -c command` in a process group of its own, with at most `megabytes` of address space
- * (UINT32_MAX: no limit) and no core file. Errors: STATUS_DEVICE no process or pipe to be had. */
+ * (UINT32_MAX: no limit) and no core file. Errors: STATUS_DEVICE no process or pipe. */
 enum status pipe_child_start(const char *command, uint32_t megabytes, struct pipe_child *out,
                              struct reason *reason) MUST_USE;
 

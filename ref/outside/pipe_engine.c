@@ -22,7 +22,7 @@ struct peer {
     struct pipe_child child; /* zero: not running */
     bool has_scene;          /* it was sent job's */
     struct job job;
-    struct pipe_answer head; /* what it says of itself */
+    struct pipe_answer head; /* of its first answer: what it declares of its arithmetic */
     struct model model;
     enum engine_fault fault; /* of the last call */
     size_t fault_ray;
@@ -40,7 +40,7 @@ static void end_peer(struct peer *peer)
     peer->has_scene = false;
 }
 
-/* A line that names the peer, what it did and what it said; the peer is ended. */
+/* Ends the peer. The reason has its name, what it did and its standard error. */
 static enum status blame(struct peer *peer, enum status status, struct reason *reason,
                          const char *what)
 {
@@ -114,7 +114,7 @@ static enum status read_refusal(struct peer *peer, struct pipe_talk *talk, uint3
     return fail(reason, STATUS_REFUSED, "%.80s refused: %s", peer->name, text);
 }
 
-/* The head of an answer, and what it says of the peer. */
+/* Checks the head of an answer. When opening, makes peer->model of it. */
 static enum status check_head(struct peer *peer, const struct pipe_answer *head,
                               const struct asked *asked, bool opening, struct reason *reason)
 {
@@ -147,8 +147,8 @@ static enum status check_head(struct peer *peer, const struct pipe_answer *head,
     return blame(peer, STATUS_DEVICE, reason, what);
 }
 
-/* Triangles must be ones of the scene: what is no number of one is not judged. t, u and v may be
- * anything, the judge knows it for wrong. */
+/* Triangles must be in the scene; an answer with any other number is not judged. t, u and v may be
+ * anything: the judge finds wrong ones. */
 static enum status check_hits(struct peer *peer, const struct asked *asked, struct hit *hit,
                               struct reason *reason)
 {
@@ -193,9 +193,9 @@ static enum status ask(struct peer *peer, const struct asked *asked, const struc
                              .part_count = ARRAY_COUNT(part),
                              .deadline_ns = time_ns() + (uint64_t)peer->options.peer_ms * 1000000u};
     struct pipe_answer head;
-    peer->fault = ENGINE_NONSENSE; /* whatever is not said otherwise */
+    peer->fault = ENGINE_NONSENSE; /* unless set below */
     peer->fault_ray = asked->first;
-    if (!opening && pipe_child_is_early(&peer->child)) /* at first, what it says shows who it is */
+    if (!opening && pipe_child_is_early(&peer->child)) /* when opening, the answer is shown */
         return blame(peer, STATUS_DEVICE, reason, "wrote more than the answer before was long");
     enum pipe_end end = pipe_talk(&talk, &head, sizeof head, false);
     if (end != PIPE_GOT)
@@ -217,7 +217,7 @@ static enum status ask(struct peer *peer, const struct asked *asked, const struc
     return check_hits(peer, asked, hit, reason);
 }
 
-/* Starts the process if there is none, and asks what it is. */
+/* Starts the process if there is none, and reads what it declares of itself. */
 static enum status need_peer(struct peer *peer, struct reason *reason)
 {
     if (pipe_child_runs(&peer->child))

@@ -1,4 +1,4 @@
-/* What a peer says of its own arithmetic. */
+/* The arithmetic that a peer declares. */
 #include "ref/outside/pipe.h"
 #include "ref/primitives/test_run.h"
 #include "ref/twin/model.h"

@@ -65,7 +65,7 @@ uint64_t pipe_hash(const struct scene *scene, const struct ray *ray, size_t ray_
                    enum query query);
 
 /* Writes a request; `from` may be NULL: there is no such line. Decimals are the shortest that read
- * back as the same bits. Whether the stream took it is for the caller to ask. */
+ * back as the same bits. The caller checks the stream for errors. */
 void pipe_text_write(FILE *stream, const struct pipe_from *from, const struct scene *scene,
                      const struct ray *ray, size_t ray_count, enum query query, bool decimal);
 

@@ -25,7 +25,7 @@ struct raydiff_packed plugin_view(const struct packed *packed)
                                    .root = packed->root};
 }
 
-/* Nothing of `from` is believed: a node that is not as it must be becomes one without children and
+/* Checks all of `from`: a node that breaks a rule becomes one without children and
  * items, which packed_walk_make counts as a bad reference. */
 static void load(const struct packed *packed, uint32_t ref, struct wide *out)
 {

@@ -1,4 +1,4 @@
-/* Layouts from outside (ref/plugin.h) as layouts of the table. Everything that a plugin says is
+/* Layouts from outside (ref/plugin.h) as layouts of the table. Everything that a plugin returns is
  * checked before it is used: its numbers can make raydiff refuse a tree, never read outside one. */
 #ifndef PLUGIN_LAYOUT_H
 #define PLUGIN_LAYOUT_H
@@ -7,7 +7,7 @@
 #include "ref/plugin.h"
 #include "ref/packed/packed_check.h"
 
-/* Checks what a shared object says of its layout, and adds it to layouts_all. `plugin` and its
+/* Checks the layout that a shared object describes, and adds it to layouts_all. `plugin` and its
  * texts are borrowed for as long as the program runs.
  *   name   of the file, for reasons
  * Errors: STATUS_INPUT "NAME: rule"; as layout_add. */
@@ -30,7 +30,7 @@ enum status plugin_pack(const struct layout *layout, const struct bvh *bvh,
                         const struct scene *scene, struct packed *out, enum packed_rule *rule,
                         struct reason *reason) MUST_USE;
 
-/* How layout->pack of a layout from outside packs; plugin_pack unless a program says otherwise
+/* How layout->pack of a layout from outside packs; plugin_pack unless a program sets another
  * (ref/outside/plugin_guard.h does it in another process). Errors: as plugin_pack; STATUS_DEVICE it
  * crashed or did not end. */
 typedef enum status plugin_pack_fn(const struct layout *layout, const struct bvh *bvh,

@@ -114,7 +114,7 @@ static enum status call(const struct layout *layout, const struct bvh *bvh,
 
 /* --- the check ------------------------------------------------------------------------------- */
 
-/* A node that the walk reached, as the plugin itself says it. */
+/* Checks a node that the walk reached, as the plugin's load() returns it. */
 static enum status check_node(const struct packed *packed, uint32_t ref, enum packed_rule *rule,
                               struct reason *reason)
 {
@@ -149,7 +149,7 @@ static enum status check_node(const struct packed *packed, uint32_t ref, enum pa
             return fail(reason, STATUS_INPUT, "%s: %s: child %u is %s", layout->name,
                         packed_name(packed, ref).text, i, packed_name(packed, child).text);
     }
-    (void)layout->box(packed, ref); /* asked once here, so that it cannot surprise later */
+    (void)layout->box(packed, ref); /* called once here, so that a crash is not seen later */
     return STATUS_OK;
 }
 

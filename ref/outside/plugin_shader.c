@@ -37,7 +37,7 @@ static enum status bind(const struct layout *layout, const char *file, struct re
     return STATUS_OK;
 }
 
-/* A command that another one runs is told again what is bound already. */
+/* A command that runs inside another one is given the same options again. */
 static bool is_bound(const struct layout *layout, const char *file)
 {
     const char *path = layout && file ? plugin_shader_path(layout) : NULL;

@@ -15,7 +15,7 @@ enum packed_rule {
     PACKED_LOST,      /* a triangle is in no leaf */
     PACKED_BOUND,     /* a box does not contain what is below it */
     PACKED_RECORD,    /* of a layout from outside: a record is no node */
-    PACKED_RESULT     /* likewise: pack() did not do what it says */
+    PACKED_RESULT     /* likewise: pack() contradicts its result */
 };
 
 /* What packed_check found. */

@@ -5,7 +5,7 @@
 
 #define NO_PARENT UINT32_MAX
 
-/* A record that waits for its turn; the parent is told where its second child went. */
+/* A record to be unpacked; `parent` is given the index of its second child. */
 struct waiting {
     uint32_t ref, parent;
     struct box box;

@@ -16,7 +16,7 @@ enum status mesh_vertex(struct mesh *mesh, const float position[3])
         return STATUS_LIMIT;
     enum status status = array_reserve(&mesh->vertex, &mesh->vertex_capacity,
                                        3 * mesh->vertex_count + 3, sizeof *mesh->vertex);
-    if (status == STATUS_OK)
+    if (!status)
         memcpy(mesh->vertex + 3 * mesh->vertex_count++, position, 3 * sizeof *position);
     return status;
 }
@@ -35,7 +35,7 @@ enum status mesh_corner(struct mesh *mesh, uint32_t vertex)
     if (mesh->corners >= 2) {
         enum status status = array_reserve(&mesh->index, &mesh->index_capacity,
                                            3 * mesh->tri_count + 3, sizeof *mesh->index);
-        if (status != STATUS_OK)
+        if (status)
             return status;
         uint32_t *triangle = mesh->index + 3 * mesh->tri_count++;
         triangle[0] = mesh->first;
@@ -47,7 +47,7 @@ enum status mesh_corner(struct mesh *mesh, uint32_t vertex)
     return STATUS_OK;
 }
 
-/* Gives back what doubling took too much; a failure to do so is no harm. */
+/* Gives back unused capacity; returns the same array if that fails. */
 static void *shrink(void *array, size_t count, size_t size)
 {
     void *moved = realloc(array, count * size);
@@ -73,7 +73,7 @@ enum status mesh_finish(struct mesh *mesh, const char *name, struct scene *out,
     *mesh = (struct mesh){0};
     struct reason rule;
     enum status status = scene_check(out, &rule);
-    if (status == STATUS_OK)
+    if (!status)
         return STATUS_OK;
     scene_free(out);
     return fail(reason, status, "%s: %s", name, rule.text);

@@ -36,7 +36,7 @@ struct topology {
  * edge's halves and in every fan. Errors: STATUS_LIMIT over 2^32 / 3 triangles; STATUS_MEMORY. */
 enum status topology_make(const struct scene *scene, struct topology *out,
                           struct reason *reason) MUST_USE;
-void topology_free(struct topology *topology); /* a zero one is fine */
+void topology_free(struct topology *topology); /* does nothing if zero */
 
 /* True if as many triangles run one way along the edge as the other way: two neighbours of one
  * winding, or several such pairs. */

@@ -3,13 +3,14 @@
 
 #include <string.h>
 
-void store_rows_write(const struct scene *scene, const uint32_t *prim, uint32_t count,
-                      uint32_t *word, uint32_t (*row)(float v[3][3]))
+void store_rows_write(const struct packed *packed, const struct scene *scene, const uint32_t *prim,
+                      uint32_t count, uint32_t *word)
 {
+    uint32_t (*row)(float v[3][3]) = packed->store->row;
     for (uint32_t i = 0; i < count; i++, word += STORE_ROW) {
         float v[3][3];
         scene_tri(scene, prim[i], v);
-        word[STORE_ROW - 1] = prim[i] | row(v) << 30;
+        word[STORE_ROW - 1] = prim[i] | (row ? row(v) << 30 : 0);
         memcpy(word, v, sizeof v);
     }
 }

@@ -15,12 +15,9 @@ static inline const uint32_t *store_row(const struct packed *packed, uint32_t fi
     return at + STORE_ROW <= packed->item_count ? packed->item + at : NULL;
 }
 
-/* Writes the row of each triangle: row() puts nine floats in place of the vertices, and returns
- * what the upper two bits keep. */
-void store_rows_write(const struct scene *scene, const uint32_t *prim, uint32_t count,
-                      uint32_t *word, uint32_t (*row)(float v[3][3]));
-
-/* tri_store.measure and .item. */
+/* tri_store.write, .measure and .item. Rows are what tri_store.row makes of the vertices. */
+void store_rows_write(const struct packed *packed, const struct scene *scene, const uint32_t *prim,
+                      uint32_t count, uint32_t *word);
 enum status store_rows_measure(const struct packed *packed, const struct scene *scene,
                                const uint32_t *prim, uint32_t count, uint64_t *words,
                                struct reason *reason);

@@ -16,13 +16,6 @@ static uint32_t row_of(float v[3][3])
     return 0;
 }
 
-static void write(const struct packed *packed, const struct scene *scene, const uint32_t *prim,
-                  uint32_t count, uint32_t *word)
-{
-    (void)packed;
-    store_rows_write(scene, prim, count, word, row_of);
-}
-
 static bool test(const struct packed *packed, uint32_t first, uint32_t slot, uint32_t tri_id,
                  const struct tri_ray *ray, struct hit *out)
 {
@@ -43,7 +36,8 @@ const struct tri_store tri_store_edges = {
     .id = ABI_STORE_EDGES,
     .tests = 1u << ABI_TRI_MT | 1u << ABI_TRI_MT_RTRS,
     .measure = store_rows_measure,
-    .write = write,
+    .row = row_of,
+    .write = store_rows_write,
     .item = store_rows_item,
     .test = test,
 };

@@ -6,19 +6,6 @@
 
 #include <string.h>
 
-static uint32_t row_of(float v[3][3])
-{
-    (void)v;
-    return 0;
-}
-
-static void write(const struct packed *packed, const struct scene *scene, const uint32_t *prim,
-                  uint32_t count, uint32_t *word)
-{
-    (void)packed;
-    store_rows_write(scene, prim, count, word, row_of);
-}
-
 static bool tri(const struct packed *packed, uint32_t first, uint32_t slot, float v[3][3])
 {
     const uint32_t *row = store_row(packed, first, slot);
@@ -33,7 +20,7 @@ const struct tri_store tri_store_gathered = {
     .summary = "nine floats and the number of each triangle, in leaf order",
     .id = ABI_STORE_GATHERED,
     .measure = store_rows_measure,
-    .write = write,
+    .write = store_rows_write,
     .item = store_rows_item,
     .tri = tri,
 };

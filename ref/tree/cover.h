@@ -32,7 +32,7 @@ struct cover_faults {
     uint32_t node;
 };
 
-/* Checks every triangle that some leaf lists; of one in no leaf nothing is said. A NaN bound is a
+/* Checks every triangle that some leaf lists; those in no leaf are ignored. A NaN bound is a
  * box without anything in it. Takes memory for a copy of the items and 24 bytes a node. What is
  * left of a triangle in more than 2^16 parts counts as lost: no tree that was built comes near.
  * Errors: STATUS_MEMORY. */

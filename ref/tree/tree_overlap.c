@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Sums are kept for so many triangles each and added in order, whoever made them. */
+/* Triangles of one partial sum. Sums are added in order: threads do not change the result. */
 #define BLOCK 256u
 
 /* A triangle cut by up to six planes of a box. */
