@@ -182,23 +182,18 @@ static void named_of(const struct conform_options *o, struct list named[TABLE_CO
 static int run_and_report(const struct conform_options *o, struct suite *suite,
                           struct reason *reason)
 {
+    static struct list named[TABLE_COUNT];
     struct conform_report report;
     struct use_of use = {false, false};
     bool covering = suite->kind == SUITE_COVERING;
     bool whole = suite->kind != SUITE_PATTERN && o->list[TABLE_ENGINES].count == 0;
     bool *ran = alloc_zeroed(suite->count, sizeof *ran);
+    named_of(o, named);
     enum status status =
-        ran ? conform_report_open(&report, covering ? 0 : suite->count, whole, o->waivers, o->junit,
-                                  reason)
+        ran ? conform_report_open(&report, o, covering ? 0 : suite->count, whole, named, reason)
             : fail(reason, STATUS_MEMORY, "no memory for %zu trials", suite->count);
     int code = exit_with_reason("conform", status, reason);
     if (!status) {
-        static struct list named[TABLE_COUNT];
-        named_of(o, named);
-        conform_report_expect(&report, named);
-        report.verbose = o->verbose;
-        report.tap = o->tap;
-        report.options = o->engines;
         run_suite(o, suite, 0, &report, ran, &use);
         if (covering && fill_and_print(o, suite, &report, &ran, &use))
             fprintf(stderr, "raydiff conform: no memory to count pairs\n");

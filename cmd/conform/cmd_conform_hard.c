@@ -284,8 +284,7 @@ static int play(const struct conform_options *o, const struct list named[TABLE_C
     struct reason reason = {""};
     bool complete = o->pattern == NULL && !o->quick && o->list[TABLE_ENGINES].count == 0 &&
                     !suite->tables.chosen;
-    enum status status =
-        conform_report_open(&report, suite->count, complete, o->waivers, o->junit, &reason);
+    enum status status = conform_report_open(&report, o, suite->count, complete, named, &reason);
     if (!status && !o->waivers)
         status = waivers_shipped_read(&report.waivers, &reason);
     if (status)
@@ -294,11 +293,7 @@ static int play(const struct conform_options *o, const struct list named[TABLE_C
     struct hard_counting counting = {&report.waivers, o->pattern == NULL};
     for (size_t i = 0; !complete && hard_case_at(i); i++)
         hard_each_member(hard_case_at(i), &everything, count_name, &counting);
-    conform_report_expect(&report, named);
-    report.verbose = o->verbose;
-    report.tap = o->tap;
     report.quiet = true;
-    report.options = o->engines;
     struct hard_run run = {
         .options = o, .stage = hard_stage_make(&o->engines), .report = &report, .matrix = &matrix};
     status = run_suite(&run, suite, &reason);

@@ -18,20 +18,8 @@ void conform_versions(const struct engine_options *options, char *text, size_t t
     }
 }
 
-enum status conform_report_open(struct conform_report *report, size_t expected, bool complete,
-                                const char *waivers, const char *junit, struct reason *reason)
-{
-    *report =
-        (struct conform_report){.expected = expected, .complete = complete, .start_ns = time_ns()};
-    enum status status = waivers ? waivers_read(waivers, &report->waivers, reason) : STATUS_OK;
-    if (status == STATUS_OK && junit)
-        status = ci_junit_open(junit, &report->junit, reason);
-    if (status)
-        waivers_free(&report->waivers);
-    return status;
-}
-
-void conform_report_expect(struct conform_report *report, const struct list list[TABLE_COUNT])
+/* Enters what was named: each of these is to answer something. */
+static void expect(struct conform_report *report, const struct list list[TABLE_COUNT])
 {
     static const enum table tables[] = {TABLE_ENGINES,  TABLE_LAYOUTS,   TABLE_STORES,
                                         TABLE_BUILDERS, TABLE_BOX_TESTS, TABLE_TRI_TESTS};
@@ -41,6 +29,27 @@ void conform_report_expect(struct conform_report *report, const struct list list
         if (tables[t] == TABLE_ENGINES || tables[t] == TABLE_TRI_TESTS || trees)
             list_expect(tables[t], &list[tables[t]], &report->turnout);
     report->expected += report->expected ? report->turnout.count : 0;
+}
+
+enum status conform_report_open(struct conform_report *report, const struct conform_options *o,
+                                size_t expected, bool complete,
+                                const struct list named[TABLE_COUNT], struct reason *reason)
+{
+    *report = (struct conform_report){.expected = expected,
+                                      .complete = complete,
+                                      .verbose = o->verbose,
+                                      .tap = o->tap,
+                                      .options = o->engines,
+                                      .start_ns = time_ns()};
+    enum status status =
+        o->waivers ? waivers_read(o->waivers, &report->waivers, reason) : STATUS_OK;
+    if (!status && o->junit)
+        status = ci_junit_open(o->junit, &report->junit, reason);
+    if (status)
+        waivers_free(&report->waivers);
+    else
+        expect(report, named);
+    return status;
 }
 
 static bool counts_as_passed(enum matrix_outcome outcome)

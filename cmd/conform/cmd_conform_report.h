@@ -8,6 +8,18 @@
 #include "fuzz/findings/ci.h"
 #include "fuzz/findings/waivers.h"
 
+/* The options of raydiff conform. */
+struct conform_options {
+    const char *pattern, *junit, *waivers, *markdown, *html; /* each may be NULL */
+    bool list_only, verbose, tap, hard, summary, quick;
+    struct list list[TABLE_COUNT],
+        require; /* of each table those to be played; none: the default */
+    bool all;
+    struct match_demands demands;
+    uint64_t count, brute;
+    struct engine_options engines;
+};
+
 struct conform_report {
     size_t expected /* 0: not known before the end */, done;
     size_t outcomes[OUTCOME_COUNT];
@@ -38,16 +50,15 @@ struct conform_entry {
 /* The description of every engine, a line or more each; of one that cannot run, why. */
 void conform_versions(const struct engine_options *options, char *text, size_t text_bytes);
 
-/* Reads the waivers and opens the JUnit file.
+/* Reads the waivers and opens the JUnit file of the options.
+ *   expected   entries; 0: not known before the end
  *   complete   the suite is not cut by a pattern: waivers that name nothing are faults
+ *   named      members that must answer something, or the run fails
  * Errors: STATUS_INPUT bad waiver line, cannot write. */
-enum status conform_report_open(struct conform_report *report, size_t expected, bool complete,
-                                const char *waivers, const char *junit,
+enum status conform_report_open(struct conform_report *report,
+                                const struct conform_options *options, size_t expected,
+                                bool complete, const struct list named[TABLE_COUNT],
                                 struct reason *reason) MUST_USE;
-
-/* Enters what was named: each of these is to answer something, or the run fails. Of a report that
- * was opened and has no entry yet. */
-void conform_report_expect(struct conform_report *report, const struct list list[TABLE_COUNT]);
 
 /* Counts and prints an entry; returns what it is under the waivers, and the waiver that excuses it
  * in *waiver (may be NULL). */
