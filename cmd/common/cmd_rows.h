@@ -55,7 +55,7 @@ struct option_row {
     const char *help;
     enum option_type type;
     size_t place, size;   /* of the member */
-    uint64_t least, most; /* of counts; of `words` how many, and how many otherwise, or 0 */
+    uint64_t least, most; /* of counts; with `words` their number, and another allowed one or 0 */
     const char *words;    /* in sets of words: what they are; NULL: `take` counts them */
     double low, high;     /* of reals */
     unsigned table;       /* enum table + 1; 0: no table */
@@ -109,7 +109,7 @@ struct option_set {
     const char *about;
     struct option_group {
         const struct option_row
-            *row;     /* NULL ends the groups; of rows of one name the first is it */
+            *row;     /* NULL ends the groups; of rows with one name the first counts */
         size_t place; /* of their struct in the command's */
         const char *title;
     } group[9];

@@ -61,14 +61,14 @@ void list_engines(const struct list *list, const struct engine *out[LIST_MOST]);
 void list_layouts(const struct list *list, const struct layout *out[LIST_MOST]);
 
 struct turnout;
-/* Enters the members of a list, each of which is to answer something. */
+/* Enters the members of a list in the turnout: each must answer something. */
 void list_expect(enum table table, const struct list *list, struct turnout *turnout);
 
 /* True if an engine of the list plays on trees, so that layouts and builders can answer. */
 bool list_needs_trees(const struct list *engine);
 
-/* Enters what was named: `engine` and `layout` are NULL where nothing was; layouts can answer only
- * where an engine that plays needs trees. */
+/* Enters the named engines and layouts (NULL: none was named). Layouts are entered only if an engine
+ * of `playing` needs trees. */
 void turnout_expect(struct turnout *turnout, const struct list *engine, const struct list *playing,
                     const struct list *layout);
 

@@ -6,8 +6,8 @@
 #include "cmd/common/cmd_tables.h"
 #include "ref/packed/tree_file.h"
 
-/* Refuses what --bvh `path` (NULL: not given, all is well) does not go with: a flag that says how
- * to build, of those that were given, and more scenes than one. Errors: STATUS_INPUT. */
+/* Refuses what contradicts --bvh `path` (NULL: not given): flags of builders that were given, and
+ * several scenes. Errors: STATUS_INPUT. */
 enum status tree_check_options(const char *path, size_t scene_count,
                                struct reason *reason) MUST_USE;
 
@@ -16,8 +16,7 @@ enum status tree_check_options(const char *path, size_t scene_count,
 enum status tree_open(const char *command, const char *path, const struct scene *scene,
                       struct tree_file *out, struct reason *reason) MUST_USE;
 
-/* The layout of a packed tree, as a list of one; of JSON what `list` is. For commands whose user
- * named no layout. */
+/* The layout of a packed tree as a list of one; of a JSON tree `list`. For runs without --layout. */
 struct list tree_layouts(const struct tree_file *file, const struct list *list);
 
 #endif

@@ -188,12 +188,9 @@ static void print_end(const struct explain_page *page)
         puts("  the triangle test says no");
         break;
     case END_FARTHER:
-        fputs("  it is hit, but not nearer than the best so far: ", stdout);
-        print_hit(&why->notes.prim_hit);
-        putchar('\n');
-        break;
     case END_HIT:
-        fputs("  it is hit: ", stdout);
+        printf("  it is hit%s: ",
+               why->end == END_FARTHER ? ", but not nearer than the best so far" : "");
         print_hit(&why->notes.prim_hit);
         putchar('\n');
         break;

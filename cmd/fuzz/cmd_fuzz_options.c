@@ -25,26 +25,17 @@ static enum status set_pair(const char *flag, const char *text, char between, ui
     return status;
 }
 
-static enum status take_shard(void *options, const struct option_value *given,
-                              struct reason *reason)
+/* --shard I/N and --triangles A-B. */
+static enum status take_pair(void *options, const struct option_value *given, struct reason *reason)
 {
     struct fuzz_command *c = options;
-    uint64_t pair[2] = {0, 0};
-    enum status status = set_pair("--shard", given->text, '/', CAMPAIGN_SHARDS_MOST, pair, reason);
-    c->shard = (uint32_t)pair[0];
-    c->shards = (uint32_t)pair[1];
-    return status;
-}
-
-static enum status take_triangles(void *options, const struct option_value *given,
-                                  struct reason *reason)
-{
-    struct fuzz_command *c = options;
+    const bool shard = strcmp(given->row->name, "shard") == 0;
     uint64_t pair[2] = {0, 0};
     enum status status =
-        set_pair("--triangles", given->text, '-', FUZZ_TRIANGLES_MOST / 4, pair, reason);
-    c->triangles_least = (uint32_t)pair[0];
-    c->triangles_most = (uint32_t)pair[1];
+        shard ? set_pair("--shard", given->text, '/', CAMPAIGN_SHARDS_MOST, pair, reason)
+              : set_pair("--triangles", given->text, '-', FUZZ_TRIANGLES_MOST / 4, pair, reason);
+    *(shard ? &c->shard : &c->triangles_least) = (uint32_t)pair[0];
+    *(shard ? &c->shards : &c->triangles_most) = (uint32_t)pair[1];
     return status;
 }
 
@@ -76,16 +67,14 @@ static const struct option_row rows[] = {
     {"dir", "DIR", "where findings are kept", OF_FOLDER(folder), .value = "findings"},
     {"seed", "S", "of the campaign", OF_COUNT(seed, 0, UINT64_MAX), .value = "1"},
     {"jobs", "N", "worker processes", OF_COUNT(jobs, 1, CAMPAIGN_JOBS_MOST), .shown = "cores"},
-    {"shard", "I/N", "only the blocks of shard I of N; join with raydiff merge",
-     OF_OWN(take_shard)},
+    {"shard", "I/N", "only the blocks of shard I of N; join with raydiff merge", OF_OWN(take_pair)},
     {"engine", "E,..", "engines, also pipe:COMMAND", OF_LIST(engine, TABLE_ENGINES),
      .shown = FUZZ_ENGINES},
     {"layout", "L,..", "layouts", OF_LIST(layout, TABLE_LAYOUTS), .shown = FUZZ_LAYOUTS},
     {"builder", "B,..", "builders", OF_LIST(builder, TABLE_BUILDERS), .shown = "as generated"},
     {"faithful", NULL, "builders and tests as published take part, too", OF_FLAG(faithful)},
     {"rays", "N", "rays of a trial", OF_COUNT(rays, 1, FUZZ_RAYS_MOST), .value = "500"},
-    {"triangles", "A-B", "triangles of an ordinary trial", OF_OWN(take_triangles),
-     .value = "16-64"},
+    {"triangles", "A-B", "triangles of an ordinary trial", OF_OWN(take_pair), .value = "16-64"},
     {"corpus", "DIR", "trials that are played first; none", OF_FOLDER(corpus),
      .shown = "fuzz/corpus"},
     {"feedback", NULL, "mutate what reached rare states also with --trials or --shard",

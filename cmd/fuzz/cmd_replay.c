@@ -75,6 +75,11 @@ static struct list choose_layouts(const struct replay_options *options,
     return list;
 }
 
+static bool has_died(const struct replay_played *played)
+{
+    return played->fate == REPLAY_CRASHED || played->fate == REPLAY_HUNG;
+}
+
 /* A crash or hang has no ray and no cause; a peer that dies before the first question may have been
  * found to break the protocol. */
 static bool died_as_expected(const struct replay_options *options, const struct finding_file *file,
@@ -92,8 +97,7 @@ static int code_of(const struct replay_options *options, struct replay_file *fil
     int code = EXIT_AGREE;
     for (size_t i = 0; i < file->played_count; i++) {
         const struct replay_played *played = &file->played[i];
-        bool died = played->fate == REPLAY_CRASHED || played->fate == REPLAY_HUNG;
-        if (died && !played->crashed_as_expected)
+        if (has_died(played) && !played->crashed_as_expected)
             code = exit_worse(code, EXIT_ENGINE);
         if (played->fate == REPLAY_FAILED)
             code = exit_worse(code, EXIT_INTERNAL);
@@ -135,8 +139,8 @@ static void play_file(struct replay_worker *worker, size_t i)
             played->expected < played->finding_count &&
             !replay_is_expected(options, &file->file, &played->finding[played->expected].signature))
             played->expected++;
-        bool died = played->fate == REPLAY_CRASHED || played->fate == REPLAY_HUNG;
-        played->crashed_as_expected = died && died_as_expected(options, &file->file, played);
+        played->crashed_as_expected =
+            has_died(played) && died_as_expected(options, &file->file, played);
         if (played->crashed_as_expected || played->expected < played->finding_count)
             file->fails = true;
     }
