@@ -7,7 +7,7 @@
 #define VALIDATION_LAYER "VK_LAYER_KHRONOS_validation"
 
 /* Messages of the layer about its own checks, which are not counted: features that it enables,
- * accesses that it cannot check and that our shaders do not make (buffer addresses; ray queries on a
+ * accesses that it cannot check and our shaders do not make (buffer addresses; ray queries on a
  * device without them), and a warning that both kinds of checks together are slow. */
 static const struct note {
     const char *name, *text;

@@ -9,8 +9,8 @@
 /* Smaller allocations are not checked. */
 #define MEMORY_LARGE ((uint64_t)256 << 20)
 
-/* Bytes that this process can still take: the least of what the system says is available, what its
- * control group (version 2) leaves, and its limit of address space. UINT64_MAX where none is known.
+/* Bytes that this process can still allocate: the least of what the system reports as available and
+ * what its control group (version 2) and its address space limit leave. UINT64_MAX if none is known.
  */
 uint64_t memory_left(void);
 

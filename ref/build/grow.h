@@ -8,7 +8,7 @@
 #include "ref/build/refs.h"
 #include "ref/tree/bvh.h"
 
-/* No tree is deeper, whatever the input: a range of n at depth d keeps d + ceil(log2(n)) <= this,
+/* No tree is deeper, for any input: a range of n at depth d keeps d + ceil(log2(n)) <= this,
  * at first because n <= 2^31, later because a split that would break it is replaced by halving. */
 #define GROW_DEPTH_MOST 60u
 
@@ -30,7 +30,7 @@ struct grow_rule {
      * than 1 only for ranges beyond GROW_ALONE, whose result must not depend on it. */
     uint32_t (*split)(void *user, const struct grow_range *range, struct grow_range child[2],
                       uint32_t threads);
-    /* The same in two halves, whatever that costs. */
+    /* The same in two halves, at any cost. */
     uint32_t (*halve)(void *user, const struct grow_range *range, struct grow_range child[2]);
     /* Writes the numbers of the items to prim, and returns their bounds. */
     struct lane_box (*leaf)(void *user, const struct grow_range *range, uint32_t *prim);

@@ -1,5 +1,5 @@
-/* Trees as nodes that know their children, in any order, for builders from below; and their way to
- * the canonical form. */
+/* Trees as nodes with the indices of their children, in any order, for builders from below, and
+ * their conversion to the canonical form. */
 #ifndef LINKS_H
 #define LINKS_H
 
@@ -11,7 +11,7 @@
 struct links {
     uint32_t (*child)[2]; /* of each node; LINKS_NONE twice: a leaf */
     uint32_t *leaves;     /* below each node; 1 of a leaf */
-    uint32_t count, root; /* of nodes */
+    uint32_t root;
     /* Writes a leaf's triangles to prim, and their number; returns its box. */
     struct lane_box (*leaf)(const void *user, uint32_t node, uint32_t *prim, uint32_t *items);
     const void *user;

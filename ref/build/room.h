@@ -1,5 +1,5 @@
-/* Memory of builders: large arrays that are written before they are read. One file of its own, so
- * that a test can put another in its place that fails where it is told to. */
+/* Memory of builders: large arrays that are written before they are read. A file of its own:
+ * a test replaces it by one that fails at chosen calls. */
 #ifndef ROOM_H
 #define ROOM_H
 

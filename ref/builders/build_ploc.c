@@ -155,7 +155,6 @@ static enum status cluster(struct ploc *p, const uint64_t *key, uint32_t index_b
             round_of(p);
         struct links links = {.child = p->child,
                               .leaves = p->leaves,
-                              .count = p->nodes,
                               .root = p->cluster[0],
                               .leaf = leaf,
                               .user = p->ref,

@@ -71,15 +71,13 @@ static struct lane_box leaf(const void *user, uint32_t node, uint32_t *prim, uin
 /* Puts the moved tree in the old one's place. */
 static enum status finish(const struct reinsert *r, struct bvh *bvh)
 {
-    struct links links = {.count = r->spots.count,
-                          .leaf = leaf,
-                          .user = bvh,
-                          .items = bvh->prim_count,
-                          .tris = bvh->tri_count};
+    const uint32_t nodes = r->spots.count;
+    struct links links = {
+        .leaf = leaf, .user = bvh, .items = bvh->prim_count, .tris = bvh->tri_count};
     struct bvh moved = {0};
-    links.child = room_make(links.count, sizeof *links.child);
-    links.leaves = room_make(links.count, sizeof *links.leaves);
-    uint32_t *list = room_make(links.count, sizeof *list);
+    links.child = room_make(nodes, sizeof *links.child);
+    links.leaves = room_make(nodes, sizeof *links.leaves);
+    uint32_t *list = room_make(nodes, sizeof *list);
     enum status status = STATUS_MEMORY;
     if (links.child && links.leaves && list) {
         uint32_t count = 1;

@@ -79,7 +79,7 @@ uint32_t fast_all(const struct fast_tree *tree, const struct ray *ray, uint32_t 
  * overflow in a kernel. Plain, with slab_watertight on the decoded boxes. */
 void fast_careful(const struct fast_tree *tree, const struct ray *ray, bool any, struct hit *hit);
 
-/* The same, and tells `read` of all that a kernel would read of nodes and blocks, which it visits
+/* The same, and calls `read` for all that a kernel would read of nodes and blocks, which it visits
  * in the same order but for children whose entry distances differ by their rounding alone (of any
  * hits: nearest first): whole nodes, corners and vertices of a block, and the number of a triangle
  * that becomes the nearest. */

@@ -55,7 +55,7 @@ INLINE codes8 codes(uint32_t word)
                              _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28));
 }
 
-/* A permutation of 8 lanes reads the lowest 3 bits; the fourth says which half. */
+/* A permutation of 8 lanes reads the lowest 3 bits; the fourth selects the half. */
 INLINE float8 corners(float16 row, codes8 code, uint32_t count)
 {
     __m256 half[2];

@@ -252,7 +252,7 @@ INLINE bool descend(const struct walk_ray *r, const struct fast_tree *tree, bool
     return true;
 }
 
-/* Returns true if no other hit is asked for. */
+/* Returns true if no other hit is needed. */
 INLINE bool visit_leaf(struct walk_ray *r, const struct fast_tree *tree, bool any,
                        struct walk_best *best, const struct walk_place *at)
 {

@@ -30,9 +30,9 @@ enum status file_read_from(int file, const char *path, size_t most, char **bytes
 /* The part of `path` that fits into a reason beside a rule: all of it, or its end. */
 const char *file_label(const char *path);
 
-/* A file being written beside its goal, without a name if the file system has such files (then who
- * is killed leaves nothing behind), or under a temporary one, which the next writer of the same
- * goal removes (ref/files/temporary.h). */
+/* A file being written beside its goal. It has no name if the file system supports that, so that
+ * nothing is left when the process is killed; else it has a temporary one, and the next writer of
+ * the same goal removes what is left (ref/files/temporary.h). */
 struct file_out {
     FILE *stream;
     char *path;      /* the goal; the target, if the path named is a symbolic link */

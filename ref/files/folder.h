@@ -1,8 +1,8 @@
-/* Folders whose content may be somebody else's. Whatever is read, written, renamed or removed
+/* Folders whose content may belong to others. All that is read, written, renamed or removed
  * through them lies in them: names are taken one by one, relative to an open folder, and no
  * symbolic link is followed; where a file belongs, a named pipe, a device, a socket or a folder is
- * refused and not opened. The path that a folder is opened by is the user's own word, links and
- * all. */
+ * refused and not opened. The path that a folder is opened by is the user's: links in it are
+ * followed. */
 #ifndef FOLDER_H
 #define FOLDER_H
 
@@ -58,8 +58,8 @@ enum status folder_list(const struct folder *folder, folder_name_fn *each, void 
 /* Removes a file or an empty folder. Errors: STATUS_INPUT it cannot be; it need not be there. */
 enum status folder_remove(const struct folder *folder, const char *name, struct reason *reason);
 
-/* Removes the temporary files that killed writers left, of whatever goal. For who alone writes
- * there. */
+/* Removes the temporary files that killed writers left, of any goal. Only for a folder without
+ * other writers. */
 enum status folder_clean(const struct folder *folder, struct reason *reason) MUST_USE;
 
 /* Writes "PATH/NAME"; too long a path is cut. */

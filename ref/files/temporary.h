@@ -9,8 +9,8 @@
 
 /* In these functions `name` is a path relative to the open folder `folder` (AT_FDCWD: any path). */
 
-/* Opens a file for writing that has no name yet, to come to be `name`: whoever is killed leaves
- * nothing of it. -1 where the file system has no such files, or without /proc. */
+/* Opens a file without a name for writing, which shall become `name`: nothing is left of it if the
+ * process is killed. -1 if the file system has no such files, or without /proc. */
 int temporary_nameless(int folder, const char *name) MUST_USE;
 
 /* Opens a new file NAME.raydiff.N.tmp for the first N that is free. -1 and errno on error; else
@@ -24,7 +24,7 @@ bool temporary_link(int file, int folder, const char *name, char **temporary) MU
 /* Removes the files NAME.raydiff.N.tmp that killed writers left. */
 void temporary_sweep(int folder, const char *name);
 
-/* Whether a name is that of a temporary file of whatever goal. */
+/* True if a name is that of a temporary file, of any goal. */
 bool temporary_is_name(const char *name) MUST_USE;
 
 /* Makes a new folder PREFIX.XXXXXX (with other letters) in the folder `parent`, after those are

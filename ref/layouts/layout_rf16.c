@@ -8,8 +8,8 @@
  *                      bounds[1], bounds[2], tag low, tag high; unused slots are 0
  * Child records are 15 bits because fst's field ends below bit 31, the leaf mark; snd keeps the
  * same limit so that one number describes the layout. Triangles can use all 16 bits: record 1 is
- * reached only through record 0, so its tag is never read as a tag, and the count in record 0 says
- * which slots are in use, so that triangle 0 needs no reserved value. */
+ * reached only through record 0, so its tag is never read as a tag, and the count in record 0 gives
+ * the slots in use, so that triangle 0 needs no reserved value. */
 #include "ref/layouts/node_rf.h"
 
 #include <math.h>

@@ -7,7 +7,7 @@
  *   word 6      four bits for each child: 0 none, 1 to 14 the items of a leaf, 15 a node
  *   words 7-14  for each child lo x, lo y, lo z, hi x, hi y, of 6 bits, and bits 0-1 of hi z
  *   word 15     bits 2-5 of hi z, four for each child
- * Members differ in the leaves that they want: the cost of a node in tests of a triangle says how
+ * Members differ in the leaves that they want: the cost of a node in tests of a triangle sets how
  * many nodes are worth a smaller leaf. Smaller leaves: faster, and more nodes. */
 #include "ref/layouts/wide_nodes.h"
 

@@ -1,5 +1,5 @@
-/* A process between ours and a command of somebody else's. It outlives us by as long as it takes to
- * end the command and whatever that has started: children, their children, those that were left by
+/* A process between ours and a command of another program. It outlives us by as long as it takes to
+ * end the command and all that it has started: children, their children, those that were left by
  * their parents and those in sessions of their own. That happens when its line is closed, by us or
  * by the kernel when we are killed.
  *

@@ -1,6 +1,6 @@
-/* A child process that is spoken with over its standard input and output. Its end is always ours: a
+/* A child process with messages over its standard input and output. It is always ended: there is a
  * time limit for each exchange, a memory limit, and a guardian that ends it with all its children,
- * whatever ends us. */
+ * also when this process is killed. */
 #ifndef FUZZ_PIPE_CHILD_H
 #define FUZZ_PIPE_CHILD_H
 
@@ -66,7 +66,7 @@ void pipe_child_listen(struct pipe_child *child);
 
 #define PIPE_FATE_MOST 64
 
-/* Waits up to `ms` for the child to end by itself and says how: "it ended with exit code 3", "it
+/* Waits up to `ms` for the child to end by itself and writes how: "it ended with exit code 3", "it
  * was ended by signal 11", or "it closed its output". *missing: the shell did not find the command
  * (exit codes 126 and 127). It is still to be stopped. */
 void pipe_child_fate(struct pipe_child *child, unsigned ms, char text[PIPE_FATE_MOST],

@@ -1,6 +1,6 @@
-/* Layouts from outside (ref/plugin.h) opened from their shared objects; whatever they do for the
- * first time is done in a child process, so that one that crashes, hangs or takes all memory is a
- * status of ours. For programs. */
+/* Opens layouts from outside (ref/plugin.h) from their shared objects. All that they do for the
+ * first time is done in a child process: a crash, a hang or running out of memory becomes a status.
+ * For programs. */
 #ifndef PLUGIN_GUARD_H
 #define PLUGIN_GUARD_H
 
@@ -10,13 +10,13 @@
 #define PLUGIN_SUFFIX  ".so"
 #define PLUGIN_MS      60000u
 #define PLUGIN_MB      8192u
-#define PLUGIN_OPEN_MS 10000u /* the most that opening may take, whatever packing may */
+#define PLUGIN_OPEN_MS 10000u /* limit of opening, even if packing has more */
 
 /* What a plugin may take from now on to pack a tree: time, and memory beside what there is. 0: as
  * above; memory of UINT32_MAX: no limit. */
 void plugin_limits(uint32_t ms, uint32_t megabytes);
 
-/* Opens the shared object, asks it in a child first, and adds its layout to layouts_all; a path
+/* Opens the shared object, first in a child, and adds its layout to layouts_all; a path
  * that was opened before gives the same layout. It stays open until the program ends. From the
  * first on, layouts from outside pack in a child, which checks, too; the words that it sends are
  * what is used. In this process runs then only what was tried there on the same bytes: load, box

@@ -24,8 +24,8 @@ enum status recorded_engine(const struct recorded *answers, const struct engine 
 
 /* Gives the engine of the name "answer:FORMULA:ROUNDING:FLAGS:T:U:V:TRIANGLE" or "...:miss", from
  * the table of engines or new in it; one a program. It gives that answer to the first ray that it
- * is asked, whatever that is, and to the same ray later. Errors: STATUS_INPUT what is wrong with
- * the name; STATUS_LIMIT. */
+ * traces, and to the same ray later. Errors: STATUS_INPUT the name is wrong; STATUS_LIMIT there is
+ * one already. */
 enum status recorded_find(const char *name, const struct engine **out,
                           struct reason *reason) MUST_USE;
 

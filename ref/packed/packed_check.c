@@ -64,8 +64,8 @@ static void check_walk(struct packed_check *check)
                check->packed->stack_need);
 }
 
-/* Whether a split tree finds every part of every triangle. The items are copied as they decode, so
- * that leaves which share theirs must not ask for more than the tree has bytes for. */
+/* Checks that the leaves of a split tree cover every part of every triangle. Items are copied as
+ * they decode: leaves that share items must not name more than the tree has bytes for. */
 static enum status check_cover(struct packed_check *check)
 {
     const struct packed *packed = check->packed;

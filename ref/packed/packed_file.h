@@ -4,7 +4,7 @@
  * records, items, record of the root, triangles of the scene, stack entries a traversal can need
  *   then the records, then the items (of layouts that have an item array)
  *
- * What a record's words mean is said in shaders/ and ref/layouts/ by layout_NAME. */
+ * The words of a record are described in ref/layouts/ and shaders/layouts/, in layout_NAME. */
 #ifndef PACKED_FILE_H
 #define PACKED_FILE_H
 
@@ -15,8 +15,7 @@
 
 #define PACKED_FILE_VERSION 1u
 
-/* Writes the tree, whose storage must be `indexed`; whether the stream took it is for the caller to
- * ask. */
+/* Writes the tree, whose storage must be `indexed`. The caller checks the stream for errors. */
 void packed_file_write(const struct packed *packed, FILE *stream);
 
 /* True if the bytes begin as such a file does. */

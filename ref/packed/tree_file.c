@@ -142,7 +142,7 @@ static enum status measure_packed(struct tree_file *file, struct fit *fit, struc
     return STATUS_OK;
 }
 
-/* RTRS's layouts name triangles of other leaves (F2, F3): only the root says where they are. */
+/* RTRS's layouts name triangles of other leaves (F2, F3): only the root's box holds for them. */
 static void fit_root(struct fit *fit, const struct packed *packed)
 {
     struct box box = packed->layout->box(packed, packed->root);

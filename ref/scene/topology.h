@@ -1,5 +1,5 @@
-/* How the triangles of a scene hang together: vertices at the same position are one point, an edge
- * knows the triangles on it and which way each runs along it, a point knows its fan. */
+/* How the triangles of a scene are connected: vertices at the same position are one point, an edge
+ * lists the triangles on it and the direction of each, a point lists the triangles around it. */
 #ifndef TOPOLOGY_H
 #define TOPOLOGY_H
 

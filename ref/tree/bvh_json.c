@@ -36,7 +36,7 @@ void bvh_json_write(const struct bvh *bvh, FILE *stream)
     fputs("]}", stream);
 }
 
-/* A file being read, and which element is at hand, for reasons. */
+/* A file being read, and its current element, for reasons. */
 struct reading {
     const char *name;
     const char *list; /* "uniforms" or "indices" */
@@ -135,8 +135,8 @@ static enum status get_list(const struct reading *reading, const json_t *file, c
     return STATUS_OK;
 }
 
-/* How many triangles the tree is of. Of more items than the scene has triangles some are repeated,
- * and the largest tells. */
+/* The number of triangles of the tree. With more items than the scene has triangles some are
+ * repeated, and the largest index determines the number. */
 static uint32_t count_triangles(const struct bvh *bvh, const struct scene *scene)
 {
     uint32_t count = 0;

@@ -7,8 +7,8 @@
 
 #define WIDE_TREE_MOST 16u /* children of a node */
 
-/* What is wanted. The cost of a tree is the sum over its parts of their surface area, relative to
- * the root's, times node_cost or what leaf_cost says. */
+/* Limits and costs of the tree to be made. Its cost is the sum of the surface areas of its parts,
+ * relative to the root's, times node_cost or leaf_cost. */
 struct wide_rule {
     uint32_t width;     /* children of a node at most, 2 to WIDE_TREE_MOST */
     uint32_t leaf_most; /* items of a leaf at most, at least 1 */
