@@ -49,14 +49,14 @@ static inline bool tri_store_reads_scene(const struct tri_store *store)
     return !store->tri && !store->test;
 }
 
-/* True if what is stored can be asked with the triangle test `id` (ABI_TRI_*). Engines refuse
- * others by tri_store_check: trace_ray may not be asked. */
+/* True if the storage supports the triangle test `id` (ABI_TRI_*). Engines refuse others by
+ * tri_store_check: trace_ray must not be called with them. */
 static inline bool tri_store_answers(const struct tri_store *store, uint32_t id)
 {
     return store->tests == 0 || store->tests >> id & 1;
 }
 
-/* STATUS_UNSUPPORTED and the reason if the storage of a packed tree does not know that test; else
+/* STATUS_UNSUPPORTED and the reason if the storage of a packed tree does not support the test; else
  * STATUS_OK. `test` is its name, for the reason. */
 enum status tri_store_check(const struct tri_store *store, uint32_t id, const char *test,
                             struct reason *reason) MUST_USE;

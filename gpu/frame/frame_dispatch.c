@@ -39,7 +39,7 @@ static uint32_t look_of(const struct frame_job *job)
     uint32_t look = job->look.camera_light > 0 ? ABI_LOOK_EYE : 0;
     if (job->look.ambience > 0)
         look |= ABI_LOOK_AMBIENCE;
-    if (job->look.profile == PROFILE_RTRS) /* goes on whatever is reflected */
+    if (job->look.profile == PROFILE_RTRS) /* continues paths at any reflectivity */
         look |= ABI_LOOK_REFLECT;
     for (uint32_t i = 0; i < job->material_count; i++) {
         look |= job->material[i].reflective > 0 ? ABI_LOOK_REFLECT : 0;

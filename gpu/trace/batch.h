@@ -16,7 +16,7 @@ struct batch {
     uint32_t most;     /* rays */
     struct vk_buffer *rays, *flags, *none;
     struct vk_buffer *hits[2],
-        *found[2]; /* the second ones for engines that go on from the first */
+        *found[2]; /* the second ones for engines that continue from the first */
     uint32_t *flag;
 };
 

@@ -10,7 +10,7 @@
 
 const char *const driver_names[] = {"stock", "mesa25", "swiftshader", "hardware", NULL};
 
-/* Folders of `name` above the program that are looked at: build/raydiff, build/tests/test_x,
+/* Folders above the program that are searched: build/raydiff, build/tests/test_x,
  * build/sanitize/tests/test_x and build/mutants/NAME/raydiff all mean build/drivers. */
 #define FOLDERS_ABOVE 4
 

@@ -186,7 +186,7 @@ static void cut_down(struct box *box, const struct box *other)
 }
 
 /* Planes plane[0] .. plane[bins], of which the first and the last are the node's sides; fewer bins
- * than asked for where floats are too coarse. */
+ * than `asked` where floats are too coarse. */
 static uint32_t make_planes(float lo, float hi, uint32_t asked, float plane[SPACE_BINS + 1])
 {
     uint32_t bins = 0;

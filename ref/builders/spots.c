@@ -6,7 +6,7 @@
 #include <string.h>
 
 #define SEEK_STACK 128u
-#define SEEK_MOST  2000u /* nodes looked at for one */
+#define SEEK_MOST  2000u /* nodes visited in one search */
 
 static float union_area(const struct lane_box *a, const struct lane_box *b)
 {

@@ -48,8 +48,8 @@ struct pipe_talk {
 };
 
 enum pipe_end {
-    PIPE_GOT,   /* all that was wanted */
-    PIPE_LONG,  /* it wrote more than was wanted */
+    PIPE_GOT,   /* all bytes of the answer */
+    PIPE_LONG,  /* it wrote more than these */
     PIPE_LATE,  /* the deadline passed */
     PIPE_CLOSED /* its output ended */
 };

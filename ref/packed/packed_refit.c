@@ -31,7 +31,7 @@ struct refit {
     size_t leaf_count, leaf_room;
     uint32_t *prim;    /* room for those of a leaf */
     enum status limit; /* STATUS_LIMIT: to be built anew, unless worse is found */
-    struct wide named; /* a leaf of these items: what packed_item wants */
+    struct wide named; /* a leaf of these items: the argument of packed_item */
     struct reason why;
     struct reason *reason;
 };

@@ -33,7 +33,7 @@ struct fit {
     const struct scene *scene;
     double slack;
     bool split;             /* of the triangle some part must be inside, else its centre */
-    const char *part;       /* whose boxes are looked at, for the reason */
+    const char *part;       /* whose boxes are compared, for the reason */
     uint64_t items, astray; /* seen; of them, outside */
 };
 

@@ -27,7 +27,7 @@ struct tri_test {
     bool faithful;
     bool open;       /* accepts tmin < t < tmax instead of tmin <= t <= tmax */
     bool watertight; /* no ray passes between two triangles that share an edge */
-    bool core;       /* plays the hard cases unasked */
+    bool core;       /* runs the hard cases by default */
 };
 
 /* A miss. */

@@ -42,7 +42,7 @@ struct build_options {
     uint32_t leaf;      /* items per leaf: at most, aimed at (rtrs); >= 1 */
     float eps;          /* rtrs: a node whose longest side is below eps / 2 is not split */
     uint32_t bins;      /* sah_binned: bins per axis, up to 64; BUILD_BINS_DEFAULT */
-    uint32_t radius;    /* ploc: neighbours looked at on either side; BUILD_RADIUS_DEFAULT */
+    uint32_t radius;    /* ploc: neighbours compared on either side; BUILD_RADIUS_DEFAULT */
     uint32_t passes;    /* of reinsertion, by bvh_build; none */
     uint32_t threads;   /* the tree does not depend on it; all */
     float split_budget; /* sbvh: so many items more than triangles at most, in parts of these; below
@@ -60,7 +60,7 @@ struct build_options {
 #define BUILD_SPLIT_BUDGET_DEFAULT 1.0f
 #define BUILD_SPLIT_BUDGET_MOST    64.0f
 #define BUILD_SPLIT_ALPHA_DEFAULT  1e-5f
-#define BUILD_PASSES_DEFAULT       4u /* where passes are asked for, but not how many */
+#define BUILD_PASSES_DEFAULT       4u /* if passes are requested without a number */
 
 /* Whether the items prim[first .. first + count - 1] can be one leaf: no triangle is there twice.
  * True at once of trees that are not split. */
