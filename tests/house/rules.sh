@@ -110,6 +110,10 @@ grep -hoE '^(typedef )?(struct|enum|union) [a-z_0-9]+ \{' $(git ls-files '*.c' '
 git grep -niE '\bnobody|(is|was|be|are) gone on with|\bwho (is|was) (killed|ended|interrupted|asked)|the seed.s\b|(plays|played) engines against|\b(moody|meetings|court|under fire|way of c)\b' -- \
     ref gpu scenes fuzz bench cmd shaders tests raydiff.c ':!bench/results' ':!tests/house/rules*.sh' && breach "write it plainly: no person where there is none, RTRS by its name"
 
+# The front of the house.
+git ls-files | grep -v / | grep -vxE '\.clang-format|\.gitignore|CONTRIBUTING\.md|LICENSE|Makefile|README\.md|raydiff\.c' &&
+    breach "what stands at the root is named in tests/house/rules.sh"
+
 # Small rooms; results are data.
 git ls-files -- ':!bench/results' | sed -n 's|/[^/]*$||p' | sort | uniq -c | awk '$1 > 40 {print $2 ": " $1 " files"; bad = 1} END {exit !bad}' &&
     breach "a folder has at most 40 files"

@@ -81,6 +81,9 @@ plant docs/rooms.svg '<title>ref/base&#45;&gt;cmd/fuzz</title>'
 echo >gpu/vk/half.c && git add gpu/vk/half.c
 plant gpu/vk/half.c ''
 git rm -qf gpu/vk/half.c
+echo >NOTES.txt && git add NOTES.txt
+plant NOTES.txt ''
+git rm -qf NOTES.txt
 plant ref/base/half.c 'enum bvh { RED };'
 plant ref/base/half.c '/* Below it nobody asks. */'
 plant ref/base/half.c '/* Who is ended from outside leaves none. */'
