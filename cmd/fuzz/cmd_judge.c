@@ -194,8 +194,10 @@ static enum status play(struct judge_run *j, struct row *row, struct reason *rea
     if (!status)
         status = match_make(&j->scene, j->request.ray, j->request.ray_count, &options, &pool,
                             &match, reason);
-    if (status)
+    if (status) {
+        pool_free(&pool);
         return status;
+    }
     match_run(&match, engine, row);
     if (j->options->demands.displacement > 0.0f && !row->unknown)
         status = fail(reason, STATUS_INPUT, "--displacement: the formula is known");

@@ -53,7 +53,8 @@ static void make_triples(struct triple *triple)
     triple[2] = (struct triple){-0.0f, 0.0f, 0};
     triple[3] = (struct triple){0.0f, -0.0f, 0};
     for (uint32_t i = PAIRS; i < TRIPLES; i++) {
-        triple[i] = (struct triple){ordinary(&rng), ordinary(&rng), ordinary(&rng)};
+        const float a = ordinary(&rng), b = ordinary(&rng), c = ordinary(&rng); /* in this order */
+        triple[i] = (struct triple){a, b, c};
         if (i % 2) /* the sum cancels */
             triple[i].c = -(triple[i].a * triple[i].b);
     }

@@ -38,7 +38,8 @@ static void make_triples(struct probe_triple *triple)
 {
     struct rng rng = rng_make(1, 0);
     for (uint32_t i = 0; i < TRIPLES; i++) {
-        triple[i] = (struct probe_triple){ordinary(&rng), ordinary(&rng), ordinary(&rng)};
+        const float a = ordinary(&rng), b = ordinary(&rng), c = ordinary(&rng); /* in this order */
+        triple[i] = (struct probe_triple){a, b, c};
         if (!IS_SPECIAL(i))
             continue;
         triple[i].a = special(&rng);

@@ -14,19 +14,9 @@
 #define QUERIES 3u
 
 struct rayquery {
-    struct vk *vk;
-    uint32_t workgroup;
+    struct batch_engine base;
     struct vk_pipeline *pipeline[QUERIES];
-    struct vk_pipeline *chosen; /* of the job; NULL: none prepared */
-    struct vk_accel *accel;     /* NULL: no triangle */
-    bool lists;                 /* prepared for QUERY_ALL */
-};
-
-/* Where the answers of a call go. */
-struct rayquery_answers {
-    struct hit *hit;
-    uint32_t *found; /* QUERY_ALL, else NULL */
-    uint32_t capacity;
+    struct vk_accel *accel; /* NULL: no triangle */
 };
 
 _Static_assert(ABI_QUERY_ALL < QUERIES, "a pipeline each");
@@ -36,82 +26,23 @@ static void close(void *self)
     struct rayquery *r = self;
     if (!r)
         return;
-    for (uint32_t q = 0; q < QUERIES && r->vk; q++)
-        vk_pipeline_free(r->vk, r->pipeline[q]);
-    if (r->vk)
-        vk_accel_free(r->vk, r->accel);
-    (void)vk_close(r->vk, NULL);
+    for (uint32_t q = 0; q < QUERIES && r->base.vk; q++)
+        vk_pipeline_free(r->base.vk, r->pipeline[q]);
+    if (r->base.vk)
+        vk_accel_free(r->base.vk, r->accel);
+    (void)vk_close(r->base.vk, NULL);
     free(r);
 }
 
-static enum status open(const struct engine_options *options, void **self, struct reason *reason)
+static uint64_t most(const struct batch_engine *engine)
 {
-    struct rayquery *r = alloc_zeroed(1, sizeof *r);
-    *self = NULL;
-    if (!r)
-        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the engine");
-    struct vk_options vk_options = vulkan_options(options);
-    vk_options.ray_query = true;
-    r->workgroup = options->workgroup ? options->workgroup : ABI_WORKGROUP;
-    enum status status = vk_open(&vk_options, &r->vk, reason);
-    if (status)
-        close(r);
-    else
-        *self = r;
-    return status;
+    (void)engine;
+    return UINT64_MAX;
 }
 
-static enum status make_pipeline(struct rayquery *r, const struct job *job, struct reason *reason)
-{
-    struct vk_pipeline **pipeline = &r->pipeline[job->query];
-    const struct dispatch dispatch = dispatch_query(job, r->workgroup);
-    const struct vk_shader make = dispatch_shader(&dispatch);
-    enum status status = *pipeline ? STATUS_OK : vk_pipeline_make(r->vk, &make, pipeline, reason);
-    r->chosen = *pipeline;
-    return status;
-}
-
-static enum status upload(struct rayquery *r, const void *data, uint64_t bytes,
-                          struct vk_buffer **out, struct reason *reason)
-{
-    enum status status = vk_buffer_make(r->vk, bytes, out, reason);
-    return status ? status : vk_buffer_write(r->vk, *out, 0, data, bytes, reason);
-}
-
-static enum status build(struct rayquery *r, const struct scene *scene, struct reason *reason)
-{
-    struct vk_buffer *vertices = NULL, *indices = NULL;
-    enum status status =
-        upload(r, scene->vertex, (uint64_t)scene->vertex_count * 12, &vertices, reason);
-    if (!status)
-        status = upload(r, scene->index, (uint64_t)scene->tri_count * 12, &indices, reason);
-    if (!status)
-        status = vk_accel_make(r->vk, vertices, scene->vertex_count, indices, scene->tri_count,
-                               &r->accel, reason);
-    vk_buffer_free(r->vk, vertices);
-    vk_buffer_free(r->vk, indices);
-    return status;
-}
-
-static enum status prepare(void *self, const struct job *job, struct reason *reason)
-{
-    struct rayquery *r = self;
-    vk_accel_free(r->vk, r->accel);
-    r->accel = NULL;
-    r->lists = job->query == QUERY_ALL;
-    enum status status = make_pipeline(r, job, reason);
-    if (!status && job->scene->tri_count)
-        status = build(r, job->scene, reason);
-    if (!status && r->accel)
-        vk_pipeline_use(r->vk, r->chosen, r->accel);
-    if (status)
-        r->chosen = NULL;
-    return status;
-}
-
-static enum status trace_batch(struct rayquery *r, struct batch *batch, const struct ray *ray,
-                               size_t first, uint32_t count, const struct rayquery_answers *to,
-                               struct trace_report *report, struct reason *reason)
+static enum status answer(struct batch_engine *engine, struct batch *batch, const struct ray *ray,
+                          size_t first, uint32_t count, const struct batch_answers *to,
+                          struct trace_report *report, struct reason *reason)
 {
     const struct push push = {.ray_count = count, .capacity = batch->capacity};
     struct vk_buffer *const buffer[BATCH_BINDINGS] = {
@@ -123,7 +54,7 @@ static enum status trace_batch(struct rayquery *r, struct batch *batch, const st
     struct vk_time time = {0};
     enum status status = batch_rays(batch, ray + first, count, reason);
     if (!status)
-        status = batch_run(batch, r->chosen, buffer, &push, first, &time, reason);
+        status = batch_run(batch, engine->chosen, buffer, &push, first, &time, reason);
     report->ns += time.ns;
     report->device_clock = report->device_clock && time.device_clock;
     if (status)
@@ -132,55 +63,74 @@ static enum status trace_batch(struct rayquery *r, struct batch *batch, const st
                       to->found ? to->found + first : NULL, reason);
 }
 
-static void answer_nothing(const struct rayquery_answers *to, size_t ray_count)
+static enum status open(const struct engine_options *options, void **self, struct reason *reason)
 {
-    for (size_t i = 0; i < ray_count; i++) {
-        if (to->found)
-            to->found[i] = 0;
-        else
-            to->hit[i] = (struct hit){.prim = ABI_NO_PRIM};
-    }
-}
-
-static enum status trace_rays(struct rayquery *r, const struct ray *ray, size_t ray_count,
-                              const struct rayquery_answers *to, struct trace_report *report,
-                              struct reason *reason)
-{
-    *report = (struct trace_report){.device_clock = true};
-    if (!r->chosen || r->lists != (to->found != NULL))
-        return fail(reason, STATUS_DEVICE, "vulkan: not prepared for this query");
-    if (!r->accel || !ray_count) {
-        answer_nothing(to, ray_count);
-        return STATUS_OK;
-    }
-    struct batch batch;
-    enum status status =
-        batch_make(r->vk, r->workgroup, ray_count, r->lists, to->capacity, false, &batch, reason);
-    for (size_t done = 0; done < ray_count && !status;) {
-        uint32_t part = ray_count - done < batch.most ? (uint32_t)(ray_count - done) : batch.most;
-        status = trace_batch(r, &batch, ray, done, part, to, report, reason);
-        done += part;
-    }
-    report->memory_bytes = vk_accel_bytes(r->accel) + batch_bytes(&batch);
-    batch_free(&batch);
-    if (!status && vk_messages(r->vk, reason))
-        status = STATUS_DEVICE;
+    struct rayquery *r = alloc_zeroed(1, sizeof *r);
+    *self = NULL;
+    if (!r)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the engine");
+    struct vk_options vk_options = vulkan_options(options);
+    vk_options.ray_query = true;
+    r->base.most = most;
+    r->base.answer = answer;
+    r->base.workgroup = options->workgroup ? options->workgroup : ABI_WORKGROUP;
+    enum status status = vk_open(&vk_options, &r->base.vk, reason);
+    if (status)
+        close(r);
+    else
+        *self = r;
     return status;
 }
 
-static enum status trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
-                         struct trace_report *report, struct reason *reason)
+static enum status make_pipeline(struct rayquery *r, const struct job *job, struct reason *reason)
 {
-    const struct rayquery_answers to = {hit, NULL, 1};
-    return trace_rays(self, ray, ray_count, &to, report, reason);
+    struct vk_pipeline **pipeline = &r->pipeline[job->query];
+    const struct dispatch dispatch = dispatch_query(job, r->base.workgroup);
+    const struct vk_shader make = dispatch_shader(&dispatch);
+    enum status status =
+        *pipeline ? STATUS_OK : vk_pipeline_make(r->base.vk, &make, pipeline, reason);
+    r->base.chosen = *pipeline;
+    return status;
 }
 
-static enum status trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
-                             struct hit *hit, uint32_t *hit_count, struct reason *reason)
+static enum status upload(struct rayquery *r, const void *data, uint64_t bytes,
+                          struct vk_buffer **out, struct reason *reason)
 {
-    const struct rayquery_answers to = {hit, hit_count, capacity};
-    struct trace_report unused;
-    return trace_rays(self, ray, ray_count, &to, &unused, reason);
+    enum status status = vk_buffer_make(r->base.vk, bytes, out, reason);
+    return status ? status : vk_buffer_write(r->base.vk, *out, 0, data, bytes, reason);
+}
+
+static enum status build(struct rayquery *r, const struct scene *scene, struct reason *reason)
+{
+    struct vk_buffer *vertices = NULL, *indices = NULL;
+    enum status status =
+        upload(r, scene->vertex, (uint64_t)scene->vertex_count * 12, &vertices, reason);
+    if (!status)
+        status = upload(r, scene->index, (uint64_t)scene->tri_count * 12, &indices, reason);
+    if (!status)
+        status = vk_accel_make(r->base.vk, vertices, scene->vertex_count, indices, scene->tri_count,
+                               &r->accel, reason);
+    vk_buffer_free(r->base.vk, vertices);
+    vk_buffer_free(r->base.vk, indices);
+    return status;
+}
+
+static enum status prepare(void *self, const struct job *job, struct reason *reason)
+{
+    struct rayquery *r = self;
+    vk_accel_free(r->base.vk, r->accel);
+    r->accel = NULL;
+    r->base.lists = job->query == QUERY_ALL;
+    enum status status = make_pipeline(r, job, reason);
+    if (!status && job->scene->tri_count)
+        status = build(r, job->scene, reason);
+    r->base.empty = !r->accel;
+    r->base.bytes = vk_accel_bytes(r->accel);
+    if (!status && r->accel)
+        vk_pipeline_use(r->base.vk, r->base.chosen, r->accel);
+    if (status)
+        r->base.chosen = NULL;
+    return status;
 }
 
 /* Vulkan asks for tmin < t < tmax; that closed fans are watertight is a "should". */
@@ -215,8 +165,8 @@ const struct engine engine_rayquery = {
     .own_tri = true,
     .open = open,
     .prepare = prepare,
-    .trace = trace,
-    .trace_all = trace_all,
+    .trace = batch_trace,
+    .trace_all = batch_trace_all,
     .model = model,
     .close = close,
     .describe = describe,

@@ -122,3 +122,54 @@ enum status batch_read(struct batch *batch, int which, int turn, uint32_t count,
         status = vk_buffer_read(batch->vk, batch->hits[which], 0, hit, hits * sizeof *hit, reason);
     return status;
 }
+
+static void answer_nothing(const struct batch_answers *to, size_t ray_count)
+{
+    for (size_t i = 0; i < ray_count; i++) {
+        if (to->found)
+            to->found[i] = 0;
+        else
+            to->hit[i] = (struct hit){.prim = ABI_NO_PRIM};
+    }
+}
+
+static enum status trace_rays(struct batch_engine *engine, const struct ray *ray, size_t ray_count,
+                              const struct batch_answers *to, struct trace_report *report,
+                              struct reason *reason)
+{
+    *report = (struct trace_report){.device_clock = true};
+    if (!engine->chosen || engine->lists != (to->found != NULL))
+        return fail(reason, STATUS_DEVICE, "vulkan: not prepared for this query");
+    if (engine->empty || !ray_count) {
+        answer_nothing(to, ray_count);
+        return STATUS_OK;
+    }
+    struct batch batch;
+    enum status status = batch_make(engine->vk, engine->workgroup, ray_count, engine->lists,
+                                    to->capacity, engine->two, &batch, reason);
+    for (size_t done = 0; done < ray_count && !status;) {
+        uint64_t part = least_of(least_of(engine->most(engine), batch.most), ray_count - done);
+        status = engine->answer(engine, &batch, ray, done, (uint32_t)part, to, report, reason);
+        done += part;
+    }
+    report->memory_bytes = engine->bytes + batch_bytes(&batch);
+    batch_free(&batch);
+    if (!status && vk_messages(engine->vk, reason))
+        status = STATUS_DEVICE;
+    return status;
+}
+
+enum status batch_trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
+                        struct trace_report *report, struct reason *reason)
+{
+    const struct batch_answers to = {hit, NULL, 1};
+    return trace_rays(self, ray, ray_count, &to, report, reason);
+}
+
+enum status batch_trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
+                            struct hit *hit, uint32_t *hit_count, struct reason *reason)
+{
+    const struct batch_answers to = {hit, hit_count, capacity};
+    struct trace_report unused;
+    return trace_rays(self, ray, ray_count, &to, &unused, reason);
+}

@@ -45,4 +45,35 @@ enum status batch_run(struct batch *batch, struct vk_pipeline *pipeline,
 enum status batch_read(struct batch *batch, int which, int turn, uint32_t count, struct hit *hit,
                        uint32_t *found, struct reason *reason) MUST_USE;
 
+/* Where the answers of a call go. */
+struct batch_answers {
+    struct hit *hit;
+    uint32_t *found; /* QUERY_ALL, else NULL */
+    uint32_t capacity;
+};
+
+/* What an engine begins with that answers its rays batch by batch. */
+struct batch_engine {
+    struct vk *vk;
+    uint32_t workgroup;
+    struct vk_pipeline *chosen; /* of the job; NULL: none prepared */
+    bool lists;                 /* prepared for QUERY_ALL */
+    bool two;                   /* as batch_make */
+    bool empty;                 /* no triangle: every ray misses, without a batch */
+    uint64_t bytes;             /* of what was uploaded for the job */
+    /* The most rays of the next batch, at least 1. */
+    uint64_t (*most)(const struct batch_engine *engine);
+    /* Answers `count` rays, which begin at ray `first`, and adds to the report's time. */
+    enum status (*answer)(struct batch_engine *engine, struct batch *batch, const struct ray *ray,
+                          size_t first, uint32_t count, const struct batch_answers *to,
+                          struct trace_report *report, struct reason *reason);
+};
+
+/* engine.trace and engine.trace_all of an engine that begins with a struct batch_engine. Errors: as those;
+ * STATUS_DEVICE the engine is not prepared for this query, or the validation layers have messages. */
+enum status batch_trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
+                        struct trace_report *report, struct reason *reason) MUST_USE;
+enum status batch_trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
+                            struct hit *hit, uint32_t *hit_count, struct reason *reason) MUST_USE;
+
 #endif
