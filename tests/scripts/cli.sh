@@ -1,6 +1,6 @@
 #!/bin/sh
 # The command line as a user meets it: exit codes, one clear line per error, nothing half-written.
-#   sh tests/scripts/cli.sh RAYDIFF
+#   sh tests/scripts/cli.sh RAYDIFF [usage]      usage: names, options and numbers alone
 set -u
 raydiff=$1
 [ -x "$raydiff" ] || { echo "$raydiff: not built"; exit 4; }
@@ -49,6 +49,11 @@ expect 2 "'0' is not a whole number from 1" check soup --leaf 0
 expect 2 "'-3' is not a whole number" check soup --count -3
 expect 2 "'1.5' is not a whole number" check soup --count 1.5
 expect 2 "'nan' is not a finite number" check soup --eps nan
+if [ "${2-}" = usage ]; then
+    echo "cli, usage: $failed failed"
+    [ "$failed" -eq 0 ]
+    exit
+fi
 expect 2 "no trial matches" conform 'closest.warp.*'
 expect 2 "trial: unknown layout 'f31'" conform closest.cpu.f31.median.robust.mt.soup.random.1
 expect 2 "is not query.engine" conform closest.cpu
