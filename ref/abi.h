@@ -16,8 +16,8 @@
 
 #define ABI_NO_PRIM    0xFFFFFFFFu /* hit.prim of a miss; an empty item slot */
 #define ABI_STACK_MAX  64u         /* the largest traversal stack of a binary layout, in entries */
-#define ABI_STACK_WIDE 256u        /* the same of a wide one, whose nodes push up to 8 */
-#define ABI_WORKGROUP  64u         /* rays per workgroup unless asked otherwise */
+#define ABI_STACK_WIDE 256u        /* the same for a wide layout; a node pushes up to 8 */
+#define ABI_WORKGROUP  64u         /* rays per workgroup, default */
 #define ABI_TRI_FLOATS 9u          /* floats per gathered triangle: v0, v1, v2 */
 
 /* Specialization constant ids of every tracing shader. */
@@ -42,7 +42,7 @@
 #define ABI_QUERY_CLOSEST        0u
 #define ABI_QUERY_ANY            1u
 #define ABI_QUERY_ALL            2u
-#define ABI_STORE_INDEXED        0u /* of layouts whose items lie in their nodes, too */
+#define ABI_STORE_INDEXED        0u /* also for layouts that store items in nodes */
 #define ABI_STORE_GATHERED       1u
 #define ABI_STORE_EDGES          2u
 #define ABI_STORE_BALDWIN_WEBBER 3u
@@ -69,15 +69,15 @@
 #define ABI_BIND_ITEMS 4 /* U32[]: the words of the triangle storage, if the layout has one */
 #define ABI_BIND_TRIS  5 /* float[]: ABI_TRI_FLOATS per triangle, in scene order; if read */
 #define ABI_BIND_FOUND 6 /* U32[]: ABI_QUERY_ALL: triangles that each ray hit; else unused */
-#define ABI_BIND_ASKED 7 /* U32[2]: of shaders that decode: a record and what of it */
+#define ABI_BIND_ASKED 7 /* U32[2]: decoding shaders only: a record and what to read of it */
 
-/* Of shaders that decode: what a node is. */
+/* Decoding shaders: kind of node. */
 #define ABI_DECODED_NONE  0u
 #define ABI_DECODED_INNER 1u
 #define ABI_DECODED_LEAF  2u
 
 #define ABI_FLAG_DONE      1u  /* the invocation ran to its end */
-#define ABI_FLAG_EXHAUSTED 2u  /* the answer is not to be believed; one of the next says why */
+#define ABI_FLAG_EXHAUSTED 2u  /* the result is invalid; a flag below gives the cause */
 #define ABI_FLAG_STACK     4u  /* the traversal stack was full */
 #define ABI_FLAG_VISITS    8u  /* more visits than nodes */
 #define ABI_FLAG_LOOP      16u /* a loop ended before its own condition did */
@@ -91,7 +91,7 @@ struct ray {
 };
 ABI_SIZE(struct ray, 32)
 
-/* An answer. u weighs vertex 1 and v vertex 2 of the triangle; a miss is 0, 0, 0, ABI_NO_PRIM. */
+/* A result. u weighs vertex 1 and v vertex 2 of the triangle; a miss is 0, 0, 0, ABI_NO_PRIM. */
 struct hit {
     float t;
     float u;

@@ -1,4 +1,4 @@
-/* What C and the rendering shaders both read beside ref/abi.h, under the same rules. */
+/* Further definitions shared by C and the rendering shaders, under the rules of ref/abi.h. */
 #ifndef ABI_FRAME_H
 #define ABI_FRAME_H
 
@@ -12,11 +12,11 @@
 #define ABI_SPEC_TILE    12
 #define ABI_SPEC_LOOK    13 /* ABI_LOOK_* */
 
-/* What there is to be done for a scene and a frame. */
+/* Features that a scene and a frame need. */
 #define ABI_LOOK_EYE      1u  /* light 0 stands at the eye */
 #define ABI_LOOK_AMBIENCE 2u  /* there is some */
 #define ABI_LOOK_SPECULAR 4u  /* a material has some */
-#define ABI_LOOK_REFLECT  8u  /* paths can go on after a segment */
+#define ABI_LOOK_REFLECT  8u  /* paths can continue after a segment */
 #define ABI_LOOK_SEGMENTS 16u /* segments are recorded */
 #define ABI_LOOK_COLORS   32u /* colours are recorded */
 #define ABI_LOOK_GENERAL                                                                           \

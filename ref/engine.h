@@ -1,4 +1,4 @@
-/* An engine answers rays. All engines are driven the same way: open, prepare a job, trace. */
+/* An engine traces rays. All engines are used the same way: open, prepare a job, trace. */
 #ifndef ENGINE_H
 #define ENGINE_H
 
@@ -24,7 +24,7 @@ struct engine_options {
 #define PEER_MS 60000u
 #define PEER_MB 8192u
 
-/* What is to be traced; everything borrowed, valid until the next prepare or close. */
+/* Input of a trace. Everything is borrowed and must stay valid until the next prepare or close. */
 struct job {
     const struct scene *scene;
     const struct packed *packed; /* NULL for engines without needs_packed */
@@ -55,7 +55,7 @@ struct trace_report {
     uint32_t flags; /* ABI_FLAG_* of the first ray not finished, if known; else 0 */
 };
 
-/* One of many small jobs that are traced together. The caller gives what is before `hit`. */
+/* One of many small jobs that are traced together. The caller sets the members before `hit`. */
 struct engine_task {
     struct job job; /* closest or any */
     const struct ray *ray;
@@ -74,15 +74,15 @@ struct engine_task {
 enum engine_fault {
     ENGINE_FINE,
     ENGINE_ENDED,   /* its process ended */
-    ENGINE_LATE,    /* its time was over */
-    ENGINE_NONSENSE /* what it answered is no answer */
+    ENGINE_LATE,    /* it exceeded its time limit */
+    ENGINE_NONSENSE /* its reply was invalid */
 };
 
 struct frame_job; /* ref/frame.h */
 struct view;
 struct frame;
 
-/* Rendering on an engine's own. */
+/* Rendering by the engine itself. */
 struct frame_renderer {
     /* As engine.prepare, of which it is independent. */
     enum status (*prepare)(void *self, const struct frame_job *job, struct reason *reason);
@@ -97,7 +97,7 @@ struct engine {
     const char *name;
     const char *summary;
     bool reference;    /* the C that all others are compared with, on a tree and without one */
-    bool library;      /* another project's tracer, linked in */
+    bool library;      /* a tracer of another project, linked in */
     bool needs_packed; /* false: sees the scene alone (brute, Embree) */
     bool brute;   /* tests every triangle: asked for no more rays than match_options.brute_budget
                      pays for */

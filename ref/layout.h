@@ -99,8 +99,8 @@ struct layout {
      * such trees are to be built anew (ref/packed/refit.h). */
     enum status (*rebound)(struct packed *packed, uint32_t ref, const struct box *own,
                            const struct wide *node, struct reason *reason);
-    /* Of layouts whose items lie in the nodes; NULL: pack() has them written by the storage
-     * (store_put), which can be any. Triangle of item slot item_first + i of a leaf, or ABI_NO_PRIM
+    /* Set only if items are stored in nodes. NULL: pack() writes them with store_put, in any
+     * storage. Returns the triangle of item slot item_first + i of a leaf, or ABI_NO_PRIM
      * if the slot is empty or not a triangle. */
     uint32_t (*item)(const struct packed *packed, uint32_t slot);
 };
@@ -148,13 +148,13 @@ static inline uint32_t layout_refs(const struct layout *layout)
     return layout_is_wide(layout) ? 1 + layout->width : 1;
 }
 
-/* Entries that the traversal stack of a layout has at most. */
+/* Maximum traversal stack of a layout, in entries. */
 static inline uint32_t layout_stack_most(const struct layout *layout)
 {
     return layout_is_wide(layout) ? ABI_STACK_WIDE : ABI_STACK_MAX;
 }
 
-/* True if there is a node `ref` in the packed words. */
+/* True if `ref` is a node of the packed words. */
 static inline bool packed_ref_valid(const struct packed *packed, uint32_t ref)
 {
     return ref < packed->ref_count;

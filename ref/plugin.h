@@ -57,10 +57,10 @@ struct raydiff_packed {
     uint32_t root; /* record of the root */
 };
 
-/* Where pack() puts what it makes. */
+/* Output of pack(). */
 struct raydiff_out {
     struct raydiff_packed packed;
-    /* Gives `packed` zeroed arrays for so many records and items; to be called once. False: no
+    /* Gives `packed` zeroed arrays for so many records and items; call it once. False: no
      * memory, or over 2^32 - 1 words; pack() then returns RAYDIFF_MEMORY. */
     bool (*alloc)(struct raydiff_out *out, uint32_t records, uint32_t items);
     char *reason; /* of RAYDIFF_LIMIT: a line without the layout's name, ended by 0 */
@@ -93,7 +93,7 @@ struct raydiff_plugin {
     const char *summary;
     uint32_t node_bytes; /* of a record: a multiple of 16, as shaders read quads; at most 1024 */
     uint32_t width;      /* children of a node at most: 2, 4 or 8 */
-    /* Packs the whole tree, boxes rounded outward. Must not keep what it is given. */
+    /* Packs the whole tree, boxes rounded outward. Must not keep its arguments. */
     int (*pack)(const struct raydiff_tree *tree, const struct raydiff_scene *scene,
                 struct raydiff_out *out);
     /* Decodes the node `ref`. Must give the same every time, may be called by many threads. *out

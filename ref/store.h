@@ -18,7 +18,7 @@ struct tri_store {
     uint32_t head_words;
     enum status (*head)(const struct tri_store *self, const struct scene *scene, uint32_t *word,
                         struct reason *reason);
-    /* Words that `count` items of one leaf take, at least 1; packed->item has the head. Errors:
+    /* Number of words for `count` items of one leaf, at least 1; packed->item has the head. Errors:
      * STATUS_LIMIT, with the rule. */
     enum status (*measure)(const struct packed *packed, const struct scene *scene,
                            const uint32_t *prim, uint32_t count, uint64_t *words,
