@@ -108,8 +108,8 @@ struct engine {
     bool tells_work;      /* its trace_tasks fills in task.work */
     bool binary;          /* traces trees of binary layouts only: STATUS_UNSUPPORTED else */
     bool gpu;             /* runs on a Vulkan driver */
-    bool compiles; /* a program for each layout, storage and tests: the first trial is dear */
-    bool recorded; /* its answers were written down before: it can be asked no other ray */
+    bool compiles; /* a program for each layout, storage and tests: the first trial is slow */
+    bool recorded; /* its results are a recording: it can trace no other rays */
     /* Errors: STATUS_UNSUPPORTED cannot run here (reason), STATUS_DEVICE, STATUS_MEMORY. */
     enum status (*open)(const struct engine_options *options, void **self, struct reason *reason);
     /* Uploads, builds, compiles. May be called again with another job.
@@ -121,15 +121,15 @@ struct engine {
                          struct trace_report *report, struct reason *reason);
     /* Traces `count` jobs with all their rays, to the same bits as prepare and trace of one after
      * the other; nothing is prepared afterwards. A job that cannot be traced, or has a ray that was
-     * not finished, says so in its own status and keeps no other from being traced.
+     * not finished, reports it in its own status and does not stop the others.
      * Errors, after which the tasks hold nothing: STATUS_DEVICE lost; STATUS_MEMORY. NULL: the
      * engine does one job at a time. */
     enum status (*trace_tasks)(void *self, struct engine_task *task, size_t count,
                                struct reason *reason);
     /* All triangles that each ray hits in its range, for a job prepared with QUERY_ALL (trace is
      * for the other queries), in no order; ray i's are hit[i * capacity .. + hit_count[i] - 1]. A
-     * count over capacity says how many there are; then only the first `capacity` are written. A
-     * triangle may be listed twice if the engine finds it twice: that is for the judge to see. The
+     * count over capacity is the full number; then only the first `capacity` hits are written. A
+     * triangle may be listed twice if the engine finds it twice; the judge checks that. The
      * caller keeps ray_count * capacity in bounds (ref/trace/all_hits.h does). Errors: as trace;
      * STATUS_LIMIT capacity hits of one ray are more than a buffer can hold. NULL: cannot (rows
      * skip). An engine whose traversal is not ours, such as a ray query, can list candidates and
@@ -144,7 +144,7 @@ struct engine {
     /* What the judge may assume of an opened engine's arithmetic with `tri`. */
     struct model (*model)(void *self, const struct tri_test *tri);
     void (*close)(void *self); /* NULL is fine */
-    /* Prints what `raydiff doctor` says: versions, limits, or why it cannot run. */
+    /* Prints the text of `raydiff doctor`: versions, limits, or why it cannot run. */
     void (*describe)(const struct engine_options *options, char *text, size_t text_bytes);
 };
 

@@ -1,4 +1,4 @@
-/* What a picture of a scene is: the contract between the renderer in C (scenes/render/render.h), which
+/* Definition of a picture of a scene: the contract between the renderer in C (scenes/render/render.h), which
  * drives any engine ray by ray, and the one in shaders, which an engine may have.
  *
  * Both follow the same paths to the same bits wherever + - * / of floats are IEEE's: what follows
@@ -72,9 +72,9 @@ enum frame_plan {
     FRAME_STEPS, /* one ray of each path per invocation and dispatch */
 };
 
-/* Everything of a frame but the view. All borrowed, valid until the next preparation or close. */
+/* Everything of a frame but the view. All borrowed; must stay valid until the next preparation or close. */
 struct frame_job {
-    struct job job; /* job.query is not read: closest and any are both asked */
+    struct job job; /* job.query is not read: closest and any are both traced */
     struct look look;
     uint32_t width, height;        /* pixels: 1 to FRAME_SIDE_MOST */
     const struct shade_tri *shade; /* job.scene->tri_count */
@@ -97,7 +97,7 @@ struct view {
     float centre; /* of a pixel: 0.5, or the published 0 */
 };
 
-/* Where the answers of a frame go; the arrays are the caller's, row 0 at the top. */
+/* Output of a frame. The arrays are the caller's; row 0 is at the top. */
 struct frame {
     uint32_t *
         pixel; /* width * height, as struct image has them (scenes/picture/image.h): red in bits 0-7 */

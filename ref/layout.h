@@ -5,18 +5,18 @@
 #include "ref/abi.h"
 #include "ref/tree/bvh.h"
 
-/* In which order a traversal visits the children it hits. */
+/* Order in which a traversal visits the children it hits. */
 enum visit {
     VISIT_NEAR, /* smaller entry distance first, fst if equal */
     VISIT_FST,  /* fst first: RTRS's reduced-footprint shader */
     VISIT_SND,  /* snd first: RTRS's direct shader */
 };
 
-/* How the program that a faithful layout reproduces ends on a tree, in place of packing it. */
+/* How the program reproduced by a faithful layout fails on a tree instead of packing it. */
 enum layout_end {
     LAYOUT_GOES_ON,
     LAYOUT_END_LEAF, /* a leaf has more items than slots */
-    LAYOUT_END_ITEM, /* items of a leaf are taken for nodes, of which there are not so many */
+    LAYOUT_END_ITEM, /* items of a leaf are read as nodes, beyond the last node */
 };
 
 struct layout;
@@ -30,7 +30,7 @@ struct packed {
     uint32_t *item;                /* words of the storage, or NULL if items live in the nodes */
     uint32_t word_count;
     uint32_t item_count;
-    size_t item_room;    /* words that there is room for */
+    size_t item_room;    /* allocated words */
     uint32_t node_count; /* records */
     uint32_t ref_count;  /* references: records, then child slots if leaves have no records */
     uint32_t root;       /* reference of the root */
@@ -72,7 +72,7 @@ struct layout {
     /* Layouts of a family share their functions and one shader. `shader` is the name of the file
      * shaders/layouts/layout_SHADER.glsl, NULL: the layout's own name. */
     const char *shader;
-    const void *family;   /* what pack, load and box want to know of this member */
+    const void *family;   /* data of this member for pack, load and box */
     uint32_t constant[2]; /* specialization constants ABI_SPEC_LAYOUT_0 and _1 of its shader */
     /* Packs the whole tree: rounds boxes outward, checks its limits. Sets every member of *out but
      * layout, tri_count, split and stack_need, which packed_make fills in; `bvh` may not be empty.
