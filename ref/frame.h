@@ -1,4 +1,5 @@
-/* Definition of a picture of a scene: the contract between the renderer in C (scenes/render/render.h), which
+/* Definition of a picture of a scene: the contract between the renderer in C
+ * (scenes/render/render.h), which
  * drives any engine ray by ray, and the one in shaders, which an engine may have.
  *
  * Both follow the same paths to the same bits wherever + - * / of floats are IEEE's: what follows
@@ -72,7 +73,8 @@ enum frame_plan {
     FRAME_STEPS, /* one ray of each path per invocation and dispatch */
 };
 
-/* Everything of a frame but the view. All borrowed; must stay valid until the next preparation or close. */
+/* Everything of a frame but the view. All borrowed; must stay valid until the next
+ * preparation or close. */
 struct frame_job {
     struct job job; /* job.query is not read: closest and any are both traced */
     struct look look;

@@ -10,7 +10,7 @@
 
 enum { FLOAT_DOWN = 0x2000, FLOAT_UP = 0x4000, FLOAT_FLUSH = 0x8040, FLOAT_MODES = 0xE040 };
 
-/* The register, of which float_mode_set takes a changed copy. */
+/* The register; float_mode_set takes a changed copy. */
 static inline unsigned long float_mode(void)
 {
     return _mm_getcsr();

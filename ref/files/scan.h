@@ -15,7 +15,7 @@ struct scan {
     char comment;    /* starts a comment where a word could begin; 0: none */
 };
 
-/* A cursor at the start of `bytes`, of which bytes[size] is a 0; borrowed. */
+/* A cursor at the start of `bytes`, where bytes[size] is 0; borrowed. */
 struct scan scan_make(const char *name, const char *bytes, size_t size);
 
 /* Writes "NAME:LINE: " or "NAME: byte N: " and the formatted rule; returns STATUS_INPUT. */

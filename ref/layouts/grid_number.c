@@ -96,7 +96,7 @@ static uint32_t code_of(const struct number_format *format, int64_t rank)
     return format->sign | ((uint32_t)(-rank - 1) + format->first);
 }
 
-/* Exactly the number at a rank: the sum of two doubles, of which the first is the rounded sum
+/* Exactly the number at a rank: the sum of two doubles; the first is the rounded sum
  * (Knuth 1969, two-sum; nothing overflows). */
 struct number_exact {
     double sum, rest;

@@ -1,5 +1,5 @@
 /* A child process of our own: a function in a fork, and whole messages between it and its parent.
- * It may crash, hang or take all memory there is; the parent goes on and gets how it ended. For
+ * It may crash, hang or take all memory there is; the parent continues and receives how it ended. For
  * other programs see ref/outside/pipe_child.h. */
 #ifndef FUZZ_CHILD_H
 #define FUZZ_CHILD_H
@@ -66,7 +66,7 @@ struct child_fate {
  * once, unless it has ended already). Zeroes *child; `fate` may be NULL. A zero one is fine. */
 void child_end(struct child *child, uint32_t ms, struct child_fate *fate);
 
-/* True if somebody has stopped it: SIGSTOP, Ctrl-Z, a debugger (*debugged). */
+/* True if it is stopped: SIGSTOP, Ctrl-Z, a debugger (*debugged). */
 bool child_is_stopped(const struct child *child, bool *debugged);
 
 /* Nanoseconds that its threads, added up, have waited for a processor that others had (Linux's

@@ -53,7 +53,7 @@ struct pipe_limits {
     uint32_t triangles; /* UINT32_MAX: not known */
 };
 
-/* Reads bytes, of which bytes[size] is a 0; `name` is for messages. Errors: STATUS_INPUT
+/* Reads bytes, where bytes[size] is 0; `name` is for messages. Errors: STATUS_INPUT
  * "NAME:LINE: rule"; STATUS_MEMORY. */
 enum status pipe_text_parse(const char *name, const char *bytes, size_t size,
                             const struct pipe_limits *limits, struct pipe_text *out,

@@ -138,7 +138,7 @@ enum status scene_quantise(const struct scene *scene, uint32_t bits, struct scen
     return STATUS_OK;
 }
 
-/* The largest power of two of which all coordinates are multiples; 1 if all are 0. */
+/* The largest power of two that divides all coordinates; 1 if all are 0. */
 static float step_of_axis(const struct scene *scene, int k)
 {
     int least = INT32_MAX;

@@ -35,7 +35,7 @@ static void write(const struct packed *packed, const struct scene *scene, const 
     block_write(&block, word);
 }
 
-/* Vertices of the block, of which item `slot` lies within the words; 0: it does not. */
+/* Vertices of the block if its item `slot` lies within the words; else 0. */
 static uint32_t vertices_of(const struct packed *packed, uint32_t first, uint32_t slot)
 {
     uint32_t most = 0;

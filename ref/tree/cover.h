@@ -27,7 +27,7 @@ struct cover_tree {
 
 /* What was found. */
 struct cover_faults {
-    uint32_t prims; /* triangles of which a part is lost */
+    uint32_t prims; /* triangles that lose a part */
     uint32_t prim;  /* the first of them, and the deepest node whose region has some of the part */
     uint32_t node;
 };
