@@ -38,9 +38,9 @@ enum status folder_has_folder(const struct folder *folder, const char *name, boo
 enum status folder_read(const struct folder *folder, const char *name, size_t most, char **bytes,
                         size_t *size, struct reason *reason) MUST_USE;
 
-/* Opens a file to be read; `append`: to be read and appended to, made if it is not there. A file
- * that is to be appended to may have no second name (a hard link), through which it is somebody
- * else's. *file is -1 on error. Errors: STATUS_INPUT "PATH: rule". */
+/* Opens a file for reading; `append`: for reading and appending, created if missing. A file opened
+ * for appending must have no second name (a hard link): the other name may belong to another user.
+ * *file is -1 on error. Errors: STATUS_INPUT "PATH: rule". */
 enum status folder_open_file(const struct folder *folder, const char *name, bool append, int *file,
                              struct reason *reason) MUST_USE;
 

@@ -6,19 +6,19 @@
  *            and per triangle three vertex numbers from 0; then per ray ox oy oz tmin dx dy dz tmax
  *   answer   "RDRA", version, refused, count, formula, rounding, flags, 0
  *            then per ray t u v triangle; a miss is triangle 0xFFFFFFFF, whatever t u v
- *            refused 1: count bytes of text instead, why this scene cannot be taken
+ *            refused 1: count bytes of text instead, why this scene is rejected
  *
  * The peer answers requests until its input ends, each when it has read all of it. Query 0 asks for
  * the nearest hit, 1 for any; tmin <= t <= tmax; t counts in multiples of the direction; u weighs
  * the triangle's second vertex, v its third. A request may have no rays, or no triangles; the first
- * has neither, and asks what the peer says of itself:
+ * has neither; its reply describes the peer:
  *
  *   formula   0 unknown, 1 mt, 2 woop, 3 Embree's default, 4 Embree's robust, 5 pluecker,
  *             6 baldwin_webber (ref/twin/twin.h)
  *   rounding  0 IEEE, 1 IEEE with subnormals flushed, 2 Vulkan, 3 Vulkan with RTE, 4 Embree
  *   flags     1: tmin < t < tmax; 2: watertight; 4: any-hits do not name their triangle
  *
- * All 0 is always right: the judge then asks by how much vertices must move to make an answer right
+ * All 0 is always right: the judge then computes by how much vertices must move to make an answer right
  * (ref/judge/judge.h). README, "Any tracer can join", has the rules for the process. */
 #ifndef FUZZ_PIPE_H
 #define FUZZ_PIPE_H

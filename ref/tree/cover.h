@@ -3,8 +3,8 @@
  * from the root to some leaf that lists the triangle. So the triangle must be covered by the union,
  * over the leaves that list it, of their regions: what all boxes on the way have in common.
  *
- * What regions leave of a triangle's bounds falls apart into half-open boxes; each is asked whether
- * the triangle meets it (ref/tree/cover_exact.h). No tolerance: a box one ulp too small is found. */
+ * What regions leave of a triangle's bounds falls apart into half-open boxes; each is tested
+ * against the triangle (ref/tree/cover_exact.h). No tolerance: a box one ulp too small is found. */
 #ifndef COVER_H
 #define COVER_H
 
