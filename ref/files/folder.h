@@ -39,7 +39,7 @@ enum status folder_read(const struct folder *folder, const char *name, size_t mo
                         size_t *size, struct reason *reason) MUST_USE;
 
 /* Opens a file for reading; `append`: for reading and appending, created if missing. A file opened
- * for appending must have no second name (a hard link): the other name may belong to another user.
+ * for appending must have no second name (a hard link): that name may be someone else's.
  * *file is -1 on error. Errors: STATUS_INPUT "PATH: rule". */
 enum status folder_open_file(const struct folder *folder, const char *name, bool append, int *file,
                              struct reason *reason) MUST_USE;

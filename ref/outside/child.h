@@ -1,5 +1,5 @@
 /* A child process of our own: a function in a fork, and whole messages between it and its parent.
- * It may crash, hang or take all memory there is; the parent continues and gets its end. For
+ * It may crash, hang or use all memory; the parent continues and receives how it ended. For
  * other programs see ref/outside/pipe_child.h. */
 #ifndef FUZZ_CHILD_H
 #define FUZZ_CHILD_H

@@ -18,8 +18,8 @@
  *   rounding  0 IEEE, 1 IEEE with subnormals flushed, 2 Vulkan, 3 Vulkan with RTE, 4 Embree
  *   flags     1: tmin < t < tmax; 2: watertight; 4: any-hits do not name their triangle
  *
- * All 0 is always right: the judge then computes by how much vertices must move to make an answer right
- * (ref/judge/judge.h). README, "Any tracer can join", has the rules for the process. */
+ * All 0 is always right: the judge then computes by how much vertices must move to make an
+ * answer right (ref/judge/judge.h). README, "Any tracer can join", has the rules for the process. */
 #ifndef FUZZ_PIPE_H
 #define FUZZ_PIPE_H
 
