@@ -42,7 +42,7 @@ once() {
 }
 
 # Only the bug matters, not the speed: compiled with little optimisation, linked without symbols.
-compile() { $CC_CMD -O1 -g0 "$@"; }
+compile() { $CC_CMD -Werror=implicit-function-declaration -O1 -g0 "$@"; }
 link() { # program, then what it is made of
     program=$1
     shift
