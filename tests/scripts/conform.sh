@@ -1,0 +1,21 @@
+#!/bin/sh
+# The conformance suite, or its hard cases, and that what it prints and writes is as much as it should be:
+#   sh tests/scripts/conform.sh RAYDIFF JUNIT LEAST [ARGUMENTS OF CONFORM...]
+# LEAST: so many trials must pass.
+set -u
+raydiff=$1 junit=$2 least=$3
+shift 3
+rm -f "$junit"
+log=$(mktemp) || exit 4
+trap 'rm -f "$log"' EXIT
+"$raydiff" conform --junit "$junit" "$@" >"$log" 2>&1
+code=$?
+cat "$log"
+[ "$code" -eq 0 ] || { [ "$code" -eq 77 ] && code=1; exit "$code"; }
+sum=$(tail -n 1 "$log" | sed -nE 's/^([0-9]+) passed, 0 failed, ([0-9]+) skipped$/\1 \2/p')
+passed=${sum% *} skipped=${sum#* }
+[ -n "$sum" ] && [ "$passed" -ge "$least" ] || { echo "conform: not $least passed, and 0 failed"; exit 1; }
+grep -q "^<testsuite .*tests=\"$((passed + skipped))\" failures=\"0\" errors=\"0\" skipped=\"$skipped\"" "$junit" ||
+    { echo "conform: $junit has other counts"; exit 1; }
+[ "$(grep -c '<testcase ' "$junit")" -eq "$((passed + skipped))" ] && [ "$(grep -c '<skipped' "$junit")" -eq "$skipped" ] ||
+    { echo "conform: $junit has other cases"; exit 1; }
