@@ -46,16 +46,16 @@ fi
 # What takes long begins first.
 case $mode in
 plain)
-    suite conform_hard sh tests/scripts/conform.sh "$build/raydiff" "$logs/hard.xml" 8000 --hard --quick
+    suite conform_hard sh tests/conform/conform.sh "$build/raydiff" "$logs/hard.xml" 8000 --hard --quick
     suite rules_planted sh tests/house/rules_planted.sh
     suite agree sh tests/scripts/agree.sh "$build" quick "$logs/agree"
-    suite conform sh tests/scripts/conform.sh "$build/raydiff" "$logs/conform.xml" 400
+    suite conform sh tests/conform/conform.sh "$build/raydiff" "$logs/conform.xml" 400
     suite rules sh tests/house/rules.sh
     suite constants sh tests/house/constants.sh
     suite constants_planted sh tests/house/constants_planted.sh
     suite honest_planted sh tests/house/honest_planted.sh
     suite leaks sh tests/scripts/leaks.sh "$build" "$logs/leaks" 10000 f32,rf16
-    suite corpus sh tests/scripts/corpus.sh "$build/raydiff"
+    suite corpus sh tests/conform/corpus.sh "$build/raydiff"
     suite readers sh tests/scripts/readers.sh "$build"
     suite cli sh tests/scripts/cli.sh "$build/raydiff"
     suite shipped sh tests/scripts/shipped.sh "$build/raydiff"
@@ -103,7 +103,7 @@ plain)
     suite plugin_findings sh tests/scripts/plugin_findings.sh "$build/raydiff"
     ;;
 sanitize)
-    suite corpus sh tests/scripts/corpus.sh "$build/raydiff"
+    suite corpus sh tests/conform/corpus.sh "$build/raydiff"
     suite readers sh tests/scripts/readers.sh "$build"
     suite conform "$build/raydiff" conform --count 200
     suite conform_hard "$build/raydiff" conform 'hard.*.cpu.*.median.watertight.*'

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Every trial of fuzz/corpus shows what it did when it was kept: sh tests/scripts/corpus.sh RAYDIFF
+# Every trial of fuzz/corpus shows what it did when it was kept: sh tests/conform/corpus.sh RAYDIFF
 set -u
 log=$(mktemp) || exit 4
 trap 'rm -f "$log"' EXIT

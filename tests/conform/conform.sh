@@ -1,6 +1,6 @@
 #!/bin/sh
 # The conformance suite, or its hard cases, and that what it prints and writes is as much as it should be:
-#   sh tests/scripts/conform.sh RAYDIFF JUNIT LEAST [ARGUMENTS OF CONFORM...]
+#   sh tests/conform/conform.sh RAYDIFF JUNIT LEAST [ARGUMENTS OF CONFORM...]
 # LEAST: so many trials must pass.
 set -u
 raydiff=$1 junit=$2 least=$3
