@@ -90,7 +90,10 @@ static enum refit_fate fate_of(const struct layout *layout, enum motion motion)
     return halves && !strstr(name, "bf16") && away ? REFUSES : HOLDS;
 }
 
-static void refit_one(struct packed *packed, const struct scene *scene, enum motion motion)
+/* To the scene as it moved, and back to where it was: the tightest boxes depend on where the triangles are
+ * alone, so that the words are the first again. */
+static void refit_one(struct packed *packed, const struct scene *scene, const struct scene *first,
+                      enum motion motion)
 {
     struct snapshot before = snapshot(packed);
     struct reason reason = {""};
@@ -111,6 +114,10 @@ static void refit_one(struct packed *packed, const struct scene *scene, enum mot
                  status ? reason.text : "not noticed");
     if (motion == STILL && !same_as(packed, &before))
         fail_msg("%s: a refit to the same scene changes words", packed->layout->name);
+    if (!status && packed_refit(packed, first, &reason))
+        fail_msg("%s: motion %d and back: %s", packed->layout->name, (int)motion, reason.text);
+    if (!status && !same_as(packed, &before))
+        fail_msg("%s: motion %d and back: other words", packed->layout->name, (int)motion);
     drop(&before);
 }
 
@@ -129,7 +136,7 @@ static void every_layout_holds_what_has_moved_or_says_rebuild(void **state)
             if (packed_make(layouts_all[l], &bvh, &scene, &packed, &reason))
                 fail_msg("%s", reason.text);
             if (layouts_all[l]->rebound) {
-                refit_one(&packed, &moved, (enum motion)m);
+                refit_one(&packed, &moved, &scene, (enum motion)m);
             } else {
                 struct snapshot before = snapshot(&packed);
                 assert_int_equal(packed_refit(&packed, &moved, &reason), STATUS_LIMIT);
