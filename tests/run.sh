@@ -58,6 +58,7 @@ plain)
     suite corpus sh tests/conform/corpus.sh "$build/raydiff"
     suite readers sh tests/scripts/readers.sh "$build"
     suite cli sh tests/scripts/cli.sh "$build/raydiff"
+    suite values sh tests/values/values.sh "$build/raydiff"
     suite shipped sh tests/scripts/shipped.sh "$build/raydiff"
     suite hard_lists sh tests/scripts/hard_lists.sh "$build/raydiff"
     suite options sh tests/scripts/options.sh "$build/raydiff"

@@ -1,0 +1,173 @@
+# The text of `raydiff check` against its JSON: awk -f lib.awk -f check.awk FLAT TEXT
+# Every number of the text is computed anew from the numbers of the rows.
+function row_is(path) { return v["rows." path] }
+function rate(path) { return v["rows." path ".mrays_per_s.median"] }
+# The first row of the scene with that layout, engine, box and triangle test.
+function row_of(layout, engine, like,  r) {
+    for (r = first; r < next_row; r++)
+        if (v["rows." r ".status"] == "ok" && v["rows." r ".layout"] == layout && v["rows." r ".engine"] == engine &&
+            (like == "" || (v["rows." r ".query"] == v["rows." like ".query"] && v["rows." r ".box"] == v["rows." like ".box"] &&
+                            v["rows." r ".tri"] == v["rows." like ".tri"])))
+            return r
+    return -1
+}
+BEGIN {
+    kinds = split("right tie near_tie boundary border in_plane slab noise out_of_contract", kind, " ")
+    wrongs = split("missed phantom triangle distance barycentric not_finite not_repeatable any_disagrees twice order", of_wrong, " ")
+    scene = -1
+    next_row = 0
+}
+/^[^ ].*: [0-9]+ triangles, [0-9]+ vertices; [0-9]+ rays, set / {
+    scene++
+    first = next_row
+    p = "scenes." scene
+    split($0, part, ": ")
+    equal("scene", part[1], v[p ".scene"])
+    match($0, /: [0-9]+ triangles/)
+    split(substr($0, RSTART + 2), word, " ")
+    equal("triangles", word[1], v[p ".triangles"])
+    equal("vertices", word[3], v[p ".vertices"])
+    equal("rays", word[5], v[p ".count"])
+    next
+}
+/^tree: / {
+    match($0, /: [0-9]+ nodes, [0-9]+ leaves, depth [0-9]+, largest leaf [0-9]+/)
+    split(substr($0, RSTART + 2), word, /[ ,]+/)
+    r = first
+    while (v["rows." r ".layout"] == "null") r++
+    equal("nodes", word[1], v["rows." r ".tree.nodes"])
+    equal("leaves", word[3], v["rows." r ".tree.leaves"])
+    equal("depth", word[6], v["rows." r ".tree.depth"])
+    equal("largest leaf", word[9], v["rows." r ".tree.largest_leaf"])
+    next
+}
+/^layout  *engine / { rows = 1; next }
+/^what it means/ { rows = 0; next }
+rows && NF >= 7 {
+    r = next_row++
+    p = "rows." r
+    name = v[p ".scene"] " row " r " "
+    equal(name "layout", $1, v[p ".layout"] == "null" ? "-" : v[p ".layout"])
+    equal(name "engine", $2, v[p ".engine"])
+    equal(name "box", $3, v[p ".box"] == "null" ? "-" : v[p ".box"])
+    equal(name "tri", $4, v[p ".tri"])
+    equal(name "query", $5, v[p ".query"])
+    if (v[p ".status"] != "ok") {
+        equal(name "status", $6, v[p ".status"] ":")
+        if (index($0, v[p ".reason"]) == 0) bad(name "the reason is another")
+        next
+    }
+    if ($6 != "-") {
+        same(name "node bytes", $6, "%.1f", v[p ".node_bytes"] / 1000)
+        same(name "item bytes", $7, "%.1f", v[p ".item_bytes"] / 1000)
+    }
+    equal(name "hits", $8, v[p ".hits"])
+    for (k = 2; k <= kinds; k++) equal(name kind[k], $(7 + k), v[p ".counts." kind[k]])
+    same(name "err/E", $17, "%.2f", v[p ".err_over_bound"])
+    equal(name "WRONG", $18, v[p ".judged"] == "true" ? v[p ".counts.wrong"] : "count")
+    equal(name "bits", $19, v[p ".bit_differences"])
+    same(name "Mray/s", $20, "%.3f", v[p ".mrays_per_s.median"])
+    equal(name "least and most", $21, sprintf("(%.3f-%.3f)", v[p ".mrays_per_s.min"], v[p ".mrays_per_s.max"]))
+    if (match($0, /as published: .*/)) {
+        text = substr($0, RSTART + 14)
+        count = split(text, part, /, /)
+        sum = 0
+        for (k = 1; k <= count; k++) {
+            split(part[k], word, " ")
+            equal(name "as published", word[2], v[p ".wrong." word[1]])
+            sum += word[2]
+        }
+        equal(name "as published in all", sum, v[p ".counts.wrong"])
+    }
+    sum = 0
+    for (k = 1; k <= kinds; k++) sum += v[p ".counts." kind[k]]
+    equal(name "verdicts in all", sum + v[p ".counts.wrong"], v[p ".rays"])
+    sum = 0
+    for (k = 1; k <= wrongs; k++) sum += v[p ".wrong." of_wrong[k]]
+    equal(name "kinds of WRONG in all", sum, v[p ".counts.wrong"])
+    if (!(v[p ".mrays_per_s.min"] + 0 <= rate(r) + 0 && rate(r) + 0 <= v[p ".mrays_per_s.max"] + 0))
+        bad(name "the median is not between least and most")
+    next
+}
+/^  [a-z0-9_]+ on [a-z0-9_]+: .* of f32's node bytes/ {
+    sub(":", "", $3)
+    r = row_of($1, $3, "")
+    base = row_of("f32", $3, r)
+    n = v["rows." r ".node_bytes"]
+    same("node bytes of " $1, $4, "%.2f", n / v["rows." base ".node_bytes"])
+    text = $0
+    sub(/.*\(/, "", text)
+    sub(/ .*/, "", text)
+    same("bytes of " $1, text, "%.2f",
+         (n + v["rows." r ".item_bytes"]) / (v["rows." base ".node_bytes"] + v["rows." base ".item_bytes"]))
+    text = $0
+    sub(/.*\), /, "", text)
+    sub(/ .*/, "", text)
+    same("speed of " $1 " on " $3, text, "%.2f", rate(r) / rate(base))
+    next
+}
+/^  cpu on [a-z0-9_]+: [0-9.]+ times the speed of / {
+    sub(":", "", $3)
+    same("speed of cpu by " $NF, $4, "%.2f", rate(row_of($3, "cpu", "")) / rate(row_of("null", $NF, "")))
+    next
+}
+/^  bit for bit against cpu: / {
+    for (r = first; r < next_row; r++)
+        if (v["rows." r ".bit_differences"] != "null" && v["rows." r ".engine"] != "cpu" && v["rows." r ".engine"] != "brute") {
+            rays += v["rows." r ".rays"]
+            differ += v["rows." r ".bit_differences"]
+        }
+    equal("answers that differ", $6, differ + 0)
+    rays = differ = 0
+    next
+}
+/^  against the exact truth: / {
+    for (k in total) delete total[k]
+    all = 0
+    for (r = first; r < next_row; r++) {
+        if (v["rows." r ".status"] != "ok" || v["rows." r ".judged"] != "true") continue
+        all += v["rows." r ".rays"]
+        total["wrong"] += v["rows." r ".counts.wrong"]
+        for (k = 1; k <= kinds; k++) total[kind[k]] += v["rows." r ".counts." kind[k]]
+        for (k = 1; k <= wrongs; k++) total[of_wrong[k]] += v["rows." r ".wrong." of_wrong[k]]
+    }
+    equal("answers WRONG", $5, total["wrong"] + 0)
+    equal("answers judged", $7, all)
+    text = $0
+    sub(/.*\(/, "", text)
+    sub(/\)$/, "", text)
+    count = split(text, part, ", ")
+    equal("kinds of WRONG", count, wrongs)
+    for (k = 1; k <= count; k++) equal("of all WRONG", part[k], of_wrong[k] " " total[of_wrong[k]] + 0)
+    next
+}
+/^  allowed: / {
+    text = $0
+    sub(/.*allowed: /, "", text)
+    count = split(text, part, ", ")
+    equal("verdicts", count, kinds)
+    for (k = 1; k <= count; k++) equal("of all allowed", part[k], kind[k] " " total[kind[k]] + 0)
+    next
+}
+/^  members as published are wrong in / {
+    sum = 0
+    for (r = first; r < next_row; r++)
+        if (v["rows." r ".judged"] == "false") sum += v["rows." r ".counts.wrong"]
+    equal("answers of members as published", $7, sum)
+    next
+}
+/^engine [a-z_0-9]+ answered|^layout [a-z_0-9]+ answered/ {
+    for (i = 0; i < v["named.count"]; i++)
+        if (v["named." i ".kind"] == $1 && v["named." i ".name"] == $2) {
+            equal($1 " " $2 " answered", $4, v["named." i ".answered"])
+            equal($1 " " $2 " of", $6 + 0, v["named." i ".asked"])
+            next
+        }
+    bad($1 " " $2 " is not in the JSON")
+}
+END {
+    if (scene + 1 != v["scenes.count"]) bad(scene + 1 " scenes, in JSON " v["scenes.count"])
+    if (next_row != v["rows.count"]) bad(next_row " rows, in JSON " v["rows.count"])
+    print "check: " checked " values, " wrong + 0 " wrong"
+    exit wrong > 0 || checked < least
+}
