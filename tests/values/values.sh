@@ -24,5 +24,6 @@ compare check 250 check sphere:n=8 soup:n=300 --layout f32,rf16,half4 --engine c
 compare check 100 check soup:n=200 --layout f32,rf16 --engine all --query any $small
 # Wrong answers of each kind that members as published give.
 compare check 60 check soup:n=400,size=0.5 --layout rtrs_rf,rtrs_direct --engine cpu --box rtrs --tri mt_rtrs $small
+compare leaks 200 leaks sphere:n=8 --engine cpu --layout f32,rf16 --count 4000 --threads 1
 echo "values: $failed failed"
 [ "$failed" -eq 0 ]
