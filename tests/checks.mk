@@ -149,3 +149,4 @@ slow: all tests
 	RAYDIFF_SLOW=1 $(B)/tests/test_vulkan_render
 	for test in $(BOUNDS_TESTS); do RAYDIFF_SLOW=1 $$test || exit 1; done
 	$(B)/raydiff conform --hard
+	sh tests/house/stubs.sh $(B) all

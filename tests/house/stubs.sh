@@ -1,9 +1,9 @@
 #!/bin/sh
 # No script that plays the program passes, or is skipped, with one that does nothing but end, whatever its exit
-# code; nor with one that is killed:
+# code, or is killed:
 #   sh tests/house/stubs.sh BUILD [all]
-# The scripts are those of make check. Three of them wait long for a program that does nothing; they are
-# played with "all" alone.
+# The scripts are those of make check, played with exit codes 0 and 77; with "all" with every code, and with them three that
+# wait long for a program that does nothing.
 set -u
 build=$1 all=${2-}
 work=$(mktemp -d) || exit 4
@@ -22,7 +22,7 @@ done
 
 sh tests/mutation/suites.sh STUB | grep -v '^test_' | while read -r name command; do
     [ -n "$all" ] || ! echo " $slow " | grep -q " $name " || continue
-    for end in $([ -n "$all" ] && echo 1 2 3 4) 0 77 killed; do
+    for end in $([ -n "$all" ] && echo 1 2 3 4 killed) 0 77; do
         printf "'%s' '%s' '%s'\n" "$name" "$end" "$(echo "$command" | sed "s|STUB|$work/$end|g")"
     done
 done >"$work/plays"
@@ -42,4 +42,4 @@ WORK=$work xargs -d '\n' -P "$(nproc)" -n 1 sh "$work/play.sh" <"$work/plays" >"
 grep '^MISSED' "$work/said"
 count=$(wc -l <"$work/plays")
 echo "stubs: $(grep -c '^red' "$work/said") of $count plays are red"
-[ "$count" -ge 60 ] && [ "$(grep -c '^red' "$work/said")" -eq "$count" ]
+[ "$count" -ge 45 ] && [ "$(grep -c '^red' "$work/said")" -eq "$count" ]
