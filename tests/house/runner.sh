@@ -17,7 +17,9 @@ made_up() { # NAME SCRIPT
     chmod +x "$dir/tests/test_$1"
 }
 # expect CODE 'SUM'
+# What an earlier run left behind does not write into the output of the next.
 expect() {
+    rm -f "$dir/out"
     sh tests/run.sh "$dir" made_up >"$dir/out" 2>&1
     got=$?
     [ "$got" -eq "$1" ] || bad "exit code $got, not $1"
@@ -32,7 +34,8 @@ grep -q '^passed   test_pipe' "$dir/out" || bad 'a suite that runs alone is not 
 made_up wrong 'echo "here it is wrong"; exit 1'
 expect 1 '2 passed, 1 failed, 1 skipped'
 grep -q 'here it is wrong' "$dir/out" || bad 'the log of what failed is not shown'
-made_up wrong 'kill -9 $PPID; sleep 0.2'
+# The others have ended before it kills the shell that plays it.
+made_up wrong 'sleep 1; kill -9 $PPID; sleep 0.2'
 expect 1 '2 passed, 1 failed, 1 skipped'
 grep -q '^FAILED   1 suites were not played to their end' "$dir/out" || bad 'a killed suite is not missed'
 rm "$dir/tests/test_wrong"

@@ -12,7 +12,7 @@ out=$build/play
 export CC_CMD OMP_NUM_THREADS="${OMP_NUM_THREADS:-1}"
 [ -n "$room" ] || { echo "mutation: which room? make mutation ROOM=ref/judge" >&2; exit 2; }
 [ -d "$map" ] || { echo "mutation: which suites run which lines? make mutation-map" >&2; exit 2; }
-files=$(git ls-files -- $room | grep '\.c$')
+files=$(git ls-files -- $room | grep -E '\.(c|h|glsl|comp)$')
 [ -n "$files" ] || { echo "mutation: '$room': no source" >&2; exit 2; }
 mkdir -p "$out/done"
 ln -sfn "$(realpath "$map")" "$out/map"
