@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A scene that grows model by model. */
+/* A scene being built, model by model. */
 struct growing {
     const struct construct *from;
     struct scene scene;
@@ -16,7 +16,7 @@ struct growing {
     uint32_t red;
 };
 
-/* Describes model `i` for reasons. */
+/* Names model `i` in error messages. */
 #define MODEL_IS    "model %u (%s)"
 #define MODEL(i, m) (i), (m)->spec
 
@@ -86,7 +86,7 @@ static enum status check(const struct construct *from, struct reason *reason)
     return status;
 }
 
-/* Room for so many more vertices and triangles. */
+/* Makes room for the vertices and triangles of `mesh`. */
 static enum status reserve(struct growing *growing, uint32_t i, const struct scene *mesh,
                            struct reason *reason)
 {
@@ -167,7 +167,8 @@ static enum status add_model(struct growing *growing, uint32_t i, struct reason 
     return status;
 }
 
-/* A triangle of a vertex, and its model; for a reason that is printed once. */
+/* Error for a vertex without normal. Finds the model of vertex and triangle, and their indices in
+ * it. */
 static enum status refuse_normal(const struct growing *growing, uint32_t vertex, uint32_t tri,
                                  struct reason *reason)
 {
@@ -208,7 +209,7 @@ static enum status add_normals(struct growing *growing, struct construct_notes *
     return status;
 }
 
-/* Copies of materials, lights and camera; the default red behind the materials. */
+/* Copies materials, lights and camera; appends the default red to the materials. */
 static enum status furnish(struct growing *growing, struct reason *reason)
 {
     const struct construct *from = growing->from;

@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* No normal: two equal products per component instead of a difference, which could underflow. */
+/* Compares both products of each component of the cross product. Their difference could
+ * underflow. */
 static bool has_no_area(float v[3][3])
 {
     double e[3], f[3];
@@ -15,7 +16,7 @@ static bool has_no_area(float v[3][3])
     return e[1] * f[2] == e[2] * f[1] && e[2] * f[0] == e[0] * f[2] && e[0] * f[1] == e[1] * f[0];
 }
 
-/* The corners of a triangle as bits, in an order of their own. */
+/* The corners of a triangle as bits, sorted. */
 struct key {
     uint32_t corner[3][3];
 };

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* Vertices in the same place have one number: -0 is where 0 is. */
+/* A hash of a position. -0 and 0 give the same hash. */
 static uint64_t place_of(const float p[3])
 {
     uint64_t place = 0;

@@ -20,14 +20,15 @@ static const struct format {
     {".ply", read_ply, write_ply},
 };
 
-/* `path` without its last `cut` bytes ends in `ending`, whatever the case, after a name. */
+/* Whether `path` without its last `cut` bytes ends in `ending` (case ignored) after at least one
+ * character. */
 static bool ends_in(const char *path, size_t cut, const char *ending)
 {
     size_t length = strlen(path), tail = strlen(ending) + cut;
     return length > tail && strncasecmp(path + length - tail, ending, strlen(ending)) == 0;
 }
 
-/* The format of a file name; with `zipped` also of that name and ".gz". NULL if none. */
+/* The format of a file name, by its ending; `zipped`: ".gz" may follow it. NULL if none. */
 static const struct format *find_format(const char *path, bool zipped)
 {
     size_t cut = zipped && ends_in(path, 0, ".gz") ? 3 : 0;
@@ -78,7 +79,7 @@ enum status scene_write(const char *path, const struct scene *scene, struct reas
     return status;
 }
 
-/* Appends `word` to a list in `text`, as far as it fits. */
+/* Appends `word` to a comma-separated list, truncated to `size`. */
 static void append(char *text, size_t size, const char *word)
 {
     size_t used = strlen(text);
@@ -105,7 +106,7 @@ static enum status unknown_param(const struct generator *generator, const char *
                 generator->name, length > 40 ? 40 : (int)length, key, known, generator->name);
 }
 
-/* The number of a param: from its text to the next comma. */
+/* Reads the number of a param, which ends at the next comma. */
 static enum status read_param(const struct generator *generator, const struct param *param,
                               const char *text, double *value, struct reason *reason)
 {
@@ -169,7 +170,7 @@ static enum status read_params(const struct generator *generator, const char *te
     return STATUS_OK;
 }
 
-/* Runs a generator on what follows its name: "" or ":key=value,...". */
+/* Runs a generator with the text after its name: "" or ":key=value,...". */
 static enum status generate(const struct generator *generator, const char *params, uint64_t seed,
                             struct scene *out, struct reason *reason)
 {

@@ -53,7 +53,7 @@ enum status transform_rotate(const float axis[3], float degrees, struct transfor
 {
     double a[3], length = 0, sine, cosine;
     *out = transform_identity();
-    for (int k = 0; k < 3; k++) /* squares of floats neither overflow a double nor vanish in it */
+    for (int k = 0; k < 3; k++) /* squares of floats neither overflow nor underflow in double */
         length += (double)axis[k] * (double)axis[k];
     if (!(length > 0))
         return fail(reason, STATUS_INPUT, "an axis of length 0");
@@ -63,8 +63,8 @@ enum status transform_rotate(const float axis[3], float degrees, struct transfor
     out->any = true;
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++) {
-            /* cos I + (1 - cos) a a^T + sin [a]x, of which an entry off the diagonal is the third
-             * component of the axis, with the sign of the permutation. */
+            /* cos I + (1 - cos) a a^T + sin [a]x. Off-diagonal entry (i, k) of [a]x is the
+             * component of the third axis, with the sign of the permutation. */
             double cross = i == k ? 0 : (k + 1) % 3 == i ? a[(i + 1) % 3] : -a[(k + 1) % 3];
             out->row[i][k] = (i == k ? cosine : 0) + (1 - cosine) * a[i] * a[k] + sine * cross;
         }

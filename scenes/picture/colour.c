@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Both tables are paths through OKLab (Ottosson 2020), walked in steps of equal length. Their
- * entries are 0xRRGGBB; between two of them the bytes are interpolated. */
+/* Both tables are paths through OKLab (Ottosson 2020), sampled in steps of equal length. Entries
+ * are 0xRRGGBB; bytes are interpolated between entries. */
 #define STEPS 33
 
 /* Lightness 0.18 to 0.96; hue from violet through blue and green to yellow. */
@@ -29,7 +29,7 @@ static uint32_t from_rgb(uint32_t rgb)
     return image_rgb(rgb >> 16, rgb >> 8, rgb);
 }
 
-/* part from 0 to 1, else the nearest of these. */
+/* Table colour at `part`, clamped to 0 .. 1. */
 static uint32_t in_table(const uint32_t table[STEPS], double part)
 {
     if (!(part > 0.0))
@@ -63,7 +63,7 @@ uint32_t colour_of_id(uint32_t id)
     hash = (hash ^ hash >> 16) * 0x21F0AAADu;
     hash = (hash ^ hash >> 15) * 0xD35A2D97u;
     hash ^= hash >> 15;
-    /* One channel is full or nearly so, one is at most half of it: never gray. */
+    /* One channel is at least 192, one at most 95: never gray. */
     unsigned full = 192 + (hash & 63), small = hash >> 6 & 95, middle = hash >> 13 & 255;
     switch ((hash >> 21) % 6) {
     case 0:

@@ -8,37 +8,37 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* In pixels, before text is enlarged. */
+/* In pixels of unenlarged text. */
 #define MARGIN     8
-#define LINE       13 /* from one line of text to the next */
+#define LINE       13 /* distance between lines of text */
 #define BAR_HEIGHT 12
 #define BAR_LEAST  220
 #define BAR_MOST   640
 #define SWATCH     9
-#define LARGE_FROM 1000u /* pixels wide: twice as large text */
+#define LARGE_FROM 1000u /* pixels; text is twice as large from this width on */
 
 #define INK   image_rgb(0, 0, 0)
 #define PAPER image_rgb(255, 255, 255)
 
-/* Everything that a picture is put together from. */
+/* Layout of a picture. */
 struct picture_sheet {
     const struct colour_scale *scale;
-    int text;               /* enlargement of text, bar and swatches */
-    int left, top;          /* of the values */
-    int values_w, values_h; /* in pixels of the picture */
+    int text;               /* scale factor of text, bar and swatches */
+    int left, top;          /* of the area of values */
+    int values_w, values_h; /* its size in pixels */
     int inner;              /* width between the margins */
-    struct image *image;    /* NULL: only measures */
-    int y;                  /* of the line that comes next */
+    struct image *image;    /* NULL: only measure */
+    int y;                  /* of the next line */
 };
 
-/* A line of text at x, or nothing while measuring. */
+/* Draws text at x in the current line, unless only measuring. */
 static void put(const struct picture_sheet *sheet, int x, const char *text)
 {
     if (sheet->image)
         draw_text(sheet->image, x, sheet->y, (unsigned)sheet->text, INK, text);
 }
 
-/* As much of a line as fits between the margins; "..." stands for the rest. */
+/* Draws a line cut to the width between the margins; "..." replaces the rest. */
 static void put_cut(struct picture_sheet *sheet, const char *text)
 {
     char line[400];
@@ -51,7 +51,7 @@ static void put_cut(struct picture_sheet *sheet, const char *text)
     sheet->y += LINE * sheet->text;
 }
 
-/* A swatch and what it means; a new line where this one is full. */
+/* Draws a swatch and its name, in a new line if this one is full. */
 static void put_swatch(struct picture_sheet *sheet, int *x, uint32_t colour, const char *name)
 {
     const int side = SWATCH * sheet->text;
@@ -81,7 +81,7 @@ static void put_legend(struct picture_sheet *sheet)
         sheet->y += LINE * sheet->text;
 }
 
-/* Ends of the numbers that the bar shows. */
+/* Range of the bar. */
 static void ends_of(const struct colour_scale *scale, double *lo, double *hi)
 {
     *hi = scale->hi;
@@ -97,7 +97,7 @@ static double part_of(const struct colour_scale *scale, double value)
     return (value - lo) / (hi - lo);
 }
 
-/* Ticks with their numbers; one that would touch the last is left out. */
+/* Draws ticks and their numbers. A number that would overlap the previous one is left out. */
 static void put_ticks(const struct picture_sheet *sheet, int width)
 {
     double lo, hi, step = 0.0, tick[TICKS_MOST];
@@ -160,7 +160,7 @@ static void put_unit(struct picture_sheet *sheet)
         put_cut(sheet, line);
 }
 
-/* All texts around the values; ends with sheet->y below the last line. */
+/* Lays out all texts around the values. Afterwards sheet->y is below the last line. */
 static void put_words(struct picture_sheet *sheet)
 {
     sheet->y = MARGIN;

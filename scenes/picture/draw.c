@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* `cover` of 255 parts of the colour over what is there. */
+/* Blends `colour` over the pixel with weight cover / 255, times its alpha. */
 static void blend(uint32_t *pixel, uint32_t colour, unsigned cover)
 {
     cover = (cover * (colour >> 24) + 127) / 255;
@@ -23,14 +23,14 @@ static int64_t within(int64_t value, int64_t lo, int64_t hi)
     return value < lo ? lo : value > hi ? hi : value;
 }
 
-/* The part of from .. from + length that lies in 0 .. side. */
+/* Clips from .. from + length to 0 .. side. */
 static void clip(int64_t from, int64_t length, uint32_t side, int64_t *begin, int64_t *end)
 {
     *begin = within(from, 0, side);
     *end = within(from + (length > 0 ? length : 0), 0, side);
 }
 
-/* As draw_rect, of any numbers that were ints before they were added or multiplied. */
+/* As draw_rect, for sums and products of ints. */
 static void fill(struct image *image, int64_t x, int64_t y, int64_t width, int64_t height,
                  uint32_t colour)
 {
@@ -60,14 +60,14 @@ void draw_frame(struct image *image, int x, int y, int width, int height, uint32
         fill(image, right, (int64_t)y + 1, 1, height - 2, colour);
 }
 
-/* A line as seen along the axis where it is longer, `u`, across it `v`. */
+/* A line in coordinates along its longer axis (u) and its shorter one (v), u1 <= u2. */
 struct stroke {
     double u1, v1, u2, v2, radius;
     uint32_t colour;
-    bool steep; /* u is the image's y */
+    bool steep; /* u is y of the image */
 };
 
-/* How far a point is from the line. */
+/* Distance of a point from the line. */
 static double distance_to(const struct stroke *stroke, double u, double v)
 {
     double du = stroke->u2 - stroke->u1, dv = stroke->v2 - stroke->v1;
@@ -79,7 +79,7 @@ static double distance_to(const struct stroke *stroke, double u, double v)
     return sqrt(x * x + y * y);
 }
 
-/* All pixels of one column (row, if steep) that the line may touch. */
+/* Draws the pixels of column u (row u if steep) that the line touches. */
 static void draw_column(struct image *image, const struct stroke *stroke, int64_t u)
 {
     double du = stroke->u2 - stroke->u1, slope = 0.0, middle = stroke->v1;
@@ -87,12 +87,12 @@ static void draw_column(struct image *image, const struct stroke *stroke, int64_
         slope = (stroke->v2 - stroke->v1) / du; /* at most 1 */
     middle += slope * ((double)u + 0.5 - stroke->u1);
     const uint32_t side = stroke->steep ? image->width : image->height;
-    const double reach = 1.5 * stroke->radius + 2.0; /* sqrt(2) across, and the smooth edge */
+    const double reach = 1.5 * stroke->radius + 2.0; /* sqrt(2) and the soft edge */
     double lo = fmax(middle - reach, 0.0), hi = fmin(middle + reach, (double)side);
     if (!(lo < hi))
         return;
     for (int64_t v = (int64_t)lo; (double)v < hi; v++) {
-        double cover = stroke->radius + 0.5; /* the edge lies in the middle of its smooth part */
+        double cover = stroke->radius + 0.5; /* coverage is 1/2 at the edge */
         cover -= distance_to(stroke, (double)u + 0.5, (double)v + 0.5);
         if (!(cover > 0.0))
             continue;
@@ -118,13 +118,13 @@ void draw_line(struct image *image, double x1, double y1, double x2, double y2, 
     const uint32_t side = steep ? image->height : image->width;
     double lo = fmax(stroke.u1 - stroke.radius - 1.0, 0.0);
     double hi = fmin(stroke.u2 + stroke.radius + 1.0, (double)side);
-    if (!(lo < hi)) /* beyond the border: too large a number for what follows */
+    if (!(lo < hi)) /* outside the image; may be too large for int64_t */
         return;
     for (int64_t u = (int64_t)lo; (double)u < hi; u++)
         draw_column(image, &stroke, u);
 }
 
-/* The next character, which may be several bytes of UTF-8; 0 at the end. */
+/* Reads the next character (UTF-8); returns its first byte, 0 at the end. */
 static unsigned char next_character(const char **text)
 {
     unsigned char first = (unsigned char)**text;

@@ -1,6 +1,6 @@
 #include "scenes/picture/font.h"
 
-#define PER_LINE 16 /* characters of a line of the sheet */
+#define PER_LINE 16 /* characters per line of the sheet */
 
 /* Lines of characters, FONT_HEIGHT rows each, '#' for a dot. */
 /* clang-format off */

@@ -1,4 +1,4 @@
-/* A bitmap font of our own: printable ASCII, 5 dots wide, 7 above the line and 2 below it. */
+/* A bitmap font: printable ASCII, 5 dots wide, 7 above the baseline and 2 below it. */
 #ifndef FONT_H
 #define FONT_H
 
@@ -6,10 +6,10 @@
 
 #define FONT_WIDTH   5
 #define FONT_HEIGHT  9
-#define FONT_ADVANCE 6 /* from one character to the next */
+#define FONT_ADVANCE 6 /* distance between characters */
 
-/* Whether a character has a dot at that column and row, of FONT_WIDTH and FONT_HEIGHT, row 0 at the
- * top. What is not printable ASCII looks like '?'. */
+/* Whether a character has a dot at `column` (< FONT_WIDTH) and `row` (< FONT_HEIGHT), row 0 at the
+ * top. Anything but printable ASCII has the dots of '?'. */
 bool font_dot(unsigned char character, int column, int row);
 
 #endif

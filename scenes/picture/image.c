@@ -9,11 +9,11 @@
 
 #define SIGNATURE_BYTES 8u
 
-/* Deflate codes at most 258 bytes with two bits, so a file holds no more bytes of rows than that
- * for each of its own (RFC 1951, 3.2.5). */
+/* Deflate encodes at most 258 bytes in two bits, so a file holds at most 1032 bytes of rows for
+ * each of its own bytes (RFC 1951, 3.2.5). */
 #define DEFLATED_MOST 1032u
 
-/* Sides that an image may have. `label` of a file or what else it is. */
+/* Checks the sides of an image; `label` starts the error message. */
 static enum status sides_check(const char *label, uint32_t width, uint32_t height,
                                struct reason *reason)
 {
@@ -49,17 +49,17 @@ void image_free(struct image *image)
     *image = (struct image){0};
 }
 
-/* One PNG file being read or written. libpng leaves through `left`, with its rule in `why`; what is
- * held across that is in here, where a longjmp changes nothing. */
+/* A PNG file being read or written. On an error libpng writes its message to `why` and jumps to
+ * `left`. State used after the longjmp is kept here and not in local variables. */
 struct passage {
     png_structp png;
     png_infop info;
     jmp_buf left;
     char why[120];
-    const char *bytes; /* still to be read */
+    const char *bytes; /* unread bytes */
     size_t size;
     png_bytep *row;
-    enum status status; /* STATUS_OK: libpng failed, with its reason in `why` */
+    enum status status; /* STATUS_OK: libpng failed, see `why` */
 };
 
 static void leave(png_structp png, png_const_charp why)
@@ -85,8 +85,8 @@ static void take_bytes(png_structp png, png_bytep to, size_t size)
     passage->size -= size;
 }
 
-/* Every chunk that does not change a pixel's numbers is skipped unread, gamma and profiles among
- * them; a damaged one is an error all the same. */
+/* Skips all chunks that do not change pixel values, gamma and profiles included. A damaged chunk is
+ * still an error. */
 static void set_up_reading(struct passage *passage)
 {
     static const png_byte skipped[] = "bKGD\0cHRM\0eXIf\0gAMA\0hIST\0iCCP\0iTXt\0oFFs\0pCAL\0pHYs\0"
@@ -95,19 +95,19 @@ static void set_up_reading(struct passage *passage)
     png_set_read_fn(png, passage, take_bytes);
     png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, skipped, sizeof skipped / 5);
-    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* our own rule names the sides */
+    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* sides_check checks the sides */
 }
 
-/* What makes every kind of PNG four bytes a pixel. */
+/* Converts every kind of PNG to four bytes per pixel. */
 static void set_up_rows(png_structp png)
 {
-    png_set_expand(png); /* palettes, small grays, transparent colours */
+    png_set_expand(png); /* palettes, grays below 8 bits, transparent colours */
     png_set_scale_16(png);
     png_set_gray_to_rgb(png);
     png_set_add_alpha(png, 255, PNG_FILLER_AFTER);
 }
 
-/* Between the header and the first row: the sides are allowed, and the rows can be in the file. */
+/* After the header: checks the sides and that the file can hold the rows; allocates the image. */
 static enum status make_room(const struct passage *passage, size_t file_size, const char *label,
                              struct image *out, struct reason *reason)
 {
@@ -124,7 +124,7 @@ static enum status make_room(const struct passage *passage, size_t file_size, co
     return image_make(width, height, out, reason);
 }
 
-/* The rows are read as bytes and become numbers in place. */
+/* Converts the bytes of the rows to pixel values in place. */
 static void rows_to_pixels(struct image *image)
 {
     for (size_t i = 0; i < (size_t)image->width * image->height; i++) {
@@ -135,7 +135,8 @@ static void rows_to_pixels(struct image *image)
     }
 }
 
-/* True if all was read; else the cause is passage->status, or passage->why if that is STATUS_OK. */
+/* True if everything was read. Else passage->status has the error, or passage->why if that is
+ * STATUS_OK. */
 static bool read_rows(struct passage *passage, const char *label, struct image *out,
                       struct reason *reason)
 {
@@ -210,7 +211,7 @@ static bool is_opaque(const struct image *image)
     return true;
 }
 
-/* A row of pixels as bytes, `channels` of each. */
+/* Writes a row of pixels as bytes, `channels` per pixel. */
 static void put_row(const uint32_t *pixel, uint32_t width, unsigned channels, png_bytep row)
 {
     for (uint32_t x = 0; x < width; x++)
@@ -218,7 +219,7 @@ static void put_row(const uint32_t *pixel, uint32_t width, unsigned channels, pn
             row[(size_t)x * channels + k] = (png_byte)(pixel[x] >> 8 * k);
 }
 
-/* False if libpng failed. Writes only chunks that the pixels need: no time and no gamma. */
+/* False if libpng failed. Writes only necessary chunks: no time and no gamma. */
 static bool write_rows(struct passage *passage, const struct image *image, unsigned channels,
                        png_bytep row, FILE *stream)
 {

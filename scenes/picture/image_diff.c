@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define HEAT_SIDE      480u /* smaller pictures are enlarged towards it */
+#define HEAT_SIDE      480u /* smaller pictures are enlarged up to this side */
 #define HEAT_ZOOM_MOST 16u
 #define LOGARITHMIC    16u
 
@@ -34,7 +34,7 @@ static unsigned size_of(unsigned difference)
     return size;
 }
 
-/* Takes in a pixel that differs. */
+/* Counts a pixel that differs. */
 static void take(struct image_diff *out, uint32_t x, uint32_t y, uint32_t a, uint32_t b)
 {
     const struct image_diff_pixel pixel = {x, y, a, b};

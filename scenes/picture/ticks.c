@@ -14,7 +14,7 @@ void ticks_range(double *lo, double *hi)
     }
     *lo = fmin(fmax(*lo, -FAR), FAR);
     *hi = fmin(fmax(*hi, -FAR), FAR);
-    /* Wide enough that the ticks are different doubles. */
+    /* Wide enough for ticks to be different doubles. */
     double middle = 0.5 * *lo + 0.5 * *hi, size = fmax(fabs(*lo), fabs(*hi));
     double least = fmax(1e-12 * size, 1e-300);
     if (*hi - *lo >= least)
@@ -30,7 +30,7 @@ size_t ticks_linear(double lo, double hi, size_t wanted, double tick[TICKS_MOST]
     double factor = rough / power; /* 1 to 10 */
     *step = power * (factor < 1.5 ? 1.0 : factor < 3.5 ? 2.0 : factor < 7.5 ? 5.0 : 10.0);
     size_t count = 0;
-    const double slack = 1e-9 * (hi - lo); /* an end that is a multiple has its tick */
+    const double slack = 1e-9 * (hi - lo); /* includes ends that are multiples of the step */
     for (double k = ceil((lo - slack) / *step); count < TICKS_MOST; k += 1.0) {
         double value = k * *step;
         if (!(value <= hi + slack))
