@@ -6,13 +6,13 @@ enum { WHITE, RED, GREEN, LAMP };
 
 #define QUADS 18 /* 5 walls, 2 blocks of 6, the lamp */
 
-/* A parallelogram, and its material. */
+/* A parallelogram and its material. */
 struct quad {
     double origin[3], e1[3], e2[3];
     int32_t material;
 };
 
-/* The room is the cube -1..1, open towards +z, where the camera stands. */
+/* The room is the cube -1..1, open towards the camera at +z. */
 static const struct quad room[] = {
     {{-1, -1, 1}, {2, 0, 0}, {0, 0, -2}, WHITE}, /* floor */
     {{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, WHITE},  /* ceiling */
@@ -22,8 +22,8 @@ static const struct quad room[] = {
     {{-0.25, 0.96875, -0.25}, {0.5, 0, 0}, {0, 0, 0.5}, LAMP},
 };
 
-/* A block that stands on the floor: x and z edges turned by an angle with rational sine and
- * cosine, so that no library function is needed. */
+/* A block on the floor. Its x and z edges are rotated by an angle with rational sine and cosine, so
+ * that no library function is needed. */
 struct cornell_block {
     double x, z; /* centre */
     double half, height;

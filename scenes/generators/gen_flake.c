@@ -5,18 +5,18 @@
 enum { DEPTH, N };
 
 #define CHILDREN 9
-#define WALL     2.25 /* half side of the box; the flake of radius 1 reaches 1 + 2/3 + ... < 2 */
+#define WALL     2.25 /* half side of the box; a flake of radius 1 reaches 1 + 2/3 + ... < 2 */
 
-/* A sphere and the frame its children grow in: axis, u, v are orthonormal, axis points away from
- * the parent. */
+/* A sphere and the frame of its children: axis, u, v are orthonormal, axis points away from the
+ * parent. */
 struct ball {
     double centre[3];
     double radius;
     double axis[3], u[3], v[3];
 };
 
-/* Child `which` of `parent`: six around the equator, three above, as spheres in a dense packing
- * touch (heights sqrt(2/3)), so that siblings of a third of the radius never meet. */
+/* Child `which` of `parent`: six around the equator, three above, where spheres touch in a dense
+ * packing (height sqrt(2/3)). Siblings of a third of the radius do not touch. */
 static struct ball child(const struct ball *parent, int which)
 {
     double root = sqrt(0.75);
@@ -38,7 +38,7 @@ static struct ball child(const struct ball *parent, int which)
     return ball;
 }
 
-/* Recursion is at most as deep as the parameter allows. */
+/* The recursion depth is at most the largest `depth` parameter. */
 static void draw_flake(struct pen *pen, uint32_t n, const struct ball *ball, uint32_t depth)
 {
     pen_sphere(pen, n, ball->centre, ball->radius);
@@ -48,7 +48,7 @@ static void draw_flake(struct pen *pen, uint32_t n, const struct ball *ball, uin
     }
 }
 
-/* The box around it, facing inward. */
+/* Draws the box around the flake, facing inward. */
 static void draw_box(struct pen *pen)
 {
     static const uint8_t face[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},

@@ -16,7 +16,7 @@ static enum status make(struct pen *pen, const double *value, struct reason *rea
     return STATUS_OK;
 }
 
-/* The ranges keep every coordinate below 2^24, where floats hold all integers. */
+/* The parameter ranges keep every coordinate below 2^24, where floats hold all integers. */
 const struct generator gen_grid = {
     .name = "grid",
     .summary = "height grid on the integer lattice, z up: exact coordinates, exact ties",

@@ -4,7 +4,8 @@
 
 enum { N, ASPECT, OFFSET };
 
-/* A point on the unit sphere, by rejection: only + - * / and sqrt, the same bytes everywhere. */
+/* A random point on the unit sphere, by rejection. Only + - * / and sqrt are used, so that the
+ * bytes are the same on every machine. */
 static void direction(struct rng *rng, double d[3])
 {
     double size = 0;
@@ -19,8 +20,8 @@ static void direction(struct rng *rng, double d[3])
         d[k] /= sqrt(size);
 }
 
-/* Odd triangles are slivers: the third vertex stands beside the middle of the long edge, so that
- * one angle is nearly straight; even ones are needles with one short edge. */
+/* Odd triangles are slivers: the third vertex is beside the middle of the long edge, so that one
+ * angle is nearly 180 degrees. Even ones are needles with one short edge. */
 static enum status make(struct pen *pen, const double *value, struct reason *reason)
 {
     uint32_t n = (uint32_t)value[N];

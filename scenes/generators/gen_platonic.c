@@ -9,13 +9,13 @@ enum { ALL = 5 };
 #define VERTEX_MAX 20
 #define FACE_MAX   20
 
-/* A solid: faces of `corners` vertices each, counter-clockwise from outside. */
+/* A solid: faces with `corners` vertices each, counter-clockwise seen from outside. */
 struct solid {
     uint32_t vertex_count, face_count, corners;
     uint8_t face[FACE_MAX][5];
 };
 
-/* The faces belong to the vertex order of solid_vertices. */
+/* Faces index the vertices that solid_vertices writes. */
 static const struct solid solids[ALL] = {
     {4, 4, 3, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}},
     {8, 6, 4, {{0, 1, 3, 2}, {0, 2, 6, 4}, {0, 4, 5, 1}, {1, 5, 7, 3}, {2, 3, 7, 6}, {4, 6, 7, 5}}},
@@ -48,7 +48,7 @@ static double solid_vertices(int which, double v[VERTEX_MAX][3])
 {
     double golden = (1 + sqrt(5.0)) / 2;
     switch (which) {
-    case 0: /* every second corner of the cube */
+    case 0: /* alternate corners of the cube */
         for (int i = 0; i < 4; i++)
             for (int k = 0; k < 3; k++)
                 v[i][k] = i == 0 || i == k + 1 ? 1 : -1;
@@ -99,7 +99,7 @@ static enum status make(struct pen *pen, const double *value, struct reason *rea
         pen_start(pen, vertex_count * (uint64_t)rows, tri_count * (uint64_t)rows, reason);
     if (status)
         return status;
-    double step = 2.5 * value[RADIUS]; /* a quarter of a diameter between neighbours */
+    double step = 2.5 * value[RADIUS]; /* neighbours are half a radius apart */
     for (int row = 0; row < rows; row++)
         for (int i = first; i <= last; i++)
             draw_solid(pen, i,

@@ -4,22 +4,23 @@
 
 enum { GREY, RED, MIRROR }; /* materials */
 
-/* The dodecahedron's faces from their fan's first corner on, counter-clockwise from outside. Its
- * corners are the cube's, bit k of 0 .. 7 saying that axis k is negative, and then three golden
- * rectangles. Which corner a fan begins at decides triangles, and by them the tree. */
+/* The faces of the dodecahedron, counter-clockwise seen from outside, each from the first corner of
+ * its fan. Corners 0 .. 7 are those of the cube, negative in axis k where bit k is set; then come
+ * three golden rectangles. The first corner of a fan determines its triangles, and so the tree. */
 static const uint8_t face[12][5] = {
     {16, 0, 12, 2, 18}, {16, 18, 6, 13, 4}, {17, 5, 15, 7, 19}, {17, 19, 3, 14, 1},
     {17, 1, 8, 10, 5},  {16, 4, 10, 8, 0},  {18, 2, 9, 11, 6},  {19, 7, 11, 9, 3},
     {13, 6, 11, 7, 15}, {10, 4, 13, 15, 5}, {8, 1, 14, 12, 0},  {9, 2, 12, 14, 3},
 };
 
-/* As a mesh file with six decimals has it: the published one was made from such a file. */
+/* Rounds to six decimals, as in the mesh file that the published one was made from. */
 static double six_decimals(double x)
 {
     return round(x * 1e6) / 1e6;
 }
 
-/* Three edges of the cube from 1 to 2 that meet at its nearest corner, and what they span. */
+/* A corner of the cube from 1 to 2, nearest to the origin: its three edges and the face that they
+ * span. */
 static void draw_tetrahedron(struct pen *pen)
 {
     pen->material = RED;
@@ -31,7 +32,7 @@ static void draw_tetrahedron(struct pen *pen)
     pen_tri(pen, 1, 2, 3);
 }
 
-/* Around the origin, its corners at distance 1. */
+/* Draws the dodecahedron around the origin, its corners at distance 1. */
 static void draw_dodecahedron(struct pen *pen)
 {
     double golden = (1 + sqrt(5.0)) / 2, unit = 1 / sqrt(3.0), v[20][3];
@@ -46,7 +47,7 @@ static void draw_dodecahedron(struct pen *pen)
             pen_tri(pen, first + face[f][c - 1], first + face[f][c], first + face[f][0]);
 }
 
-/* The published materials (nothing is made of the last) and lights. */
+/* The published materials (no triangle uses the last) and lights. */
 static const struct material materials[] = {
     [GREY] = {{0.4f, 0.4f, 0.3f}, {0.6f, 0.3f, 0.1f}, 50},
     [RED] = {{0.3f, 0.1f, 0.1f}, {0.9f, 0.1f, 0}, 10},

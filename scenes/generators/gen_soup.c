@@ -11,7 +11,7 @@ static enum status make(struct pen *pen, const double *value, struct reason *rea
     if (status)
         return status;
     float size = (float)value[SIZE], offset = (float)value[OFFSET];
-    float reach = 0.5f * (1.0f - size); /* centres keep so far from the middle of the cube */
+    float reach = 0.5f * (1.0f - size); /* largest |coordinate| of a centre */
     for (uint32_t i = 0; i < n; i++) {
         float centre[3];
         for (int k = 0; k < 3; k++)
@@ -20,7 +20,7 @@ static enum status make(struct pen *pen, const double *value, struct reason *rea
             float p[3];
             for (int k = 0; k < 3; k++) {
                 p[k] = centre[k] + size * (rng_float(&pen->rng) - 0.5f);
-                p[k] = fminf(fmaxf(p[k], -0.5f), 0.5f); /* rounding may step out by an ulp */
+                p[k] = fminf(fmaxf(p[k], -0.5f), 0.5f); /* rounding may exceed the cube by an ulp */
             }
             pen_vertex(pen, p[0] + offset, p[1] + offset, p[2] + offset);
         }

@@ -2,8 +2,8 @@
 
 enum { N, COPIES, OFFSET };
 
-/* What copy `c` of a triangle is: the same one, turned over, or a smaller one in its plane that
- * shares a vertex. */
+/* Draws copy `c` of a triangle: the same one, reversed, or a smaller one in its plane that shares a
+ * vertex. */
 static void draw_copy(struct pen *pen, uint32_t first, uint32_t half, uint32_t c)
 {
     if (c % 3 == 0)
@@ -14,7 +14,7 @@ static void draw_copy(struct pen *pen, uint32_t first, uint32_t half, uint32_t c
         pen_tri(pen, first, half, half + 1);
 }
 
-/* Every plane is one of z = i / 8 (exact), so that coplanar triangles overlap exactly. */
+/* All triangles lie in planes z = i / 8 (exact), so that coplanar ones overlap exactly. */
 static enum status make(struct pen *pen, const double *value, struct reason *reason)
 {
     uint32_t n = (uint32_t)value[N], copies = (uint32_t)value[COPIES];

@@ -2,7 +2,7 @@
 
 enum { K, ROUGHNESS, HEIGHT };
 
-/* Heights being filled in, (n + 1) x (n + 1), kept where they end up: in the scene's vertices. */
+/* (n + 1) x (n + 1) heights, stored in the y of the scene's vertices. */
 struct terrain_field {
     struct scene *scene;
     int n;
@@ -13,8 +13,8 @@ static float *height_at(const struct terrain_field *field, int x, int z)
     return &field->scene->vertex[3 * ((size_t)z * ((size_t)field->n + 1) + (size_t)x) + 1];
 }
 
-/* Mean of those of four points at distance `half` that lie in the field: along the axes, or along
- * the diagonals. */
+/* Mean of the four points at distance `half` along the axes or diagonals, without those outside the
+ * field. */
 static float mean_around(const struct terrain_field *field, int x, int z, int half, bool diagonal)
 {
     static const int8_t step[2][4][2] = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}},
@@ -31,7 +31,7 @@ static float mean_around(const struct terrain_field *field, int x, int z, int ha
     return sum / (float)count;
 }
 
-/* Diamond-square: the middles of the squares first, then the middles of their sides. */
+/* Diamond-square: first the centres of the squares, then the middles of their sides. */
 static void raise_field(const struct terrain_field *field, float roughness, float amplitude,
                         struct rng *rng)
 {

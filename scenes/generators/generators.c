@@ -28,7 +28,7 @@ static enum status check_values(const struct generator *generator, const double 
 {
     for (unsigned k = 0; k < GENERATOR_PARAMS && generator->param[k].name; k++) {
         const struct param *param = &generator->param[k];
-        if (!(value[k] >= param->least && value[k] <= param->most)) /* NaN is outside too */
+        if (!(value[k] >= param->least && value[k] <= param->most)) /* also true for NaN */
             return fail(reason, STATUS_LIMIT, "%s: %s=%g, but it must lie in %g to %g",
                         generator->name, param->name, value[k], param->least, param->most);
         if (param->whole && floor(value[k]) != value[k])

@@ -79,7 +79,7 @@ void pen_quad(struct pen *pen, const double origin[3], const double e1[3], const
         }
 }
 
-/* A ring of equal height on the octahedron: 4 * side vertices, one if side is 0. */
+/* A ring of equal height on the octahedron: 4 * side vertices, or one if side is 0. */
 struct ring {
     uint32_t first;
     uint32_t side;
@@ -105,8 +105,8 @@ static struct ring draw_ring(struct pen *pen, uint32_t n, uint32_t row, const do
     return ring;
 }
 
-/* Draws the band between the ring nearer to a pole and the longer one; `north` turns the triangles
- * so that both hemispheres face outward. */
+/* Draws the triangles between the ring nearer to a pole and the longer one. `north` selects the
+ * winding, so that both hemispheres face outward. */
 static void draw_band(struct pen *pen, struct ring polar, struct ring wide, bool north)
 {
     for (uint32_t turn = 0; turn < 4; turn++)

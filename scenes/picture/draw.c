@@ -92,7 +92,7 @@ static void draw_column(struct image *image, const struct stroke *stroke, int64_
     if (!(lo < hi))
         return;
     for (int64_t v = (int64_t)lo; (double)v < hi; v++) {
-        double cover = stroke->radius + 0.5; /* coverage is 1/2 at the edge */
+        double cover = stroke->radius + 0.5; /* the edge lies in the middle of its smooth part */
         cover -= distance_to(stroke, (double)u + 0.5, (double)v + 0.5);
         if (!(cover > 0.0))
             continue;

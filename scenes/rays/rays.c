@@ -21,7 +21,8 @@ const struct ray_set *const ray_sets[] = {
 
 #define PART_COUNT (ARRAY_COUNT(ray_sets) - 2)
 
-/* Makes one part. Where no camera ray hits the scene (all slivers), random rays replace bounces. */
+/* Makes the rays of one set. If no camera ray hits the scene (all slivers), random rays replace
+ * bounces. */
 static enum status make_part(const struct ray_set *set, const struct scene *scene, uint64_t seed,
                              size_t count, struct ray *out, struct reason *reason)
 {

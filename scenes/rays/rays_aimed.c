@@ -1,4 +1,4 @@
-/* Ray sets that are random or aimed at features. */
+/* Random rays, and rays aimed at features of the scene. */
 #include "scenes/rays/rays_stage.h"
 
 static void random_ray(const struct stage *stage, struct rng *rng, size_t i, struct ray *out)
@@ -12,7 +12,7 @@ static void random_ray(const struct stage *stage, struct rng *rng, size_t i, str
     stage_ray(org, dir, out);
 }
 
-/* Aims at `target` with the jitter of turn i. */
+/* Aims at `target`, moved by stage_jitter with turn i. */
 static void aim(const struct stage *stage, struct rng *rng, size_t i, float target[3],
                 struct ray *out)
 {
@@ -34,7 +34,7 @@ static void edge_ray(const struct stage *stage, struct rng *rng, size_t i, struc
     float v[3][3], target[3];
     stage_triangle(stage, rng, v);
     uint32_t a = rng_below(rng, 3), b = (a + 1) % 3;
-    float s = rng_below(rng, 4) == 0 ? 0.5f : rng_float(rng); /* middles are exact on a lattice */
+    float s = rng_below(rng, 4) == 0 ? 0.5f : rng_float(rng); /* midpoints are exact on a lattice */
     for (int k = 0; k < 3; k++)
         target[k] = v[a][k] + s * (v[b][k] - v[a][k]);
     aim(stage, rng, i, target, out);

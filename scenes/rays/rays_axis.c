@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-/* A coordinate that is likely to tie with something: of vertex `p`, of any other vertex, of the
- * middle of an edge, of the scene's border; or of nothing. */
+/* A coordinate that often ties: of vertex `p` (mostly), of another vertex, of the middle of an
+ * edge, of the border of the scene's box; or a random one in the box. */
 static float coordinate(const struct stage *stage, struct rng *rng, const float p[3], int k)
 {
     float v[3][3];
@@ -25,8 +25,8 @@ static float coordinate(const struct stage *stage, struct rng *rng, const float 
     }
 }
 
-/* Where along its axis the ray starts: before the scene (most), on its border, at vertex `p`, or
- * somewhere inside. */
+/* Start of the ray on its axis: before the scene (mostly), on its border, at vertex `p`, or
+ * anywhere inside. */
 static float start(const struct stage *stage, struct rng *rng, const float p[3], int k,
                    bool forward)
 {
@@ -48,7 +48,7 @@ static void axis_ray(const struct stage *stage, struct rng *rng, size_t i, struc
     float v[3][3], org[3], dir[3];
     int axis = (int)(i % 3);
     bool forward = rng_below(rng, 2);
-    bool planar = rng_below(rng, 8) == 0; /* a second component that is not zero */
+    bool planar = rng_below(rng, 8) == 0; /* two nonzero components */
     stage_triangle(stage, rng, v);
     const float *p = v[rng_below(rng, 3)];
     float length = ldexpf(1.0f, (int)rng_below(rng, 7) - 3);

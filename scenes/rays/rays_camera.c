@@ -1,4 +1,4 @@
-/* Camera rays, and what bounces from where they hit. */
+/* Camera rays, and rays that bounce from the points they hit. */
 #include "ref/base/double3.h"
 #include "ref/trace/trace.h"
 #include "scenes/rays/rays_stage.h"
@@ -8,19 +8,19 @@
 
 extern const struct ray_set ray_set_random;
 
-/* Camera rays that are traced to bounce from: enough for variety, few enough for a large mesh. */
+/* Numbers of camera rays traced to bounce from: enough for variety, few enough for a large mesh. */
 #define PRIMARY_LEAST 4096
 #define PRIMARY_MOST  65536
 
-/* A pinhole: the ray through (nx, ny) of the picture, each in -0.5 .. 0.5, is along
+/* A pinhole camera: the ray through (nx, ny) of the picture, each in -0.5 .. 0.5, has the direction
  * right * nx + up * ny + forward. */
 struct pinhole {
     float pos[3];
     double forward[3], right[3], up[3];
 };
 
-/* The published camera: up is +y, and right = forward x up is not normalised. Straight up or down,
- * where the published picture is a line, +z is up. */
+/* The published camera: up is +y, and right = forward x up is not normalised. If it looks straight
+ * up or down, where the published picture degenerates to a line, up is +z. */
 static struct pinhole pinhole_make(const struct camera *camera)
 {
     struct pinhole p = {.up = {0, 1, 0}};
@@ -49,7 +49,7 @@ static size_t side_of(size_t count)
     return side;
 }
 
-/* Fills `count` rays, row by row from the bottom, through the middles of pixels. */
+/* Makes `count` rays through pixel centres, row by row from the bottom. */
 static void pinhole_rays(const struct pinhole *p, size_t count, struct ray *out)
 {
     size_t width = side_of(count);
@@ -65,7 +65,7 @@ static void pinhole_rays(const struct pinhole *p, size_t count, struct ray *out)
     }
 }
 
-/* A file can hold any camera. */
+/* Scene files may contain any camera. */
 static enum status check_camera(const struct scene *scene, struct reason *reason)
 {
     for (int k = 0; k < 3 && scene->has_camera; k++) {
@@ -81,7 +81,7 @@ static enum status check_camera(const struct scene *scene, struct reason *reason
 static enum status make_primary(const struct scene *scene, uint64_t seed, size_t count,
                                 struct ray *out, struct reason *reason)
 {
-    (void)seed; /* nothing here is random */
+    (void)seed; /* no random numbers */
     enum status status = check_camera(scene, reason);
     if (status)
         return status;
@@ -91,7 +91,7 @@ static enum status make_primary(const struct scene *scene, uint64_t seed, size_t
     return STATUS_OK;
 }
 
-/* A point that a camera ray hit, and the face's unit normal on the camera's side. */
+/* A point hit by a camera ray, and the face's unit normal on the camera's side. */
 struct camera_spot {
     float p[3];
     double normal[3];
@@ -118,7 +118,7 @@ static bool spot_make(const struct scene *scene, const struct ray *ray, const st
     return true;
 }
 
-/* Traces `count` rays of the camera and keeps what they hit. */
+/* Traces `count` camera rays and keeps the points hit. */
 static enum status find_spots(const struct packed *packed, const struct scene *scene,
                               const struct camera *camera, size_t count, struct ray *ray,
                               struct camera_spot *spot, size_t *spot_count, struct reason *reason)
@@ -142,7 +142,7 @@ static enum status find_spots(const struct packed *packed, const struct scene *s
     return STATUS_OK;
 }
 
-/* The tree to find primary hits with. */
+/* Builds the tree for the camera rays. */
 static enum status make_tree(const struct scene *scene, struct packed *out, struct reason *reason)
 {
     const struct build_options options = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
@@ -156,8 +156,8 @@ static enum status make_tree(const struct scene *scene, struct packed *out, stru
     return status;
 }
 
-/* Leaves spot i: half of the rays exactly at the computed point, half lifted off the face. The sum
- * of the normal and a uniform unit vector is distributed by the cosine. */
+/* Makes ray i from a spot: odd rays start exactly at the computed point, even ones lifted off the
+ * face. The sum of the normal and a uniform unit vector is cosine-distributed. */
 static void bounce_ray(const struct stage *stage, const struct camera_spot *spot, size_t i,
                        struct ray *out)
 {
@@ -170,14 +170,14 @@ static void bounce_ray(const struct stage *stage, const struct camera_spot *spot
         org[k] = (float)((double)spot->p[k] + lift * spot->normal[k]);
     }
     if (double3_dot(dir, dir) < 1e-6)
-        for (int k = 0; k < 3;
-             k++) /* opposite to the normal: rounding would decide the direction */
+        for (int k = 0; k < 3; k++) /* the sum is rounding noise: use the normal */
             dir[k] = spot->normal[k];
     double3_unit(dir);
     stage_ray(org, (const float[3]){(float)dir[0], (float)dir[1], (float)dir[2]}, out);
 }
 
-/* Finds the spots of the scene's camera; if that sees nothing, of one that sees the whole scene. */
+/* Finds the spots of the scene's camera. If it sees nothing, uses the default camera, which sees
+ * the whole scene. */
 static enum status spots_of_scene(const struct scene *scene, size_t count, struct ray *ray,
                                   struct camera_spot *spot, size_t *spot_count,
                                   struct reason *reason)
@@ -222,7 +222,7 @@ static enum status make_bounce(const struct scene *scene, uint64_t seed, size_t 
             fail(reason, STATUS_MEMORY, "bounce: no memory for %zu camera rays", primary_count);
     struct stage stage = stage_make(scene, seed, STAGE_BOUNCE);
     for (size_t i = 0; i < count && !status; i++) {
-        /* Few rays are spread over the whole picture; many go round it again and again. */
+        /* Few rays are spread over all spots; many reuse the spots in turn. */
         size_t s = count < spot_count ? i * spot_count / count : i % spot_count;
         bounce_ray(&stage, &spot[s], i, &out[i]);
     }

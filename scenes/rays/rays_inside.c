@@ -6,11 +6,11 @@
 #include <stdlib.h>
 
 #define TRIES      4096
-#define DIRECTIONS 16   /* tried from a point before it is given up */
-#define SAMPLES    1000 /* rays that are checked for passing near an edge */
+#define DIRECTIONS 16   /* tried per point before it is given up */
+#define SAMPLES    1000 /* rays checked for passing near an edge */
 #define NEAR       0x1p-12
 
-/* What aims the rays. */
+/* State for aiming rays. */
 struct aimer {
     struct stage stage;
     const struct topology *topology;
@@ -45,7 +45,8 @@ enum status point_is_inside(const struct oracle *oracle, const float point[3], s
     return status;
 }
 
-/* The centre of mass of the solid, from signed tetrahedra; of the box if that has no volume. */
+/* The centre of mass of the solid, from signed tetrahedra: the lower corner of the box if the
+ * volume is 0, the centre of the box if the result is outside it. */
 static void centre_of_mass(const struct stage *stage, float out[3])
 {
     const struct box *box = &stage->box;
@@ -55,7 +56,7 @@ static void centre_of_mass(const struct stage *stage, float out[3])
         double p[3][3];
         scene_tri(stage->scene, i, v);
         for (int c = 0; c < 3; c++)
-            for (int k = 0; k < 3; k++) /* from the box's corner, so that offsets cancel */
+            for (int k = 0; k < 3; k++) /* relative to the box's corner: less cancellation */
                 p[c][k] = (double)v[c][k] - (double)box->lo[k];
         double part = 0;
         for (int k = 0; k < 3; k++) {
@@ -74,9 +75,9 @@ static void centre_of_mass(const struct stage *stage, float out[3])
     }
 }
 
-/* Candidates by turns: the centre of mass; between it and the surface; anywhere in the box; a
- * little below a triangle, for thin walls. All but the last are put on a coarse lattice every other
- * turn, so that differences to vertices are often exact. */
+/* Candidate points by turns: the centre of mass; between it and the surface; anywhere in the box; a
+ * little below a triangle, for thin walls. Except for the last kind and the first turn, every other
+ * turn is snapped to a coarse lattice, so that differences to vertices are often exact. */
 static void candidate(const struct stage *stage, struct rng *rng, int turn, const float centre[3],
                       float out[3])
 {
@@ -156,7 +157,7 @@ static bool is_exact(const struct ray *ray, const float target[3])
     return exact;
 }
 
-/* Does the exact ray meet an edge or a vertex, or pass one closely? */
+/* Sets *near if the exact ray meets an edge or vertex, or passes one within NEAR. */
 static enum status comes_near(const struct oracle *oracle, const struct ray *ray, bool *near,
                               struct reason *reason)
 {
@@ -180,7 +181,7 @@ enum status rays_inside_make(const struct scene *scene, const struct topology *t
         .stage = stage_make(scene, seed, STAGE_INSIDE), .topology = topology, .oracle = oracle};
     *inside = (struct inside){0};
     enum status status = find_origins(&aimer, reason);
-    size_t step = count / SAMPLES / LEAK_AIMS * LEAK_AIMS + 1; /* so that all aims are sampled */
+    size_t step = count / SAMPLES / LEAK_AIMS * LEAK_AIMS + 1; /* samples all aims */
     for (size_t i = 0; i < count && !status; i++) {
         struct rng rng = stage_rng(&aimer.stage, i);
         float target[3];

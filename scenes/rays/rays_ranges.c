@@ -1,9 +1,9 @@
-/* Rays whose range of t is cut where it matters. */
+/* Rays with tmin and tmax at and near the hit. */
 #include "scenes/rays/rays_stage.h"
 
 #include <float.h>
 
-/* The floats next to t >= 0. */
+/* The neighbouring floats of t >= 0; below(0) is 0. */
 static float above(float t)
 {
     return float_from_bits(float_bits(t) + 1);
@@ -14,7 +14,7 @@ static float below(float t)
     return t > 0.0f ? float_from_bits(float_bits(t) - 1) : t;
 }
 
-/* A point of a triangle: a vertex, the middle of an edge, or one inside. */
+/* A point of a triangle: a vertex, the middle of an edge, or a point inside. */
 static void triangle_point(const struct stage *stage, struct rng *rng, float p[3])
 {
     float v[3][3];
@@ -29,7 +29,7 @@ static void triangle_point(const struct stage *stage, struct rng *rng, float p[3
         p[k] = v[0][k] + a * (v[1][k] - v[0][k]) + b * (v[2][k] - v[0][k]);
 }
 
-/* Where the ray crosses a plane of the scene's box; `otherwise` if it does not. */
+/* The t at which the ray crosses a random plane of the scene's box; `otherwise` if it does not. */
 static float box_plane(const struct stage *stage, struct rng *rng, const struct ray *ray,
                        float otherwise)
 {
@@ -41,7 +41,7 @@ static float box_plane(const struct stage *stage, struct rng *rng, const struct 
     return t >= 0.0f && t < RAY_TMAX ? t : otherwise;
 }
 
-/* Cuts the range of a ray that meets a triangle at t, or nearly so. */
+/* Cuts the range of a ray that meets a triangle at about t. */
 static void cut(const struct stage *stage, struct rng *rng, float t, struct ray *ray)
 {
     float a = 2.0f * rng_float(rng) * t, b = 2.0f * rng_float(rng) * t;
@@ -90,7 +90,7 @@ static void range_ray(const struct stage *stage, struct rng *rng, size_t i, stru
 {
     float org[3], target[3], dir[3];
     triangle_point(stage, rng, target);
-    if (i % 8 == 0) { /* starts where it hits: t is 0 */
+    if (i % 8 == 0) { /* starts at its target: t is 0 */
         stage_direction(rng, dir);
         stage_ray(target, dir, out);
         bool point = rng_below(rng, 2);

@@ -16,8 +16,8 @@ struct stage stage_make(const struct scene *scene, uint64_t seed, enum stage_tag
     }
     if (!(stage.extent > 0.0f))
         stage.extent = 1.0f;
-    /* One step of the generator between the seed and the base: rng_make alone would give seed + 1
-     * the sequence of seed, one number later. */
+    /* Takes one random number between seed and base. With rng_make alone, seed + 1 would have the
+     * sequence of seed, shifted by one number. */
     struct rng rng = rng_make(seed, (uint64_t)tag);
     stage.base = rng_u64(&rng);
     return stage;
@@ -54,7 +54,7 @@ void stage_triangle(const struct stage *stage, struct rng *rng, float v[3][3])
             v[c][k] = rng_below(rng, 2) ? stage->box.hi[k] : stage->box.lo[k];
 }
 
-/* Nearest multiple of quantum, or x itself where floats are coarser than that. */
+/* Nearest multiple of quantum; x itself if floats at x are coarser. */
 static float snap(float x, float quantum)
 {
     float steps = x / quantum;
