@@ -1,7 +1,7 @@
-/* Every byte that C and the shaders both read. Compiled as C17 and as GLSL 4.50, so it holds only
- * #define and structs of 4-byte scalars and arrays of them; no function (a shared decoder would
- * make both sides wrong together), no 16-bit member (halves are packed in words). tests/base/test_abi.c
- * proves the layout on the running driver. */
+/* Everything that C and the shaders both read. Compiled as C17 and as GLSL 4.50, so it contains
+ * only #define and structs of 4-byte scalars and arrays of them; no function (a shared decoder
+ * would make both sides wrong together), no 16-bit member (halves are packed in words).
+ * tests/base/test_abi.c checks the layout on the installed driver. */
 #ifndef ABI_H
 #define ABI_H
 
@@ -15,9 +15,9 @@
 #endif
 
 #define ABI_NO_PRIM    0xFFFFFFFFu /* hit.prim of a miss; an empty item slot */
-#define ABI_STACK_MAX  64u         /* the largest traversal stack of a binary layout, in entries */
+#define ABI_STACK_MAX  64u         /* largest traversal stack of a binary layout, in entries */
 #define ABI_STACK_WIDE 256u        /* the same for a wide layout; a node pushes up to 8 */
-#define ABI_WORKGROUP  64u         /* rays per workgroup, default */
+#define ABI_WORKGROUP  64u         /* default rays per workgroup */
 #define ABI_TRI_FLOATS 9u          /* floats per gathered triangle: v0, v1, v2 */
 
 /* Specialization constant ids of every tracing shader. */
@@ -63,26 +63,26 @@
 
 /* Descriptor bindings, set 0. */
 #define ABI_BIND_RAYS  0 /* struct ray[] */
-#define ABI_BIND_HITS  1 /* struct hit[]: one a ray, or push.capacity */
+#define ABI_BIND_HITS  1 /* struct hit[]: one per ray, or push.capacity per ray */
 #define ABI_BIND_FLAGS 2 /* U32[]: ABI_FLAG_* per ray */
 #define ABI_BIND_NODES 3 /* U32[]: the packed words of the layout */
 #define ABI_BIND_ITEMS 4 /* U32[]: the words of the triangle storage, if the layout has one */
 #define ABI_BIND_TRIS  5 /* float[]: ABI_TRI_FLOATS per triangle, in scene order; if read */
-#define ABI_BIND_FOUND 6 /* U32[]: ABI_QUERY_ALL: triangles that each ray hit; else unused */
-#define ABI_BIND_ASKED 7 /* U32[2]: decoding shaders only: a record and what to read of it */
+#define ABI_BIND_FOUND 6 /* U32[]: ABI_QUERY_ALL: number of triangles each ray hit; else unused */
+#define ABI_BIND_ASKED 7 /* U32[2]: decoding shaders only: a record and what to read from it */
 
 /* Decoding shaders: kind of node. */
 #define ABI_DECODED_NONE  0u
 #define ABI_DECODED_INNER 1u
 #define ABI_DECODED_LEAF  2u
 
-#define ABI_FLAG_DONE      1u  /* the invocation ran to its end */
+#define ABI_FLAG_DONE      1u  /* the invocation completed */
 #define ABI_FLAG_EXHAUSTED 2u  /* the result is invalid; a flag below gives the cause */
 #define ABI_FLAG_STACK     4u  /* the traversal stack was full */
 #define ABI_FLAG_VISITS    8u  /* more visits than nodes */
-#define ABI_FLAG_LOOP      16u /* a loop ended before its own condition did */
+#define ABI_FLAG_LOOP      16u /* a loop ended before its own condition was met */
 
-/* A ray. t counts in multiples of dir, which need not have length 1. */
+/* A ray. t is in multiples of dir, which need not have length 1. */
 struct ray {
     float org[3];
     float tmin;
@@ -91,7 +91,7 @@ struct ray {
 };
 ABI_SIZE(struct ray, 32)
 
-/* A result. u weighs vertex 1 and v vertex 2 of the triangle; a miss is 0, 0, 0, ABI_NO_PRIM. */
+/* A result. u is the weight of vertex 1 and v of vertex 2; a miss is 0, 0, 0, ABI_NO_PRIM. */
 struct hit {
     float t;
     float u;
@@ -104,10 +104,11 @@ ABI_SIZE(struct hit, 16)
 struct push {
     U32 ray_count;
     U32 root;       /* packed.root */
-    U32 node_count; /* packed.ref_count, also the most nodes a ray may visit; binary: records */
+    U32 node_count; /* packed.ref_count, also the limit of node visits per ray; binary: records */
     U32 item_count; /* words of the triangle storage */
     U32 tri_count;
-    U32 capacity; /* ABI_QUERY_ALL: hits of ray i are hit[i * capacity ..], so many at most */
+    U32 capacity; /* ABI_QUERY_ALL: the most hits per ray; hits of ray i begin at hit[i *
+                     capacity] */
 };
 ABI_SIZE(struct push, 24)
 
@@ -122,7 +123,7 @@ struct node_f32 {
 ABI_SIZE(struct node_f32, 32)
 
 /* One 16-byte record of the reduced-footprint layouts: word k holds the half floats of axis k, the
- * lower bound in the low half; see ref/layouts/ for what tag means in each. */
+ * lower bound in the low half. The meaning of tag depends on the layout, see ref/layouts/. */
 struct node_rf {
     U32 bounds[3];
     U32 tag;

@@ -4,7 +4,7 @@
 
 #include "ref/abi.h"
 
-/* Frames, see ref/frame.h: specialization constants of the rendering shaders beside these. */
+/* Additional specialization constants of the rendering shaders, see ref/frame.h. */
 #define ABI_SPEC_PROFILE 8
 #define ABI_SPEC_BOUNCES 9
 #define ABI_SPEC_LIGHTS  10
@@ -13,29 +13,28 @@
 #define ABI_SPEC_LOOK    13 /* ABI_LOOK_* */
 
 /* Features that a scene and a frame need. */
-#define ABI_LOOK_EYE      1u  /* light 0 stands at the eye */
-#define ABI_LOOK_AMBIENCE 2u  /* there is some */
-#define ABI_LOOK_SPECULAR 4u  /* a material has some */
+#define ABI_LOOK_EYE      1u  /* light 0 is at the eye */
+#define ABI_LOOK_AMBIENCE 2u  /* ambience > 0 */
+#define ABI_LOOK_SPECULAR 4u  /* a material is specular */
 #define ABI_LOOK_REFLECT  8u  /* paths can continue after a segment */
 #define ABI_LOOK_SEGMENTS 16u /* segments are recorded */
 #define ABI_LOOK_COLORS   32u /* colours are recorded */
 #define ABI_LOOK_GENERAL                                                                           \
-    64u /* numbers of bounces and lights, and EYE, are of the push constants                       \
-         */
+    64u /* bounces, lights and light 0 at the eye are read from push constants */
 
-/* Their descriptor bindings; ABI_BIND_NODES, _ITEMS and _TRIS are the same. */
+/* Descriptor bindings of the rendering shaders; ABI_BIND_NODES, _ITEMS and _TRIS are unchanged. */
 #define ABI_BIND_STATE    0 /* uvec4[]: ABI_STATE_HEAD, then ABI_STATE_QUADS per pixel */
 #define ABI_BIND_PIXELS   1 /* U32[]: colours in bits 0-23, above them serial and ABI_FLAG_* */
 #define ABI_BIND_SEGMENTS 2 /* struct segment[]: bounces per pixel */
 #define ABI_BIND_COLORS   6 /* float[]: 3 per pixel */
 #define ABI_BIND_SHADE    7 /* shade_light[ABI_LIGHTS_MOST], shade_tri[], shade_material[] */
 
-/* Paths in steps. Quad i of the head is of ray i: how many workgroups there are, 1, 1, how many
- * paths have such a ray. */
-#define ABI_RAYS_MOST   2112u /* of a path: 64 segments with 32 lights each */
+/* Paths in steps. Quad i of the head belongs to ray i: number of workgroups, 1, 1, number of paths
+ * that have such a ray. */
+#define ABI_RAYS_MOST   2112u /* per path: 64 segments with 32 lights each */
 #define ABI_STATE_HEAD  2113u
 #define ABI_STATE_QUADS 9u
-#define ABI_FLAG_BITS   5u /* of a pixel's uppermost byte; the serial has the other three */
+#define ABI_FLAG_BITS   5u /* of a pixel's uppermost byte; the other three are the serial */
 #define ABI_SERIALS     8u
 
 /* Push constants of the rendering shaders. */
@@ -44,16 +43,16 @@ struct frame_push {
     U32 node_count;
     U32 item_count;
     U32 tri_count;
-    U32 width; /* of the picture */
+    U32 width; /* of the picture, in pixels */
     U32 height;
     U32 first_row;  /* of pixels: the buffers begin with it */
-    U32 first_tile; /* of the dispatch, counted from there */
-    U32 serial;     /* 1 to ABI_SERIALS - 1, other than of the frame before */
-    U32 look;       /* ABI_LOOK_GENERAL reads these three */
+    U32 first_tile; /* of the dispatch, counted from first_row */
+    U32 serial;     /* 1 to ABI_SERIALS - 1, different from the previous frame's */
+    U32 look;       /* read with ABI_LOOK_GENERAL only, as are bounces and lights */
     U32 bounces;
     U32 lights;
-    U32 ray;        /* how many rays of each path were traced before, where they go in steps */
-    U32 part_first; /* triangles of this dispatch, where every one is tested */
+    U32 ray;        /* in steps: how many rays of each path were traced before */
+    U32 part_first; /* without a tree: the triangles tested by this dispatch */
     U32 part_last;
     float ambience;
     float tmin;
@@ -70,10 +69,10 @@ ABI_SIZE(struct frame_push, 128)
 #define ABI_PROFILE_REPAIRED 0u
 #define ABI_PROFILE_RTRS     1u
 #define ABI_LIGHTS_MOST      32u         /* bits of segment.asked */
-#define ABI_NO_SEGMENT       0xFFFFFFFEu /* segment.prim: the path ended before */
+#define ABI_NO_SEGMENT       0xFFFFFFFEu /* segment.prim: the path ended before this segment */
 
-/* What shading needs of a triangle: unit normals of its vertices, the unit normal of its plane
- * (along (b - a) x (c - a); zero if it has no area). */
+/* Shading data of a triangle: unit normals of its vertices, and the unit normal of its plane (along
+ * (b - a) x (c - a); zero if it has no area). */
 struct shade_tri {
     float na[3];
     U32 material;
@@ -100,12 +99,12 @@ struct shade_light {
 };
 ABI_SIZE(struct shade_light, 16)
 
-/* One segment of a path: what its ray hit (t 0 and ABI_NO_PRIM: nothing), and bits of lights. */
+/* One segment of a path: what its ray hit (t 0 and ABI_NO_PRIM: nothing), and one bit per light. */
 struct segment {
     float t;
     U32 prim;
-    U32 asked;    /* lights that a shadow ray was sent to */
-    U32 shadowed; /* those of them that it did not reach */
+    U32 asked;    /* lights to which a shadow ray was traced */
+    U32 shadowed; /* those whose shadow ray was blocked */
 };
 ABI_SIZE(struct segment, 16)
 

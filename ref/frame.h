@@ -1,13 +1,12 @@
-/* Definition of a picture of a scene: the contract between the renderer in C
- * (scenes/render/render.h), which
- * drives any engine ray by ray, and the one in shaders, which an engine may have.
+/* Defines the picture of a scene. Two renderers implement it: one in C (scenes/render/render.h),
+ * which drives any engine ray by ray, and one in shaders, which an engine may have.
  *
- * Both follow the same paths to the same bits wherever + - * / of floats are IEEE's: what follows
- * is the order of operations of both, each written on its own. Products before sums as written; no
- * contraction. pow is the same to the bit nowhere, so it touches colours only, never a path.
+ * Both follow the same paths to the bit if + - * / of floats are IEEE operations. The order of
+ * operations is given below; each renderer is written separately. Products before sums as written;
+ * no contraction. pow differs between implementations, so it affects only colours, never a path.
  *
  *   dot(a, b) = (ax bx + ay by) + az bz          unit(v) = v / sqrt(dot(v, v)), three divisions;
- * the sqrt is rounded to nearest everywhere        zero vector if the dot is not in (0, inf)
+ * the sqrt is always rounded to nearest            zero vector if the dot is not in (0, inf)
  *
  * Ray of pixel (x, y), y = 0 at the top, c = view.centre:
  *   nx = (x + c) / width - 0.5, ny = ((height - 1 - y) + c) / height - 0.5
@@ -41,7 +40,7 @@
  * Pixel: floor(255 min(max(total, 0), 1) + 0.5) per channel, where NaN is 0.
  *
  * RTRS is the published shader: picture plane of 1 x 1 whatever the aspect, corners of pixels, tmin
- * 0.01, tmax 1000, offset 0.001, reflections weighted by the surface hit, ambience not read
+ * 0.01, tmax 1000, offset 0.001, reflections weighted by the surface hit, ambience ignored
  * (faults F17, F26, F27). Not reproduced: the naive handler's exclusion of the triangle that a
  * shadow ray starts on. */
 #ifndef FRAME_H
@@ -52,7 +51,7 @@
 
 #define FRAME_SIDE_MOST    16384u /* pixels */
 #define FRAME_BOUNCES_MOST 64u
-#define FRAME_TILE_MOST    16u /* RTRS's limit: 256 invocations of a workgroup */
+#define FRAME_TILE_MOST    16u /* RTRS's limit: 256 invocations per workgroup */
 
 enum profile {
     PROFILE_REPAIRED = ABI_PROFILE_REPAIRED,
@@ -62,41 +61,42 @@ enum profile {
 struct look {
     enum profile profile;
     uint32_t bounces;   /* most segments of a path: 0 (black) to FRAME_BOUNCES_MOST */
-    float ambience;     /* light from everywhere, >= 0 */
+    float ambience;     /* light from all directions, >= 0 */
     float camera_light; /* strength of a light at the eye; 0: none */
 };
 
-/* How an engine with a renderer of its own divides the work. */
+/* How an engine with its own renderer divides the work. */
 enum frame_plan {
-    FRAME_AUTO,  /* steps where a whole path could meet a driver's loop cap, else whole */
+    FRAME_AUTO,  /* steps if a whole path could reach a driver's loop limit, else whole */
     FRAME_WHOLE, /* a path with all its rays is one invocation */
     FRAME_STEPS, /* one ray of each path per invocation and dispatch */
 };
 
-/* Everything of a frame but the view. All borrowed; must stay valid until the next
- * preparation or close. */
+/* Everything of a frame but the view. All borrowed; must stay valid until the next prepare or
+ * close. */
 struct frame_job {
-    struct job job; /* job.query is not read: closest and any are both traced */
+    struct job job; /* job.query is ignored: closest and any are both traced */
     struct look look;
     uint32_t width, height;        /* pixels: 1 to FRAME_SIDE_MOST */
     const struct shade_tri *shade; /* job.scene->tri_count */
     const struct shade_material *material;
     uint32_t material_count;         /* >= 1; shade[i].material is below it */
-    const struct shade_light *light; /* strengths > 0; light 0 stands at the eye, its pos unread, if
-                                        look.camera_light > 0 */
+    const struct shade_light *light; /* strengths > 0; if look.camera_light > 0, light 0 is at
+                                        the eye and its pos is not read */
     uint32_t light_count;            /* 0 to ABI_LIGHTS_MOST */
     float tmin, tmax, offset;
     enum frame_plan plan;
-    uint32_t tile; /* side of a workgroup in pixels, 1 to FRAME_TILE_MOST; 0: the engine's choice */
-    bool general;  /* the pipeline for every scene: counts read at run time, constants at their most
-                    */
+    uint32_t tile; /* side of a workgroup in pixels, 1 to FRAME_TILE_MOST; 0: chosen by the
+                      engine */
+    bool general;  /* use one pipeline for all scenes: counts read at run time, constants at
+                      their maximum */
 };
 
-/* Where the picture is taken from: see the ray of a pixel above. */
+/* Position and orientation of the camera: see the ray of a pixel above. */
 struct view {
     float pos[3];
     float right[3], up[3], forward[3];
-    float centre; /* of a pixel: 0.5, or the published 0 */
+    float centre; /* of a pixel: 0.5, or 0 as published */
 };
 
 /* Output of a frame. The arrays are the caller's; row 0 is at the top. */
@@ -105,9 +105,9 @@ struct frame {
         pixel; /* width * height, as struct image has them (scenes/picture/image.h): red in bits 0-7 */
     float *color; /* NULL, or `total` of each pixel, 3 floats */
     float *bound; /* NULL, or for each pixel how far 255 total of any channel can be from that of
-                     another IEEE renderer whose pow is within Vulkan's precision; filled in by
-                     the renderer in C alone */
-    struct segment *segment; /* NULL, or bounces of each pixel */
+                     another IEEE renderer whose pow is within Vulkan's precision; set by the
+                     renderer in C only */
+    struct segment *segment; /* NULL, or `bounces` segments per pixel */
 };
 
 #endif

@@ -1,4 +1,4 @@
-/* A layout: how a binary tree becomes bytes, and how one node is read back. */
+/* A layout: how a binary tree is packed into bytes, and how one node is decoded. */
 #ifndef LAYOUT_H
 #define LAYOUT_H
 
@@ -12,7 +12,7 @@ enum visit {
     VISIT_SND,  /* snd first: RTRS's direct shader */
 };
 
-/* How the program reproduced by a faithful layout fails on a tree instead of packing it. */
+/* How the program reproduced by a faithful layout fails on a tree that it cannot pack. */
 enum layout_end {
     LAYOUT_GOES_ON,
     LAYOUT_END_LEAF, /* a leaf has more items than slots */
@@ -25,9 +25,9 @@ struct tri_store; /* ref/store.h */
 /* A packed tree; owns its arrays (see packed_free). node_count == 0: empty scene. */
 struct packed {
     const struct layout *layout;
-    const struct tri_store *store; /* `indexed` if items live in the nodes */
+    const struct tri_store *store; /* `indexed` if items are stored in nodes */
     uint32_t *word;                /* node_bytes / 4 words each */
-    uint32_t *item;                /* words of the storage, or NULL if items live in the nodes */
+    uint32_t *item;                /* words of the storage, or NULL if items are stored in nodes */
     uint32_t word_count;
     uint32_t item_count;
     size_t item_room;    /* allocated words */
@@ -35,24 +35,24 @@ struct packed {
     uint32_t ref_count;  /* references: records, then child slots if leaves have no records */
     uint32_t root;       /* reference of the root */
     uint32_t tri_count;  /* of the scene it was packed from */
-    uint32_t stack_need; /* entries a traversal can need at most */
+    uint32_t stack_need; /* most entries that a traversal can need */
     bool split;          /* from a split tree (ref/tree/bvh.h) */
 };
 
 #define WIDE_MAX 8
 
-/* One decoded node. Inner: child_count >= 2 (of a wide layout >= 1), boxes and references of the
- * children; those out of range are dropped (RTRS wraps references), so that fewer may be left.
- * Leaf: child_count == 0, item slots 0 .. item_count - 1, to be read with packed_item. */
+/* One decoded node. Inner: child_count >= 2 (wide layouts: >= 1), boxes and references of the
+ * children; out-of-range references are dropped (RTRS wraps references), so fewer may remain. Leaf:
+ * child_count == 0, item slots 0 .. item_count - 1, which packed_item reads. */
 struct wide {
     uint32_t child_count;
     uint32_t item_first;
     uint32_t item_count;
     struct box box[WIDE_MAX];
     uint32_t child[WIDE_MAX];
-    /* Inner nodes of wide layouts that can be refitted: item_first and item_count of those children
-     * that are leaves, as load() of them has it, so that it need not decode the record again;
-     * leaf_count 0: an inner one. */
+    /* Inner nodes of wide layouts that can be refitted: for each child that is a leaf the
+     * item_first and item_count that load() of the child returns, so that refit need not decode the
+     * record again; leaf_count 0: the child is an inner node. */
     uint32_t leaf_first[WIDE_MAX];
     uint32_t leaf_count[WIDE_MAX];
 };
@@ -61,86 +61,86 @@ struct layout {
     const char *name;
     const char *summary;
     uint32_t node_bytes; /* bytes of one record */
-    uint32_t width;      /* children of an inner node at most: 2 (binary), 4 or 8 */
-    bool slots;          /* leaves have no records, see load; always so if width > 2 */
-    uint32_t refs; /* references for each record, no more than it has words; 0: 1, of a wide layout
+    uint32_t width;      /* most children of an inner node: 2 (binary), 4 or 8 */
+    bool slots;          /* leaves have no records, see load; always true if width > 2 */
+    uint32_t refs; /* references per record, at most its number of words; 0: 1, for a wide layout
                       1 + width */
     enum visit order;
     bool faithful; /* reproduces RTRS or its paper, faults included */
-    bool
-        outside; /* a plugin's (ref/outside/plugin_layout.h): what it packs is as deep as it decodes */
-    /* Layouts of a family share their functions and one shader. `shader` is the name of the file
-     * shaders/layouts/layout_SHADER.glsl, NULL: the layout's own name. */
+    bool outside;  /* of a plugin (ref/outside/plugin_layout.h): the depth of a packed tree is that
+                      of its decoded nodes */
+    /* Layouts of a family share their functions and one shader. `shader` names the file
+     * shaders/layouts/layout_SHADER.glsl; NULL: the layout's own name. */
     const char *shader;
     const void *family;   /* data of this member for pack, load and box */
     uint32_t constant[2]; /* specialization constants ABI_SPEC_LAYOUT_0 and _1 of its shader */
-    /* Packs the whole tree: rounds boxes outward, checks its limits. Sets every member of *out but
-     * layout, tri_count, split and stack_need, which packed_make fills in; `bvh` may not be empty.
-     * Errors: STATUS_LIMIT with the limit, the scene's number and what would fit instead (or "the
-     * seed panics: F8"); STATUS_MEMORY. */
+    /* Packs the whole tree: rounds boxes outward, checks the layout's limits. Sets every member of
+     * *out but layout, tri_count, split and stack_need, which packed_make sets; `bvh` may not be
+     * empty. Errors: STATUS_LIMIT with the limit, the scene's number and what would fit instead (or
+     * "RTRS panics: F8"); STATUS_MEMORY. */
     enum status (*pack)(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
                         struct packed *out, struct reason *reason);
-    /* Whether the program that is reproduced ends on this tree; then pack() says STATUS_LIMIT with
-     * the same reason. `reason` may be NULL. NULL: it ends on none. */
+    /* Returns how the reproduced program fails on this tree, if it does; then pack() returns
+     * STATUS_LIMIT with the same reason. `reason` may be NULL. NULL: it fails on no tree. */
     enum layout_end (*end)(const struct bvh *bvh, struct reason *reason);
     /* Decodes the node `ref`, which must be in range (see packed_ref_valid). Never reads outside
-     * the words: a faithful layout can hold any child reference. Where leaves have no records,
-     * child slot s of record r is reference node_count + width * r + s, a leaf without items if
-     * nothing is there or an inner node. */
+     * the words: a faithful layout can hold any child reference. In a layout whose leaves have no
+     * records, child slot s of record r is reference node_count + width * r + s; an empty slot, or
+     * the slot of an inner node, decodes as a leaf without items. */
     void (*load)(const struct packed *packed, uint32_t ref, struct wide *out);
-    /* The box of the node `ref` itself (wide: the union of its children's); the traversal tests the
-     * root's. */
+    /* Returns the box of the node `ref` itself (wide: the union of its children's). The traversal
+     * tests the box of the root. */
     struct box (*box)(const struct packed *packed, uint32_t ref);
-    /* Writes new bounds into the node `ref`, tightest outward: of a binary layout its own box,
-     * `own` (leaves, too); of a wide one, for inner nodes only, its children's, which `node` has in
-     * the order of load(), and with them a frame of that node, but no frame of the scene. All boxes
-     * are finite and not empty. Never writes outside the words. Errors: STATUS_LIMIT, with the
-     * layout and the limit, a bound that has no number there; the words are then anything. NULL:
-     * such trees are to be built anew (ref/packed/refit.h). */
+    /* Writes new bounds into the node `ref`, rounded outward as little as possible. Binary layouts:
+     * the node's own box `own` (also for leaves). Wide layouts, inner nodes only: the boxes of its
+     * children, which `node` has in the order of load(), and the frame of that node, but not the
+     * frame of the scene. All boxes are finite and not empty. Never writes outside the words.
+     * Errors: STATUS_LIMIT a bound that cannot be represented, with the layout and the limit; the
+     * words are then undefined. NULL: such trees must be built anew (ref/packed/refit.h). */
     enum status (*rebound)(struct packed *packed, uint32_t ref, const struct box *own,
                            const struct wide *node, struct reason *reason);
     /* Set only if items are stored in nodes. NULL: pack() writes them with store_put, in any
-     * storage. Returns the triangle of item slot item_first + i of a leaf, or ABI_NO_PRIM
-     * if the slot is empty or not a triangle. */
+     * storage. Returns the triangle of item slot item_first + i of a leaf, or ABI_NO_PRIM if the
+     * slot is empty or not a triangle. */
     uint32_t (*item)(const struct packed *packed, uint32_t slot);
 };
 
-/* NULL-terminated: the layouts that every product runs over. The first keeps all bits of float32: the
- * others are compared with it. */
+/* NULL-terminated: the layouts that every product of tests runs over. The first keeps all bits of
+ * float32; the others are compared with it. */
 extern const struct layout *const layouts[];
 
-/* NULL-terminated: these, in the same order, then the other members of families, then what
- * layout_add added. */
+/* NULL-terminated: these, in the same order, then the other members of families, then the layouts
+ * added with layout_add. */
 extern const struct layout *const *const layouts_all;
 
 #define LAYOUTS_ADDED_MOST 4
 
-/* Adds a layout at the end of layouts_all; borrowed until the program ends. For programs, while no
- * other thread looks at the table. Errors: STATUS_INPUT there is one of that name; STATUS_LIMIT
- * more than LAYOUTS_ADDED_MOST. */
+/* Adds a layout at the end of layouts_all; it is borrowed until the program ends. Call it only
+ * while no other thread reads the table. Errors: STATUS_INPUT the name is already in use;
+ * STATUS_LIMIT more than LAYOUTS_ADDED_MOST. */
 enum status layout_add(const struct layout *layout, struct reason *reason) MUST_USE;
 
 /* NULL-terminated: what `--layout auto` chooses from, in this order: 16-byte records as long as 15
  * bits of index suffice, then compact nodes of 32-bit indices, then float32. */
 extern const struct layout *const layouts_auto[];
 
-/* Returns the layout of that name, of all, or NULL. */
+/* Returns the layout of that name in layouts_all, or NULL. */
 const struct layout *layout_find(const char *name);
 
-/* Name of the files of its shaders, after "trace_" and "render_". */
+/* Returns the base name of its shader files, after "trace_" and "render_". */
 static inline const char *layout_shader(const struct layout *layout)
 {
     return layout->shader ? layout->shader : layout->name;
 }
 
-/* True if its nodes are traversed as wide ones: children pushed in order, leaves without records.
- */
+/* True if its nodes are traversed as wide nodes: children pushed in order, leaves without
+ * records. */
 static inline bool layout_is_wide(const struct layout *layout)
 {
     return layout->width > 2 || layout->slots;
 }
 
-/* References for each record: packed.ref_count is that times packed.node_count. */
+/* Returns the references per record: packed.ref_count is packed.node_count times this. */
 static inline uint32_t layout_refs(const struct layout *layout)
 {
     if (layout->refs)
@@ -148,7 +148,7 @@ static inline uint32_t layout_refs(const struct layout *layout)
     return layout_is_wide(layout) ? 1 + layout->width : 1;
 }
 
-/* Maximum traversal stack of a layout, in entries. */
+/* Returns the maximum traversal stack of a layout, in entries. */
 static inline uint32_t layout_stack_most(const struct layout *layout)
 {
     return layout_is_wide(layout) ? ABI_STACK_WIDE : ABI_STACK_MAX;
@@ -160,10 +160,10 @@ static inline bool packed_ref_valid(const struct packed *packed, uint32_t ref)
     return ref < packed->ref_count;
 }
 
-/* Packs `bvh` in `layout`, its triangles in `store`. An empty tree gives node_count 0, which every
- * engine traces as misses. Errors: STATUS_INPUT another number of triangles than the scene's;
- * STATUS_LIMIT of the layout or the storage, a storage other than `indexed` for items that lie in
- * the nodes, or deeper than layout_stack_most; STATUS_MEMORY. */
+/* Packs `bvh` in `layout`, with its triangles in `store`. An empty tree gives node_count 0, which
+ * every engine traces as misses. Errors: STATUS_INPUT the number of triangles differs from the
+ * scene's; STATUS_LIMIT of the layout or the storage, a storage other than `indexed` for a layout
+ * that stores items in nodes, or a tree deeper than layout_stack_most; STATUS_MEMORY. */
 enum status packed_make_stored(const struct layout *layout, const struct tri_store *store,
                                const struct bvh *bvh, const struct scene *scene, struct packed *out,
                                struct reason *reason) MUST_USE;
@@ -174,14 +174,14 @@ enum status packed_make(const struct layout *layout, const struct bvh *bvh,
                         struct reason *reason) MUST_USE;
 
 /* Packs in the first of layouts_auto that can hold the scene. `refused` receives one line for each
- * that could not before it, separated by newlines, at most `refused_bytes` with the terminator.
+ * earlier layout that cannot, separated by newlines, at most `refused_bytes` with the terminator.
  * Errors: STATUS_INPUT as packed_make; STATUS_MEMORY; STATUS_LIMIT if none can. */
 enum status packed_make_auto(const struct bvh *bvh, const struct scene *scene, struct packed *out,
                              char *refused, size_t refused_bytes, struct reason *reason) MUST_USE;
 
 void packed_free(struct packed *packed);
 
-/* Bytes of nodes and of the storage. */
+/* Bytes of the nodes, and of the storage. */
 static inline uint64_t packed_node_bytes(const struct packed *packed)
 {
     return 4 * (uint64_t)packed->word_count;
