@@ -11,7 +11,7 @@ static void store(struct vec3 v, float out[3])
     out[2] = v.z;
 }
 
-/* Nearer to the vertical than this (the square of the sine), +y cannot define up. */
+/* Below this squared sine of the angle to the vertical, +y cannot define up. */
 #define CAMERA_UPRIGHT 1e-12f
 
 struct view camera_view(const struct camera *camera, enum profile profile, uint32_t width,

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Memory for the walks of a batch, of both sides. */
+/* Memory for the walks of a batch, both sides together. */
 #define BATCH_BYTES ((size_t)64 << 20)
 #define BATCH_MOST  16384
 
@@ -20,7 +20,7 @@ enum status side_open(const struct engine *engine, const struct engine_options *
     if (!status) {
         out->model = renderer_model(out->renderer, job->job.tri);
         if (engine->needs_packed && !job_keeps_watertight(&job->job))
-            out->model.watertight = false; /* the triangle test is, but its boxes are not */
+            out->model.watertight = false; /* the triangle test is, the boxes are not */
     } else {
         side_close(out);
     }
@@ -52,7 +52,7 @@ enum status side_draw(struct side *side, const struct view *view, struct reason 
         return fail(reason, STATUS_MEMORY, "no memory for a picture of %u x %u", side->job.width,
                     side->job.height);
     for (size_t i = 0; i < count; i++)
-        frame->bound[i] = NAN; /* stays where the engine has a renderer of its own */
+        frame->bound[i] = NAN; /* stays NaN if the engine has its own renderer */
     return renderer_frame(side->renderer, view, frame, &side->report, reason);
 }
 
@@ -135,7 +135,7 @@ static void count_pixel(struct pair *pair, const struct pixel_why *found)
     pair->over = why->over > pair->over ? why->over : pair->over;
 }
 
-/* Explains one pixel: whether the pictures are what the walks give, and why the two paths part. */
+/* Explains one pixel: why the two paths part, and whether each picture follows from its walk. */
 static enum status explain_pixel(const struct side *const side[2], const struct diff_walk walk[2],
                                  const struct why_judges *judges, size_t index,
                                  struct pixel_why *out, struct reason *reason)

@@ -15,7 +15,7 @@ static bool same_t(float a, float b)
     return float_bits(a) == float_bits(b);
 }
 
-/* Which members differ, as bits of enum path_field. */
+/* The members that differ, as bits of enum path_field. */
 static unsigned apart(const struct segment *a, const struct segment *b)
 {
     unsigned fields = 0;
@@ -30,7 +30,7 @@ static unsigned apart(const struct segment *a, const struct segment *b)
     return fields;
 }
 
-/* Segment `i` of a path, an empty one behind its end. */
+/* Segment `i` of a path; an empty one after its end. */
 static struct segment segment_of(const struct segment *path, uint32_t i, bool *ended)
 {
     *ended = *ended || path[i].prim == ABI_NO_SEGMENT;
@@ -73,7 +73,7 @@ bool pixel_within(const float color[3], float bound, uint32_t pixel)
     return pixel >> 24 == 255u;
 }
 
-/* Counts the segments of a path by what differs; returns what does first. */
+/* Counts the segments of a path by the members that differ. Returns the first that differs. */
 static enum path_field count_segments(const struct segment *a, const struct segment *b,
                                       uint32_t bounces, struct frame_diff *diff)
 {

@@ -6,7 +6,7 @@
 
 #define NO_LIGHT UINT32_MAX
 
-/* Numbers of a segment are compared one after the other until one differs. */
+/* State of a comparison; compare() keeps the first difference. */
 struct comparing {
     struct first_bit *out;
     uint32_t segment, light;

@@ -4,15 +4,15 @@
 
 #include <stdlib.h>
 
-/* One wave: rays of those paths that have one. */
+/* One wave: a ray of each path that has one. */
 struct wave {
     const struct frame_job *job;
     const struct view *view;
     walk_ask_fn *ask;
     void *user;
-    struct shade_path *path; /* one a pixel */
+    struct shade_path *path; /* one per pixel */
     bool *live;
-    size_t *of; /* ray j is of path of[j] */
+    size_t *of; /* ray j belongs to path of[j] */
     struct ray *ray;
     struct hit *hit;
     size_t count;
@@ -73,7 +73,7 @@ static enum status ask(struct wave *wave, enum query query, struct reason *reaso
     return wave->ask(wave->user, query, wave->ray, wave->count, wave->hit, reason);
 }
 
-/* The closest hits of segment `index` of all paths that have one. */
+/* Traces segment `index` of all live paths for closest hits. */
 static enum status walk_hits(struct diff_walk *walk, struct wave *wave, uint32_t index,
                              struct reason *reason)
 {

@@ -1,20 +1,20 @@
-/* The paths of chosen pixels with every ray, every answer, the place of every hit and the light
- * gathered there. Steps are those of the renderer in C (scenes/render/shade.h); the caller supplies
- * a function that answers rays. */
+/* The paths of chosen pixels with every ray, hit, hit point and the light gathered there. The steps
+ * are those of the renderer in C (scenes/render/shade.h). The caller supplies the function that
+ * traces rays. */
 #ifndef DIFF_WALK_H
 #define DIFF_WALK_H
 
 #include "scenes/render/shade.h"
 
-/* Answers `count` rays. Errors: its own. */
+/* Traces `count` rays. Errors: its own. */
 typedef enum status walk_ask_fn(void *user, enum query query, const struct ray *ray, size_t count,
                                 struct hit *hit, struct reason *reason);
 
-/* One light at one point. */
+/* One light at one hit point. */
 struct walk_light {
     bool asked, shadowed;
     float nl, rv, far;
-    struct ray ray; /* if `asked` */
+    struct ray ray; /* valid if `asked` */
     struct hit hit;
 };
 
@@ -22,10 +22,10 @@ struct walk_light {
 struct walk_step {
     struct ray ray;
     struct hit hit;
-    struct vec3 p, n, g; /* zero if nothing is hit; RTRS has no g */
-    float d, s;          /* light gathered */
-    float weight;        /* of what it adds */
-    struct vec3 total;   /* colour after it */
+    struct vec3 p, n, g; /* zero for a miss; g is always zero in PROFILE_RTRS */
+    float d, s;          /* diffuse and specular light gathered */
+    float weight;        /* weight of the segment's colour */
+    struct vec3 total;   /* colour after the segment */
     struct segment segment;
 };
 
@@ -34,7 +34,7 @@ struct diff_walk {
     size_t count;
     uint32_t bounces, lights; /* of the job */
     enum query shadow_query;  /* of shadow rays */
-    uint32_t *length;         /* [count] steps taken */
+    uint32_t *length;         /* [count] segments walked */
     struct walk_step *step;   /* [count * bounces] */
     struct walk_light *light; /* [count * bounces * lights] */
     struct frame frame;       /* of `count` pixels, without segments */
@@ -46,7 +46,7 @@ enum status walk_make(const struct frame_job *job, const struct view *view, cons
                       size_t count, walk_ask_fn *ask, void *user, struct diff_walk *out,
                       struct reason *reason) MUST_USE;
 
-/* Bytes that the walk of one pixel of the job takes. */
+/* Bytes needed to walk one pixel of the job. */
 size_t walk_bytes(const struct frame_job *job);
 
 void walk_free(struct diff_walk *walk);
@@ -63,7 +63,7 @@ static inline struct walk_light *walk_light_of(const struct diff_walk *walk, siz
     return &walk->light[(path * walk->bounces + step) * walk->lights + light];
 }
 
-/* Writes the `bounces` segments of path `path` as a frame has them. */
+/* Writes the `bounces` segments of path `path` as in a frame. */
 void walk_segments(const struct diff_walk *walk, size_t path, struct segment *out);
 
 #endif

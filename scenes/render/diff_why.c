@@ -51,15 +51,15 @@ enum status why_judge(const struct why_judges *judges, unsigned side, bool shado
     return status;
 }
 
-/* Two paths being followed. */
+/* State of following two paths. */
 struct following {
     const struct why_judges *judges;
-    bool apart; /* some bit of a ray or a hit differed */
+    bool apart; /* a bit of a ray or hit differed before */
     struct path_why *out;
     struct reason *reason;
 };
 
-/* The paths end here. */
+/* Sets why and where the paths part. */
 static void part(struct following *f, enum why why, uint32_t segment, uint32_t light)
 {
     f->out->why = why;
@@ -77,7 +77,7 @@ static void unjudged(struct path_why *out)
     out->answer[0].judged = out->answer[1].judged = false;
 }
 
-/* Judges both answers, if anything of them differs; true if one is wrong. */
+/* Judges both answers if rays or hits differ in any bit. Returns true if one is wrong. */
 static bool judge_both(struct following *f, uint32_t segment, uint32_t light,
                        const struct ray *const ray[2], const struct hit *const hit[2],
                        enum status *status)
@@ -104,7 +104,8 @@ static bool judge_both(struct following *f, uint32_t segment, uint32_t light,
     return out->why == WHY_WRONG || out->why == WHY_PUBLISHED;
 }
 
-/* Both answers are allowed, and what follows from them differs. */
+/* The paths part and neither answer is wrong: sets whether a verdict, earlier drift or nothing
+ * explains it. */
 static void part_allowed(struct following *f, uint32_t segment, uint32_t light, bool rays_differ)
 {
     for (unsigned side = 0; side < 2; side++) {
@@ -119,7 +120,7 @@ static void part_allowed(struct following *f, uint32_t segment, uint32_t light, 
     part(f, rays_differ ? WHY_DRIFT : WHY_UNEXPLAINED, segment, light);
 }
 
-/* True if the paths part at this light. */
+/* Returns true if the paths part at this light. */
 static bool follow_light(struct following *f, const struct walk_light *a,
                          const struct walk_light *b, uint32_t segment, uint32_t light,
                          enum status *status)
@@ -139,10 +140,10 @@ static bool follow_light(struct following *f, const struct walk_light *a,
     f->apart = f->apart || rays_differ;
     if (a->shadowed == b->shadowed)
         return false;
-    /* The published profile asks for the closest hit and compares its t with the light's distance:
-     * two right answers to one ray can lie on both sides of it. */
+    /* PROFILE_RTRS traces the closest hit and compares its t with the light's distance. Two right
+     * answers to the same ray may have t on either side of it. */
     if (!rays_differ && a->hit.prim == b->hit.prim && a->hit.prim != ABI_NO_PRIM &&
-        f->out->answer[0].judged && f->out->answer[1].judged && /* the hits differ */
+        f->out->answer[0].judged && f->out->answer[1].judged && /* so the hits differ */
         f->out->answer[0].judgement.verdict == VERDICT_RIGHT &&
         f->out->answer[1].judgement.verdict == VERDICT_RIGHT) {
         f->out->verdict = VERDICT_BORDER;
@@ -153,7 +154,7 @@ static bool follow_light(struct following *f, const struct walk_light *a,
     return true;
 }
 
-/* True if the paths part at this segment's own ray. */
+/* Returns true if the paths part at this segment's own ray. */
 static bool follow_hit(struct following *f, const struct walk_step *a, const struct walk_step *b,
                        uint32_t segment, enum status *status)
 {
@@ -178,7 +179,7 @@ enum status why_paths(const struct why_judges *judges, const struct diff_walk *a
     uint32_t length[2] = {a->length[index], b->length[index]};
     *out = (struct path_why){.light = WHY_NO_LIGHT};
     for (uint32_t i = 0; i < length[0] || i < length[1]; i++) {
-        if (i >= length[0] || i >= length[1]) { /* one goes on, the other does not */
+        if (i >= length[0] || i >= length[1]) { /* only one path continues */
             unjudged(out);
             part(&f, f.apart ? WHY_DRIFT : WHY_UNEXPLAINED, i, WHY_NO_LIGHT);
             return STATUS_OK;

@@ -27,8 +27,7 @@ void frame_free(struct frame *frame)
     *frame = (struct frame){0};
 }
 
-/* Pixels that are on their way together, whole rows: what waves hold at once is bounded by that
- * many and one row. */
+/* Pixels traced together, in whole rows. A strip has at most this many and one row more. */
 #define STRIP_PIXELS ((size_t)1 << 17)
 
 struct renderer {
@@ -37,28 +36,28 @@ struct renderer {
     bool waves;
     unsigned threads;
     void *closest;
-    void *any; /* NULL until a job has any-hit shadow rays */
+    void *any; /* opened by the first job with any-hit shadow rays; NULL before */
     struct frame_job job;
-    bool ready; /* prepared without an error */
+    bool ready; /* the last prepare succeeded */
     void (*step)(void *user, double share);
     void *user;
     size_t watched_rays;
 };
 
-/* The paths of a strip, and one wave of rays: ray j belongs to path of[j]. */
+/* The paths of a strip, and one wave of rays. Ray j belongs to path of[j]. */
 struct strip {
     const struct frame_job *job;
     const struct view *view;
     size_t first, count; /* pixels */
     struct shade_path *path;
-    uint32_t *live; /* paths that go on, in order */
+    uint32_t *live; /* paths that have not ended, in order */
     uint32_t *of;
     struct ray *ray;
     struct hit *hit;
-    bool *keep; /* of the path at the same place of live */
+    bool *keep; /* for the path at the same index of live */
     size_t live_count, ray_count;
     double done;       /* share of the picture before this wave */
-    uint64_t bytes[2]; /* held by the instance for closest hits, and for any */
+    uint64_t bytes[2]; /* held by the instances for closest and any */
     unsigned threads;
 };
 
@@ -108,7 +107,7 @@ static void strip_begin(struct strip *strip, size_t first, bool bounded)
     }
 }
 
-/* Leaves the live paths that are to be kept, in their order whatever the threads. */
+/* Keeps the live paths with `keep`, in order whatever the number of threads. */
 static void drop_ended(struct strip *strip)
 {
     size_t kept = 0;
@@ -118,12 +117,12 @@ static void drop_ended(struct strip *strip)
     strip->live_count = kept;
 }
 
-/* Rays per call of the engine while renderer_watch is on; doubled as long as a call takes little
- * time. */
+/* Rays per engine call while renderer_watch is on; doubled after every call that took less than
+ * WATCHED_NS. */
 #define WATCHED_RAYS ((size_t)1 << 12)
 #define WATCHED_NS   100000000u
 
-/* Asks an engine for the wave's rays and adds the cost up. */
+/* Traces the wave's rays with an engine and adds the costs to *total. */
 static enum status ask(struct renderer *renderer, void *self, struct strip *strip,
                        struct trace_report *total, struct reason *reason)
 {
@@ -152,7 +151,7 @@ static enum status ask(struct renderer *renderer, void *self, struct strip *stri
     return STATUS_OK;
 }
 
-/* A ray of every live path; those that miss end. */
+/* Traces the next segment of every live path; clears `keep` of those that miss. */
 static enum status wave_closest(struct renderer *renderer, struct strip *strip,
                                 struct trace_report *report, struct reason *reason)
 {
@@ -169,7 +168,7 @@ static enum status wave_closest(struct renderer *renderer, struct strip *strip,
     return STATUS_OK;
 }
 
-/* Traces a ray to the light from every path that needs one. */
+/* Traces a shadow ray to the light from every path that needs one. */
 static enum status wave_light(struct renderer *renderer, struct strip *strip, uint32_t light,
                               struct trace_report *report, struct reason *reason)
 {
@@ -194,7 +193,7 @@ static enum status wave_light(struct renderer *renderer, struct strip *strip, ui
     return STATUS_OK;
 }
 
-/* Segments in the order of the picture's rows; those behind a path's end stay ABI_NO_SEGMENT. */
+/* Stores segments in row order. Those after a path's end stay ABI_NO_SEGMENT. */
 static void store_segments(const struct strip *strip, uint32_t index, struct frame *out)
 {
     uint32_t bounces = strip->job->look.bounces;
@@ -210,7 +209,7 @@ static enum status strip_segment(struct renderer *renderer, struct strip *strip,
     enum status status = wave_closest(renderer, strip, report, reason);
     if (status)
         return status;
-    store_segments(strip, index, out); /* of those that end here */
+    store_segments(strip, index, out); /* of the paths that end here */
     drop_ended(strip);
     for (uint32_t light = 0; light < strip->job->light_count && !status; light++)
         status = wave_light(renderer, strip, light, report, reason);

@@ -43,7 +43,7 @@ struct ray shade_ray(const struct frame_job *job, const struct shade_path *path)
                         job->tmax};
 }
 
-/* The corners' normals, weighted and made unit. */
+/* The unit normal interpolated between the corners. */
 static struct vec3 blend(const struct shade_tri *tri, float wa, float wb, float wc)
 {
     struct vec3 ab = vec3_add(vec3_scale(vec3_of(tri->na), wa), vec3_scale(vec3_of(tri->nb), wb));
@@ -120,22 +120,23 @@ bool shade_ask(const struct frame_job *job, const struct view *view, uint32_t li
     return true;
 }
 
-/* Two sums or products of numbers that differ are rounded apart by half a unit in the last place
- * each: 2^-23 of the result, which may be subnormal. */
+/* The difference that rounding adds to a sum or product whose operands differ between two
+ * renderers. Each result is rounded by half a unit in the last place: together 2^-23 of the result,
+ * or 2^-149 if it is subnormal. */
 static double apart(double result)
 {
     return 0x1p-23 * fabs(result) + 0x1p-149;
 }
 
 /* Vulkan's precision, appendix "Precision and Operation of SPIR-V Instructions": pow(x, y) is
- * inherited from exp2(y log2(x)); log2 errs by 3 ULP, for x in [0.5, 2] by 2^-21; exp2(z) by
- * 3 + 2 |z| ULP; a product by 1 ULP where no rounding mode is asked for. One ULP is at most 2^-23
- * of the number, or 2^-149.
+ * inherited from exp2(y log2(x)). The error of log2 is 3 ULP, for x in [0.5, 2] 2^-21; that of
+ * exp2(z) is 3 + 2 |z| ULP; that of a product without a required rounding mode is 1 ULP. One ULP is
+ * at most 2^-23 of the number, or 2^-149.
  *   l = log2 x, |l^ - l| <= dl;  z = y l, |z^ - z| <= dz = |y| dl + 2^-23 |y| (|l| + dl)
- *   2^z^ = 2^z 2^(z^ - z), so pow is within a factor 2^dz (1 + 2^-23 (3 + 2 (|z| + dz))) of x^y,
- * above; below by less. powf is within 1 ULP (the GNU C library's manual), which is added, and so
- * is 2^-126, below which a shader may flush to 0. A factor 1 + 2^-20 pays for the doubles here and
- * for taking powf for x^y. */
+ *   2^z^ = 2^z 2^(z^ - z), so pow is within a factor 2^dz (1 + 2^-23 (3 + 2 (|z| + dz))) of x^y
+ * above; below by less. The error of powf is at most 1 ULP (the GNU C library's manual), which is
+ * added, as is 2^-126, below which a shader may flush to 0. A factor 1 + 2^-20 covers the rounding
+ * of the doubles here and the use of powf for x^y. */
 double shade_pow_error(float x, float y)
 {
     double l = log2((double)x), size = fabs((double)y);
@@ -145,10 +146,11 @@ double shade_pow_error(float x, float y)
     double p = pow((double)x, (double)y);
     double relative = exp2(dz) * (1 + 0x1p-23 * (3 + 2 * z)) - 1;
     double error = (1 + 0x1p-20) * (p * (relative + 0x1p-23)) + 0x1p-126;
-    return p + error < 0x1p127 ? error : INFINITY; /* one may overflow, the other not */
+    return p + error < 0x1p127 ? error : INFINITY; /* one renderer may overflow, the other not */
 }
 
-/* s + strength pow(rv, spec), and what another renderer's may be away from it. */
+/* Adds strength pow(rv, spec) to s, and the possible difference from another renderer's to
+ * s_error. */
 static void add_specular(float strength, float spec, struct shade_path *path)
 {
     bool raised = path->rv > 0;
@@ -179,8 +181,9 @@ void shade_answer(const struct frame_job *job, uint32_t light, const struct hit 
         add_specular(strength, spec, path);
 }
 
-/* `added` goes to total, which may be `error` away from another renderer's; where nothing is, both
- * have the same bits. `peak` is the largest |channel| of any result on the way. */
+/* Adds to path->error what total may differ from another renderer's: `error` of the added colour,
+ * and `roundings` roundings of numbers up to `peak`, the largest |channel| of any result. If
+ * nothing differs, both renderers have the same bits. */
 static void carry_error(double error, double peak, int roundings, struct shade_path *path)
 {
     if (error == 0 && path->error == 0)
@@ -220,8 +223,8 @@ static void add_color(const struct frame_job *job, uint32_t index, struct shade_
     double factor = path->weight;
     if (job->look.profile == PROFILE_RTRS)
         factor = index > 0 ? material->reflective : 1;
-    /* s specular, the sum, times a factor that may be above 1, and the sum: what the first two are
-     * rounded apart by is scaled by the factor. */
+    /* Roundings, in order: s specular; its sum with diffuse; the product with a factor that may be
+     * above 1; the sum with total. The first two are scaled by the factor. */
     double shine = path->s_error * (double)material->specular;
     if (path->s_error > 0)
         shine += 2 * apart(peak + shine);
@@ -251,7 +254,7 @@ bool shade_next(const struct frame_job *job, uint32_t index, struct shade_path *
     return true;
 }
 
-/* NaN is 0. */
+/* One channel of a pixel. NaN gives 0. */
 static uint32_t level(float total)
 {
     float clamped = total > 0 ? total : 0.0f;
@@ -268,8 +271,8 @@ float shade_bound(const struct shade_path *path)
 {
     if (path->error == 0)
         return 0.0f;
-    /* 255 times a channel and the sum with 0.5 are each below 256, so that each is rounded by up to
-     * 2^-17 here and there. */
+    /* 255 times a channel and its sum with 0.5 are below 256, so each is rounded by up to 2^-17 in
+     * either renderer. */
     double bound = 255 * path->error + 4 * 0x1p-17;
     return bound < 0x1p20 ? nextafterf((float)bound, INFINITY) : INFINITY;
 }

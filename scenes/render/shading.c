@@ -75,7 +75,7 @@ static enum status make_lights(const struct scene *scene, const struct look *loo
     return STATUS_OK;
 }
 
-/* The unit normal of a triangle's plane, or zero; in double, where no scene overflows. */
+/* The unit normal of a triangle's plane, or zero. Computed in double, which no scene overflows. */
 static void make_plane(const struct scene *scene, uint32_t prim, float out[3])
 {
     float v[3][3];
@@ -89,7 +89,7 @@ static void make_plane(const struct scene *scene, uint32_t prim, float out[3])
         out[k] = area ? (float)n[k] : 0.0f;
 }
 
-/* A corner's normal: as the file has it in the published profile, else made unit. */
+/* The normal of a corner: unchanged in PROFILE_RTRS, else normalised. */
 static enum status make_normal(const float *normal, uint32_t vertex, enum profile profile,
                                float out[3], struct reason *reason)
 {
@@ -164,7 +164,7 @@ void shading_free(struct shading *shading)
     *shading = (struct shading){0};
 }
 
-/* What the roundings of a hit's place are measured by. */
+/* Scale of the rounding errors of hit points. */
 static float largest_coordinate(const struct scene *scene, const struct camera *camera)
 {
     struct box box = scene_bounds(scene);

@@ -43,7 +43,7 @@ const struct show *show_find(const char *name)
     return NULL;
 }
 
-/* Some pixels at work. */
+/* A range of pixels being processed. */
 struct show_part {
     const struct show_source *source;
     size_t count;
@@ -84,7 +84,7 @@ static enum status part_make(const struct show_source *source, size_t first, siz
     return STATUS_OK;
 }
 
-/* Counts every ray, and compares hits and sums with the engine's. */
+/* Walks every ray in C. Compares hits and total counts with those of the engine. */
 static enum status walk(struct show_part *part, const struct trace_report *report,
                         struct reason *reason)
 {
@@ -117,7 +117,7 @@ static double hit_or_none(const struct hit *hit, double value)
     return hit->prim == ABI_NO_PRIM ? (double)NAN : value;
 }
 
-/* Of one plane. */
+/* The value of a pixel with one plane. */
 static double value_of(const struct show_part *part, size_t i)
 {
     const struct hit *hit = &part->hit[i];

@@ -6,12 +6,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define ERROR_LEAST 1e-3 /* errors of a smaller share of their bound look alike */
+#define ERROR_LEAST 1e-3 /* smaller shares of the bound have the same colour */
 #define LABEL_BYTES 80
-#define MARKS_MOST  400u /* so many odd pixels get a frame */
-#define LEAST_SIDE  320u /* pixels are enlarged until a picture is so wide */
+#define MARKS_MOST  400u /* most odd pixels that get a frame */
+#define LEAST_SIDE  320u /* narrower pictures are enlarged up to this width */
 
-/* Which colour a verdict has: of the ten the rarest three that excuse share one. */
+/* Colour class of each verdict. Ten verdicts share eight colours: the three rarest allowed ones
+ * have the same. */
 enum { CLASS_OTHER = 6, CLASS_NAMES = COLOUR_CLASS_COUNT };
 static const size_t class_of[VERDICT_COUNT] = {
     [VERDICT_WRONG] = 1,
@@ -26,7 +27,7 @@ static const size_t class_of[VERDICT_COUNT] = {
     [VERDICT_OUT_OF_CONTRACT] = CLASS_OTHER,
 };
 
-/* The legend of verdicts: "right 1234". */
+/* The legend of verdicts, such as "right 1234". */
 struct legend {
     char text[CLASS_NAMES][48];
     const char *name[CLASS_NAMES];
@@ -53,7 +54,7 @@ enum status show_range_check(const struct show *show, bool difference,
     return STATUS_OK;
 }
 
-/* What it means that a pixel has no value; NULL if all have one. */
+/* The meaning of a pixel without value; NULL if all pixels have one. */
 static const char *no_data(const struct show *show, bool difference, const double *value,
                            size_t count)
 {
@@ -78,8 +79,9 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* What nine of ten differences do not exceed, those of 0 left out: a few large ones would make all
- * others look like none. 0 without any. Errors: STATUS_MEMORY. */
+/* The 90th percentile of the differences that are not 0, by magnitude; 0 if there are none. With
+ * the maximum as the end of the scale, a few large differences would make all others look like 0.
+ * Errors: STATUS_MEMORY. */
 static enum status usual(const float *value, size_t count, double *out, struct reason *reason)
 {
     size_t some = 0;
@@ -151,7 +153,7 @@ static unsigned byte_of(double x)
     return (unsigned)(127.5 * (fmin(fmax(x, -1.0), 1.0) + 1.0));
 }
 
-/* The colour of pixel i; `value` is the same in float. */
+/* The colour of pixel i. `amount` has the values as float. */
 static uint32_t colour_at(const struct show *show, bool difference, const double *value, size_t i,
                           const struct colour_scale *scale, const float *amount)
 {
@@ -165,7 +167,8 @@ static uint32_t colour_at(const struct show *show, bool difference, const double
     return colour_of(scale, amount[i]);
 }
 
-/* A pixel in half a million is not seen: a few that are not right, or that differ, get a frame. */
+/* Draws frames around the pixels that are not right, or that differ, if they are few: a single
+ * pixel among half a million would not be seen. */
 static void mark(const struct show *show, bool difference, const double *value, uint32_t width,
                  size_t count, const uint32_t *pixel, const struct colour_place *place,
                  struct image *image)

@@ -1,35 +1,35 @@
-/* The arrow keys of a window as RTRS has them: while the left one is held the camera turns one
- * way, else while the right one is, the other; by time, whatever the frames take. */
+/* A window's arrow keys as in RTRS: the camera turns one way while the left key is held, else the
+ * other way while the right key is held. The angle depends on time, not on frames. */
 #ifndef TURNING_H
 #define TURNING_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Radians a millisecond: RTRS's 0.0314 * 0.1. A whole turn takes 2.001 s. */
+/* Radians per millisecond: RTRS's 0.0314 * 0.1. A full turn takes 2.001 s. */
 #define TURNING_SPEED 0.00314
-/* A key pressed and let go while a frame was drawn was held so many milliseconds at least. */
+/* Least time a key counts as held, even if it was pressed and released during one frame. */
 #define TURNING_TAP_MS 10u
 
-/* Zero: nothing is held. Times are milliseconds of one clock that may wrap around. */
+/* Zero: no key is held. Times are milliseconds of one clock, which may wrap around. */
 struct turning {
     bool left, right;
-    uint32_t since;   /* the last time that was counted */
-    uint32_t pressed; /* when the last key went down */
-    double ms;        /* held and not yet taken: left counts up, right down */
+    uint32_t since;   /* time of the last count */
+    uint32_t pressed; /* time of the last key press */
+    double ms;        /* time held since turning_take: left adds, right subtracts */
 };
 
 static inline void turning_count(struct turning *turning, uint32_t now)
 {
     double ms = (double)(uint32_t)(now - turning->since);
     turning->since = now;
-    if (turning->left) /* wins over right */
+    if (turning->left) /* has priority over right */
         turning->ms += ms;
     else if (turning->right)
         turning->ms -= ms;
 }
 
-/* A key went down or up; a key that repeats goes down again, which changes nothing. */
+/* Processes a key press or release. Repeats of a held key change nothing. */
 static inline void turning_key(struct turning *turning, bool left, bool down, uint32_t now)
 {
     bool *key = left ? &turning->left : &turning->right;
@@ -44,7 +44,7 @@ static inline void turning_key(struct turning *turning, bool left, bool down, ui
     *key = down;
 }
 
-/* Turning time since the last call, in ms; negative to the right. */
+/* Returns the turning time since the last call, in ms; negative to the right. */
 static inline double turning_take(struct turning *turning, uint32_t now)
 {
     turning_count(turning, now);

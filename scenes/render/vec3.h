@@ -1,4 +1,4 @@
-/* The few vector operations of shading and cameras. */
+/* Vector operations of shading and cameras. */
 #ifndef VEC3_H
 #define VEC3_H
 

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Every function of SDL that is called: the name without SDL_, to be looked up in the library. */
+/* All SDL functions used, without the prefix SDL_, to be looked up in the library. */
 #define SDL_FUNCTIONS(X)                                                                           \
     X(SetHint)                                                                                     \
     X(Init)                                                                                        \
@@ -43,8 +43,8 @@ struct window {
     struct turning turning;
 };
 
-/* The library stays open until the program ends: it leaves threads and memory behind, whose owner a
- * leak checker could not name any more. */
+/* The library is not closed before the program ends: it leaves threads and memory behind, which a
+ * leak checker could not attribute after dlclose. */
 static enum status sdl_load(struct sdl *sdl, struct reason *reason)
 {
     static const char library[] = "libSDL2-2.0.so.0";
@@ -70,12 +70,12 @@ static enum status sdl_load(struct sdl *sdl, struct reason *reason)
     return STATUS_OK;
 }
 
-/* Without a display SDL would open an invisible window, or take the console. */
+/* Without a display SDL would open an invisible window or use the console. */
 static enum status choose_display(const struct sdl *sdl, struct reason *reason)
 {
     const char *x11 = getenv("DISPLAY"), *wayland = getenv("WAYLAND_DISPLAY");
     bool has_x11 = x11 && *x11, has_wayland = wayland && *wayland;
-    if (getenv("SDL_VIDEODRIVER")) /* the user's choice, whatever it is */
+    if (getenv("SDL_VIDEODRIVER")) /* the user's choice */
         return STATUS_OK;
     if (!has_x11 && !has_wayland)
         return fail(reason, STATUS_UNSUPPORTED,
@@ -101,8 +101,7 @@ enum status window_open(const char *title, uint32_t width, uint32_t height, stru
         return status;
     }
     const struct sdl *sdl = &window->sdl;
-    sdl->SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION,
-                 "0"); /* no OpenGL for a picture that is ready */
+    sdl->SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0"); /* no OpenGL for a finished picture */
     if (sdl->Init(SDL_INIT_VIDEO) != 0) {
         status = fail(reason, STATUS_UNSUPPORTED, "no window: no display can be opened (SDL: %s)",
                       sdl->GetError());
@@ -133,7 +132,7 @@ static void take_event(struct window *window, const SDL_Event *event, struct win
                       event->window.event == SDL_WINDOWEVENT_SIZE_CHANGED;
         break;
     case SDL_KEYDOWN:
-    case SDL_KEYUP: /* keys that are held when the window loses them go up, too */
+    case SDL_KEYUP: /* also sent for held keys when the window loses focus */
         if (key == SDLK_LEFT || key == SDLK_RIGHT)
             turning_key(&window->turning, key == SDLK_LEFT, event->type == SDL_KEYDOWN,
                         event->key.timestamp);
@@ -165,8 +164,7 @@ void window_wait(struct window *window, unsigned most_ms, struct window_news *ou
 enum status window_show(struct window *window, const struct image *image, struct reason *reason)
 {
     const struct sdl *sdl = &window->sdl;
-    /* Red in bits 0-7 is what SDL calls ABGR. The surface is valid until the next change of size.
-     */
+    /* Red in bits 0-7 is SDL's ABGR. The surface is valid until the next change of size. */
     SDL_Surface *screen = sdl->GetWindowSurface(window->shown);
     SDL_Surface *picture =
         sdl->CreateRGBSurfaceWithFormatFrom(image->pixel, (int)image->width, (int)image->height, 32,
@@ -178,7 +176,7 @@ enum status window_show(struct window *window, const struct image *image, struct
     if (!fine)
         status = fail(reason, STATUS_DEVICE, "window: the picture cannot be shown (SDL: %s)",
                       sdl->GetError());
-    sdl->FreeSurface(picture); /* NULL is fine */
+    sdl->FreeSurface(picture); /* NULL is allowed */
     return status;
 }
 
@@ -207,7 +205,7 @@ enum status window_open(const char *title, uint32_t width, uint32_t height, stru
     return fail(reason, STATUS_UNSUPPORTED, "no window: compiled without SDL2 (libsdl2-dev)");
 }
 
-/* Without a window none is handed over. */
+/* Not called: window_open always fails. */
 void window_wait(struct window *window, unsigned most_ms, struct window_news *out)
 {
     (void)window, (void)most_ms;

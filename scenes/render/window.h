@@ -1,7 +1,7 @@
-/* A window on the screen, by SDL2: its library is opened when a window is asked for, so that a
- * program without windows needs none, and its headers only where they were when this was compiled.
- * Pictures are drawn by the processor; no OpenGL. One window at a time, all calls from one thread.
- */
+/* A window on the screen, with SDL2. The library is loaded when a window is opened, so that
+ * programs without windows do not need it. Its headers are needed at compile time; without them
+ * window_open fails. Pictures are drawn by the CPU, without OpenGL. One window at a time, all calls
+ * from one thread. */
 #ifndef WINDOW_H
 #define WINDOW_H
 
@@ -9,31 +9,31 @@
 
 struct window;
 
-/* What happened since the last call. */
+/* Events since the last call. */
 struct window_news {
-    bool quit;              /* Esc, the close button, or a signal that ends programs */
-    bool redraw;            /* what is on the screen was lost: show the picture again */
-    uint32_t width, height; /* of the window, now */
-    double turn_ms;         /* arrow keys: see scenes/render/turning.h */
-    bool turning;           /* one of them is held: do not wait long */
+    bool quit;              /* Esc, the close button, or a terminating signal */
+    bool redraw;            /* the window content was lost: show the picture again */
+    uint32_t width, height; /* current size of the window */
+    double turn_ms;         /* turning time of the arrow keys: see scenes/render/turning.h */
+    bool turning;           /* an arrow key is held: wait only briefly */
 };
 
-/* Opens a window whose inside has that size (cut to the screen by the window manager, if there is
- * one). *out is NULL on error. Errors: STATUS_UNSUPPORTED compiled without SDL2's headers, no
- * library, no display (the reason says which). */
+/* Opens a window with an inside of width x height (cut to the screen by the window manager, if
+ * there is one). *out is NULL on error. Errors: STATUS_UNSUPPORTED compiled without SDL2's headers,
+ * no library, no display (the reason names it); STATUS_MEMORY. */
 enum status window_open(const char *title, uint32_t width, uint32_t height, struct window **out,
                         struct reason *reason) MUST_USE;
 
-/* Waits for an event, `most_ms` at most (0: only looks), and reports all events. */
+/* Waits up to `most_ms` for an event (0: no wait), and reports all pending events. */
 void window_wait(struct window *window, unsigned most_ms, struct window_news *out);
 
-/* Shows a picture, stretched where the window has another size.
+/* Shows a picture, stretched to the size of the window.
  * Errors: STATUS_DEVICE the window cannot be drawn to. */
 enum status window_show(struct window *window, const struct image *image,
                         struct reason *reason) MUST_USE;
 
 void window_title(struct window *window, const char *title);
 
-void window_close(struct window *window); /* NULL is fine */
+void window_close(struct window *window); /* NULL is allowed */
 
 #endif
