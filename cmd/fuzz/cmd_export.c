@@ -1,4 +1,4 @@
-/* raydiff export: a finding as something that runs without raydiff. */
+/* raydiff export: writes a finding as a file that runs without raydiff. */
 #include "fuzz/export/export.h"
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
@@ -42,7 +42,7 @@ static const struct option_set set = {
                "         cc x.c -lvulkan -o x && ./x",
 };
 
-/* The writer's notes go to the standard error, a line each. */
+/* Prints the writer's remarks to standard error, one per line. */
 static void print_said(const char *path, const struct export_said *said)
 {
     for (const char *at = said->text; *at;) {
@@ -77,20 +77,19 @@ static int write_file(const char *path, const struct taken *taken, const struct 
     return exit_with_reason("export", status, &reason);
 }
 
-/* Export runs only these, and writes the options that they ran with. */
+/* Only these engines run during an export, and only their options are written. */
 static bool is_vendors(const struct engine *engine)
 {
     return engine && (engine->gpu || engine->library);
 }
 
-/* Refuses options that the file's engine does not use. -1: there are none. */
+/* Rejects options that the file's engine does not use. Returns -1 if there are none. */
 static int check_use(const struct export_options *o, const struct finding_file *file)
 {
     const struct engine *engine = o->engine             ? o->engine
                                   : file->has_signature ? engine_find(file->signature.engine)
                                                         : engine_find("vulkan");
-    const struct list list =
-        list_of_one(TABLE_ENGINES, engine); /* empty: a peer that is not here */
+    const struct list list = list_of_one(TABLE_ENGINES, engine); /* empty: the peer is not loaded */
     const struct option_use use = {.engine = &list};
     const struct option_use ours = {.by = "an export of no vendor's engine",
                                     .never = is_vendors(engine) ? "" : "layout threads"};

@@ -1,4 +1,4 @@
-/* raydiff fuzz: a campaign on this machine. */
+/* raydiff fuzz: runs a campaign on this machine. */
 #define _POSIX_C_SOURCE 200809L
 #include "cmd/fuzz/cmd_fuzz.h"
 #include "cmd/fuzz/cmd_selftest.h"
@@ -29,7 +29,6 @@ static bool is_known(void *user, const struct findings_entry *entry)
     return answer.state == BASELINE_KNOWN;
 }
 
-/* The rules of the campaign. */
 static enum status make_rules(struct fuzz_command *c, struct reason *reason)
 {
     struct work_rules *rules = &c->campaign.rules;
@@ -49,7 +48,7 @@ static enum status make_rules(struct fuzz_command *c, struct reason *reason)
     rules->corpus_count = c->corpus_trials.count;
     c->engines.threads = 1;
     c->engines.driver = c->driver[0] ? c->driver : NULL;
-    if (!c->engines.peer_ms) /* a peer's time is over before its worker's is */
+    if (!c->engines.peer_ms) /* a peer times out before its worker does */
         c->engines.peer_ms = (uint32_t)(c->trial_s * 1e3);
     plugin_limits(c->engines.peer_ms, c->engines.peer_mb);
     enum status status =
@@ -87,7 +86,7 @@ static enum status make_campaign(struct fuzz_command *c, struct reason *reason)
     return status;
 }
 
-/* Leaves out trials of members as published, whose faults are known. */
+/* Drops trials that use members as published: their faults are known. */
 static void keep_repaired(struct feedback_list *list)
 {
     size_t kept = 0;
@@ -106,7 +105,7 @@ static bool names_corpus(const struct fuzz_command *c)
     return c->corpus && strcmp(c->corpus, "none") != 0;
 }
 
-/* If no folder is named there may be none: an installed program has no corpus. */
+/* Without --corpus the folder may be missing: an installed program has no corpus. */
 static enum status read_corpus(struct fuzz_command *c, struct reason *reason)
 {
     const char *folder = c->corpus ? c->corpus : "fuzz/corpus";
@@ -129,7 +128,7 @@ static enum status read_corpus(struct fuzz_command *c, struct reason *reason)
     return status;
 }
 
-/* A file that cannot be written is an error before the campaign, not after it. */
+/* Reports files that cannot be written before the campaign instead of after it. */
 static enum status try_outputs(const struct fuzz_command *c, struct reason *reason)
 {
     const char *const path[] = {c->json, c->junit, c->tap, c->jsonl};
@@ -146,7 +145,7 @@ static enum status prepare(struct fuzz_command *c, struct reason *reason)
     if (!status && findings_said(c->findings)[0])
         fprintf(stderr, "raydiff fuzz: %s\n", findings_said(c->findings));
     if (!status)
-        status = try_outputs(c, reason); /* some may be in the folder */
+        status = try_outputs(c, reason); /* after findings_open: some may be in its folder */
     if (!status)
         status = fuzz_identify(c, reason);
     if (!status) {
@@ -166,7 +165,7 @@ static enum status prepare(struct fuzz_command *c, struct reason *reason)
     return status;
 }
 
-/* A screen is drawn again and again; a dumb terminal cannot. */
+/* The screen is redrawn in place, which a dumb terminal does not support. */
 static bool has_screen(void)
 {
     const char *kind = getenv("TERM");
@@ -178,7 +177,7 @@ static void catch_signals(void)
     struct sigaction before, action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
-    if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN) /* as by nohup */
+    if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN) /* not under nohup */
         sigaction(SIGHUP, &action, NULL);
 }
 

@@ -1,14 +1,14 @@
-/* What a campaign came to, for CI systems: JUnit, TAP, JSON lines. */
+/* The results of a campaign for CI systems: JUnit, TAP, JSON lines. */
 #include "cmd/fuzz/cmd_fuzz_report.h"
 
 #include <stdlib.h>
 
 #define NOTES_MOST 32
 
-/* What struct findings_report borrows. */
+/* Memory that struct findings_report points to. */
 struct report_room {
     struct report_finding *finding;
-    struct finding_words *words; /* of each finding */
+    struct finding_words *words; /* one per finding */
     struct report_contestant contestant[FUZZ_CONTESTANTS_MOST];
     char name[FUZZ_CONTESTANTS_MOST][NAME_MOST];
     const char *note[NOTES_MOST];

@@ -1,4 +1,4 @@
-/* The options that decide what a campaign finds: they are kept in its folder. */
+/* The options that decide what a campaign finds, as they are saved in its folder. */
 #define _POSIX_C_SOURCE 200809L
 #include "cmd/fuzz/cmd_fuzz.h"
 
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of --pairs. */
+/* The defaults with --pairs. */
 static const char *const pair_engines =
     "cpu,vulkan,fast,cpu_stackless,vulkan_stackless,brute,vulkan_brute";
 static const char *const pair_layouts = "every";
@@ -36,7 +36,7 @@ static bool has_plugin(const struct list *list)
     return has;
 }
 
-/* Appends the list; layouts from outside by their path, so that it can be read again. */
+/* Appends the list. External layouts are written by path, so that the text can be parsed again. */
 static void print_list(enum table table, const struct list *list, char text[FUZZ_VALUE_MOST])
 {
     for (size_t i = 0; i < list->count; i++) {
@@ -143,7 +143,7 @@ enum status fuzz_default_engines(struct fuzz_command *c, struct reason *reason)
         return status;
     bool heard = child_receive_into(&child, &out, sizeof out, 60000);
     child_end(&child, heard ? 5000 : 0, NULL);
-    if (!heard) { /* opening one of them ends the process: the campaign reports that */
+    if (!heard) { /* opening an engine ended the process: the campaign reports it */
         c->engine = what.list;
         return STATUS_OK;
     }
@@ -158,8 +158,8 @@ enum status fuzz_default_engines(struct fuzz_command *c, struct reason *reason)
 
 /* --- the folder's campaign ------------------------------------------------------------------- */
 
-/* An option may differ as long as nothing was played, so that a mistyped command can be corrected.
- */
+/* Options may still differ if nothing was played yet, so that a mistyped command can be
+ * corrected. */
 static enum status compare(struct fuzz_command *c, const char *state, enum fuzz_key key,
                            struct reason *reason)
 {
@@ -212,7 +212,7 @@ enum status fuzz_identify(struct fuzz_command *c, struct reason *reason)
     bool fits = campaign_state_put(c->identity, sizeof c->identity, "gen", value);
     for (enum fuzz_key key = 0; key < KEY_COUNT && fits; key++) {
         fuzz_key_print(c, key, value);
-        fits = strlen(value) < sizeof value - 1; /* or it may be cut */
+        fits = strlen(value) < sizeof value - 1; /* else it may be cut */
         if (fits && value[0])
             fits = campaign_state_put(c->identity, sizeof c->identity, fuzz_key_name(key), value);
     }

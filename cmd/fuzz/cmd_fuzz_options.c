@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* "A-B" or "A/B". */
+/* Parses "A-B" or "A/B". */
 static enum status set_pair(const char *flag, const char *text, char between, uint64_t most,
                             uint64_t pair[2], struct reason *reason)
 {

@@ -1,4 +1,4 @@
-/* The members that pairs of a campaign are made of, and the report on pairs. */
+/* The members that pairs are formed from, and the report on pairs. */
 #include "cmd/fuzz/cmd_fuzz.h"
 
 #include "ref/base/json_record.h"
@@ -14,9 +14,9 @@ static void add(struct pair_tables *tables, enum pair_factor factor, const void 
         tables->member[factor][tables->count[factor]++] = member;
 }
 
-/* Members of tables that can be drawn or generated: as published with --faithful, and layouts that
- * are named; the same for a folder that is resumed, which has the names and not who gave
- * them. */
+/* The members that can be drawn or generated. Members as published count with --faithful, and such
+ * layouts also if they are named. Only the names decide, so a resumed folder gives the same
+ * members. */
 static void fill(const struct fuzz_command *c, struct pair_tables *t)
 {
     const struct fuzz_field *field = &c->campaign.rules.field;

@@ -1,4 +1,4 @@
-/* What a campaign came to: the table, JSON, and the files of CI systems. */
+/* The results of a campaign: the table, JSON, and the files for CI systems. */
 #include "cmd/fuzz/cmd_fuzz_report.h"
 
 #include "cmd/fuzz/cmd_replay.h"
@@ -10,13 +10,13 @@
 
 #include <stdio.h>
 
-/* New, known, expired or flaky; *answer: why. */
+/* Classifies a finding as new, known, expired or flaky; *answer: why. */
 static enum findings_report_state state_of(const struct fuzz_command *c,
                                            const struct campaign_view *view, size_t i,
                                            struct baseline_answer *answer)
 {
     const struct findings_entry *entry = findings_entry(view->findings, i);
-    struct baseline baseline = c->baseline; /* baseline_ask counts uses in it; the list is shared */
+    struct baseline baseline = c->baseline; /* baseline_ask counts uses here; the list is shared */
     baseline_ask(&baseline, &entry->signature, entry->versions, c->today, answer);
     if (answer->state == BASELINE_KNOWN)
         return REPORT_KNOWN;
@@ -196,12 +196,12 @@ static void print_finding(const struct fuzz_command *c, const struct campaign_vi
 static void print_unused(const struct fuzz_command *c, const struct campaign_view *view)
 {
     char line[UNUSED_MOST];
-    size_t at = c->baseline.list[0].count; /* what is shipped need not show in every campaign */
+    size_t at = c->baseline.list[0].count; /* skip the shipped list: it may excuse nothing here */
     while (fuzz_unused_line(c, view, &at, line))
         printf("unused     %s\n", line);
 }
 
-/* No trial in any run. */
+/* True if no run played a trial. */
 static bool is_vacuous(const struct campaign_view *view)
 {
     return view->trials + view->before == 0;
@@ -215,7 +215,7 @@ static size_t failed_count(const struct campaign_view *view)
     return count;
 }
 
-/* How often each contestant answered in the whole campaign. */
+/* Prints how often each contestant answered in the whole campaign. */
 static void print_turnout(const struct campaign_view *view)
 {
     char name[NAME_MOST];
@@ -289,7 +289,7 @@ void fuzz_report(void *user, const struct campaign_view *view)
                   ? EXIT_MISMATCH
                   : EXIT_AGREE;
     if ((view->unplayed || view->unshrunk) &&
-        *c->signalled) /* a script that waits for a shard sees it */
+        *c->signalled) /* for a script that waits for a shard */
         c->code = 128 + *c->signalled;
     for (size_t i = 0; i < findings_count(view->findings); i++)
         print_finding(c, view, i);

@@ -1,4 +1,4 @@
-/* What cmd_fuzz_report.c and cmd_fuzz_ci.c share; private to them. */
+/* Shared by cmd_fuzz_report.c and cmd_fuzz_ci.c; private to them. */
 #ifndef CMD_FUZZ_REPORT_H
 #define CMD_FUZZ_REPORT_H
 
@@ -9,7 +9,7 @@
 #define NAME_MOST   64
 #define UNUSED_MOST 512
 
-/* What is printed of a finding, in all formats. */
+/* The texts that describe a finding, in all formats. */
 struct finding_words {
     enum findings_report_state state;
     struct baseline_answer answer;
@@ -22,14 +22,14 @@ void fuzz_describe(const struct fuzz_command *c, const struct campaign_view *vie
 
 double fuzz_seconds(uint64_t ns);
 
-/* The next entry of the baseline from *at on that excused nothing; false: there is none. Call it
- * after all findings were described. */
+/* Finds the next baseline entry from *at on that excused nothing; false: none left. Call it after
+ * all findings were described. */
 bool fuzz_unused_line(const struct fuzz_command *c, const struct campaign_view *view, size_t *at,
                       char line[UNUSED_MOST]);
 
 void fuzz_contestant_name(const struct campaign_view *view, size_t i, char name[NAME_MOST]);
 
-/* Writes the files of --junit, --tap and --jsonl. Errors: as the writers of
+/* Writes the files of --junit, --tap and --jsonl. Errors: those of the writers in
  * fuzz/findings/findings_report.h; STATUS_MEMORY. */
 enum status fuzz_write_ci(const struct fuzz_command *c, const struct campaign_view *view,
                           struct reason *reason) MUST_USE;

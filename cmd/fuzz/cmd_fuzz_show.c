@@ -1,5 +1,5 @@
-/* How a campaign stands: on a terminal some lines that are drawn again each second, else a line
- * each ten seconds. */
+/* Progress of a campaign: on a terminal, lines that are redrawn each second; otherwise one line
+ * every ten seconds. */
 #include "cmd/fuzz/cmd_fuzz.h"
 
 #include "fuzz/play/coverage.h"
@@ -10,7 +10,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-/* A line and its end; longer ones are hard to read. A narrower terminal has less. */
+/* Columns of a line, including its end; longer lines are hard to read. A narrower terminal has
+ * fewer. */
 #define ROW_MOST 80
 
 #define SCREEN_NS 1000000000u
@@ -22,7 +23,7 @@ static double per_second(uint64_t count, uint64_t ns)
     return ns ? (double)count / ((double)ns * 1e-9) : 0;
 }
 
-/* Columns of a line, its end among them. */
+/* Columns of a line, including its end. */
 static size_t room_of(void)
 {
     struct winsize size;
@@ -31,7 +32,7 @@ static size_t room_of(void)
     return size.ws_col;
 }
 
-/* A line of the screen, cut to its width: a wrapped line would not be overwritten whole. */
+/* Prints a line cut to the screen's width: a wrapped line would not be overwritten completely. */
 PRINTF_LIKE(2, 3) static void row(struct fuzz_command *c, const char *format, ...)
 {
     char text[ROW_MOST];
@@ -67,7 +68,7 @@ static void left_text(const struct campaign_view *view, char text[40])
         snprintf(text, 40, "of %llu generated ones", (unsigned long long)(o->trials / o->shards));
 }
 
-/* Items of a list, as many rows as they need. */
+/* A list of items, printed on as many rows as needed. */
 struct show_items {
     struct fuzz_command *command;
     const char *label;
@@ -94,7 +95,7 @@ static void add_share(struct show_items *items, const char *name, double share)
     snprintf(items->text + used, sizeof items->text - used, "%s", one);
 }
 
-/* Engines, all layouts together, by their share of the time, and the harness. */
+/* Prints the share of time of each engine, summed over its layouts, and of the harness. */
 static void show_shares(struct fuzz_command *c, const struct campaign_view *view)
 {
     const struct fuzz_field *field = &view->options->rules.field;

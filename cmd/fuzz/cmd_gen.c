@@ -1,4 +1,4 @@
-/* raydiff gen: a request in the text form, for a tracer to answer. */
+/* raydiff gen: writes a request in the text form for a tracer to answer. */
 #include "ref/outside/pipe_text.h"
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"

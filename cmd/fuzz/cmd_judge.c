@@ -1,4 +1,4 @@
-/* raydiff judge and verify: answers in the text form, judged. */
+/* raydiff judge and verify: judge answers given in the text form. */
 #include "ref/outside/pipe_text.h"
 #include "ref/outside/recorded.h"
 #include "cmd/check/cmd_check.h"
@@ -77,11 +77,11 @@ static const struct option_set verify_set = {
                "             raydiff verify",
 };
 
-/* What is judged. Owns all but the names. */
+/* A judgement. Owns everything except the names. */
 struct judge_run {
     const char *command;
     const struct judge_options *options;
-    const char *spec, *ray_name; /* as a user names scene and rays */
+    const char *spec, *ray_name; /* names of scene and rays as given by the user */
     uint64_t seed;
     struct scene scene;
     struct pipe_text request; /* rays and query */
@@ -105,7 +105,7 @@ static const char *name_of(const char *path)
     return strcmp(path, STANDARD_INPUT) == 0 ? "standard input" : file_label(path);
 }
 
-/* Reads a file whole. Errors call /dev/stdin the standard input. */
+/* Reads a whole file. Error messages call /dev/stdin "standard input". */
 static enum status read_all(const char *path, char **bytes, size_t *size, struct reason *reason)
 {
     enum status status = file_read(path, bytes, size, reason);
@@ -114,7 +114,7 @@ static enum status read_all(const char *path, char **bytes, size_t *size, struct
     return status;
 }
 
-/* The hits of a file, one for each ray. */
+/* Parses the hits of a file, one per ray. */
 static enum status parse_answer(struct judge_run *j, const char *name, const char *bytes,
                                 size_t size, struct reason *reason)
 {
@@ -145,7 +145,7 @@ static enum status read_answer(struct judge_run *j, const char *path, struct rea
     return status;
 }
 
-/* The rays of a file. A request holds a scene, too: it must be the one that was named. */
+/* Reads the rays of a file. If the file also holds a scene, it must be the named one. */
 static enum status read_rays(struct judge_run *j, const char *path, struct reason *reason)
 {
     const struct pipe_limits limits = {SIZE_MAX, UINT32_MAX};
@@ -233,7 +233,7 @@ static int judge_all(struct judge_run *j)
     return exit_worse(code, exit_with_reason(j->command, status, &reason));
 }
 
-/* Judges, or prints why something could not be read. Returns the exit code. */
+/* Judges, or prints why the input could not be read. Returns the exit code. */
 static int finish(struct judge_run *j, enum status status, const struct reason *reason)
 {
     int code = exit_with_reason(j->command, status, reason);
@@ -272,7 +272,7 @@ int cmd_judge(int argc, char **argv)
     return finish(&j, status, &reason);
 }
 
-/* Makes scene and rays again from the answer's 'from' line. */
+/* Rebuilds scene and rays from the answer's 'from' line. */
 static enum status make_again(struct judge_run *j, const struct pipe_text *look,
                               struct reason *reason)
 {
@@ -286,7 +286,7 @@ static enum status make_again(struct judge_run *j, const struct pipe_text *look,
         return fail(reason, STATUS_INPUT, "standard input: 'from' names no ray set of any count");
     if (look->refused[0])
         return fail(reason, STATUS_DEVICE, "standard input: the tracer refused: %s", look->refused);
-    if (look->hit_count < from->count) /* before so many rays are made */
+    if (look->hit_count < from->count) /* checked before that many rays are generated */
         return fail(reason, STATUS_INPUT,
                     "standard input:%" PRIu64 ": ends after %zu of %" PRIu64 " answers",
                     look->last_line, look->hit_count, from->count);
@@ -321,7 +321,7 @@ static enum status read_piped(struct judge_run *j, struct pipe_text *look, struc
     status = pipe_text_parse("standard input", bytes, size, &limits, look, reason);
     if (!status)
         status = make_again(j, look, reason);
-    if (!status) /* once more, now that is known what may be in it */
+    if (!status) /* parse again, now with the limits of the scene and rays */
         status = parse_answer(j, "standard input", bytes, size, reason);
     free(bytes);
     return status;

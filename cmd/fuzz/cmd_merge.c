@@ -1,4 +1,4 @@
-/* raydiff merge: findings of several campaigns, such as shards, in one folder. */
+/* raydiff merge: joins the findings of several campaigns, such as shards, in one folder. */
 #include "fuzz/findings/findings.h"
 #include "cmd/common/cmd_rows.h"
 #include "ref/base/command.h"

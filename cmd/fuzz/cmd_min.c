@@ -1,4 +1,4 @@
-/* raydiff min: findings shrunk, one file or a folder of them. */
+/* raydiff min: shrinks findings, one file or a folder of them. */
 #define _POSIX_C_SOURCE 200809L
 #include "cmd/fuzz/cmd_min.h"
 
@@ -12,7 +12,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* A finding is on a layout; this can only bring one that raydiff has not got. */
+/* Each finding names its layout, so --layout only accepts external ones. */
 static enum status take_layouts(void *options, const struct option_value *given,
                                 struct reason *reason)
 {
@@ -28,7 +28,7 @@ static enum status take_layouts(void *options, const struct option_value *given,
                         layout->name);
         if (list_has(&o->layout, list.index[i]))
             return fail(reason, STATUS_INPUT, "--layout: %s is named twice", layout->name);
-        o->layout.index[o->layout.count++] = list.index[i]; /* each once: they fit */
+        o->layout.index[o->layout.count++] = list.index[i]; /* fits: no duplicates */
     }
     return status;
 }
@@ -173,8 +173,8 @@ static bool ends_with(const char *text, const char *end)
     return length >= end_length && strcmp(text + length - end_length, end) == 0;
 }
 
-/* Where the result goes: NAME.min.trial beside NAME.trial, and one that has that name already is
- * resumed. Errors: STATUS_INPUT too long a name, or it exists. */
+/* Chooses the output: NAME.min.trial beside NAME.trial. A file already named NAME.min.trial is
+ * resumed in place. Errors: STATUS_INPUT the name is too long, or the file exists. */
 static enum status choose_out(const struct min_options *options, const char *path,
                               char out[MIN_PATH_MOST], struct reason *reason)
 {
@@ -253,7 +253,7 @@ int cmd_min(int argc, char **argv)
         return code;
     if (first + 1 != argc)
         return usage_error("min", first == argc ? "no file or folder given" : "one at a time");
-    signal(SIGPIPE, SIG_IGN); /* a peer that died is seen by what it does not answer */
+    signal(SIGPIPE, SIG_IGN); /* a dead peer is detected by its missing answer */
     if (stat(argv[first], &what) != 0 || !S_ISDIR(what.st_mode))
         return min_file(&options, argv[first]);
     if (options.out || options.force)

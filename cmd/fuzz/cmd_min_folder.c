@@ -1,4 +1,4 @@
-/* raydiff min DIR: the smallest trial of each finding of a folder, made smaller. */
+/* raydiff min DIR: shrinks the smallest trial of each finding in a folder. */
 #include "cmd/fuzz/cmd_min.h"
 
 #include "fuzz/findings/findings.h"
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A folder is made where there is none: this must be one already, good or bad. */
+/* findings_open would create a missing folder, so check first that this is one, valid or not. */
 static bool is_findings(const char *path)
 {
     struct folder folder;
@@ -24,12 +24,12 @@ static void shrink_entry(const struct min_options *options, struct findings *fin
 {
     const struct findings_entry *entry = findings_entry(findings, i);
     struct findings_news news;
-    row->file.signature = entry->signature; /* the table names it also if it cannot be read */
-    /* A writer that was killed has written the first, but perhaps not the smallest. */
+    row->file.signature = entry->signature; /* for the table, even if it cannot be read */
+    /* A writer that was killed has written the first trial but maybe not the smallest. */
     const char *name = entry->has_smallest ? "smallest.trial" : "first.trial";
     findings_path(findings, &entry->signature, name, row->path, sizeof row->path);
     if (entry->signature.cause == CAUSE_NOT_REPEATABLE) {
-        row->fate = MIN_SKIPPED; /* it does not show twice, so that shrinking cannot follow it */
+        row->fate = MIN_SKIPPED; /* it may not show again, so shrinking cannot follow it */
         fail(&row->reason, STATUS_UNSUPPORTED, "not repeatable");
         return;
     }
@@ -58,7 +58,6 @@ static bool is_on(const void *user, const struct layout *layout)
     return false;
 }
 
-/* The engines of all findings. */
 static struct list engines_of(const struct findings *findings)
 {
     struct list list = {.count = 0};

@@ -16,7 +16,7 @@ static const char *fate_name(enum min_fate fate)
     return names[fate];
 }
 
-/* Why it ended, in words. */
+/* Why shrinking ended, in words. */
 static const char *end_text(enum shrink_end end)
 {
     static const char *const text[] = {

@@ -1,4 +1,4 @@
-/* raydiff replay: findings played again, each engine in a process that may die. */
+/* raydiff replay: plays findings again, with the engines in a child process. */
 #define _POSIX_C_SOURCE 200809L
 #include "cmd/fuzz/cmd_replay.h"
 
@@ -50,7 +50,7 @@ bool replay_is_expected(const struct replay_options *options, const struct findi
            (options->layout.count > 0 || want->layout == found->layout);
 }
 
-/* True if the contestant is the one that the signature names, or stands in for it. */
+/* True if the contestant is the one named by the signature, or stands in for it. */
 static bool is_wanted(const struct replay_options *options, const struct finding_file *file,
                       const struct fuzz_contestant *who)
 {
@@ -60,7 +60,8 @@ static bool is_wanted(const struct replay_options *options, const struct finding
     return replay_is_expected(options, file, &mine);
 }
 
-/* The layouts of a file: those of --layout, the signature's, or all that are not as published. */
+/* The layouts to play a file on: those of --layout, the signature's, or all except those as
+ * published. */
 static struct list choose_layouts(const struct replay_options *options,
                                   const struct finding_file *file)
 {
@@ -80,8 +81,8 @@ static bool has_died(const struct replay_played *played)
     return played->fate == REPLAY_CRASHED || played->fate == REPLAY_HUNG;
 }
 
-/* A crash or hang has no ray and no cause; a peer that dies before the first question may have been
- * found to break the protocol. */
+/* A crash or hang has no ray and no cause. A peer that dies before the first request may have been
+ * recorded as a protocol error. */
 static bool died_as_expected(const struct replay_options *options, const struct finding_file *file,
                              const struct replay_played *played)
 {
@@ -148,14 +149,15 @@ static void play_file(struct replay_worker *worker, size_t i)
     file->code = code_of(options, file);
 }
 
-/* True if it has a ray that can be explained. */
+/* True if the finding has a ray that can be explained. */
 static bool has_page(const struct fuzz_finding *finding)
 {
     enum fuzz_kind kind = finding->signature.kind;
     return kind <= FUZZ_KIND_BITS || kind == FUZZ_KIND_UNFINISHED;
 }
 
-/* The page of the first finding that the file expects; of a clean one of the first at all. */
+/* Prints the page of the first finding that the file expects, or of the first finding if it is a
+ * clean one. */
 static void print_page(struct replay_worker *worker, size_t i)
 {
     const struct replay_file *file = &worker->files[i];
@@ -170,7 +172,7 @@ static void print_page(struct replay_worker *worker, size_t i)
     }
 }
 
-/* Reads all files before anything is played. Returns the exit code. */
+/* Reads all files before playing any. Returns the exit code. */
 static int read_files(char **path, size_t count, struct replay_file *files)
 {
     int code = EXIT_AGREE;
@@ -194,7 +196,7 @@ enum status replay_engine(const struct finding_file *file, const struct engine *
                 peer ? "; name its command: --engine 'pipe:COMMAND'" : "");
 }
 
-/* Without --engine a signature's engine must be here. */
+/* Without --engine the signature's engine must be available. */
 static int check_engine(const struct replay_options *options, const struct replay_file *file)
 {
     const struct engine *engine;
@@ -230,7 +232,7 @@ static int replay_all(const struct replay_options *options, struct replay_file *
     for (size_t i = 0; i < count; i++) {
         play_file(&worker, i);
         replay_print(options, &files[i]);
-        fflush(stdout); /* the child prints the page */
+        fflush(stdout); /* the child prints the page to the same stream */
         if (!options->brief)
             print_page(&worker, i);
         count_turnout(&files[i], turnout);

@@ -112,7 +112,7 @@ void replay_print(const struct replay_options *options, const struct replay_file
     char text[FUZZ_SIGNATURE_MOST];
     expectation(&file->file, text);
     printf("%s: %s: %s\n", file->path, text, outcome(file));
-    if (options->brief) { /* only what was not expected */
+    if (options->brief) { /* unexpected results only */
         for (size_t i = 0; i < file->played_count; i++) {
             const struct replay_played *played = &file->played[i];
             if (played->fate >= REPLAY_CRASHED ||

@@ -1,5 +1,5 @@
-/* The child process that raydiff replay plays in, and the requests of the parent. The files were read before
- * the fork, so that both sides have them, and pointers to them and to tables mean the same. */
+/* The child process in which raydiff replay plays, and the parent's requests to it. The files are
+ * read before the fork, so pointers to files and tables are valid on both sides. */
 #include "cmd/fuzz/cmd_replay.h"
 
 #include "ref/outside/plugin_shader.h"
@@ -19,7 +19,7 @@ struct request {
     size_t file;
     struct fuzz_contestant who;
     uint32_t ray;
-    const struct engine *engine[FUZZ_CONTESTANTS_MOST]; /* of TASK_VERSIONS */
+    const struct engine *engine[FUZZ_CONTESTANTS_MOST]; /* for TASK_VERSIONS */
     size_t engine_count;
 };
 
@@ -34,10 +34,10 @@ struct worker_reply {
 
 /* --- the child ------------------------------------------------------------------------------- */
 
-/* Players of one contestant each, so that one that cannot run keeps no other from playing. */
+/* A player with a single contestant, so that one that cannot run does not stop the others. */
 struct open_player {
     struct fuzz_contestant who;
-    struct fuzz_player *player; /* NULL: it cannot */
+    struct fuzz_player *player; /* NULL: it cannot run */
     enum status status;
     struct reason reason;
 };
@@ -84,8 +84,8 @@ static bool has_expected(const struct troupe *troupe, const struct finding_file 
     return false;
 }
 
-/* The player keeps the first finding of a kind, which may have another cause than the one that the
- * file expects: then the rays are played one by one. */
+/* The player keeps the first finding of each kind, which may have another cause than the expected
+ * one. If it has, this plays the remaining rays one by one. */
 static enum status look_behind(struct troupe *troupe, struct open_player *open,
                                const struct finding_file *file, struct fuzz_result *result,
                                struct reason *reason)
@@ -124,7 +124,7 @@ static void play(struct troupe *troupe, const struct request *request, struct wo
     enum status status = open && result ? STATUS_OK : STATUS_MEMORY;
     reply->fate = REPLAYED;
     if (!status && !open->player) {
-        /* Else it failed before the first question: a peer that ends itself. */
+        /* Other errors mean that it failed before the first request, such as a peer that exits. */
         reply->fate = open->status == STATUS_UNSUPPORTED ? REPLAY_SKIPPED : REPLAY_CRASHED;
         reply->reason = open->reason;
         free(result);
@@ -150,7 +150,7 @@ static void play(struct troupe *troupe, const struct request *request, struct wo
     free(result);
 }
 
-/* The engine's tree, its truth and its page. */
+/* What a page is made of: the engine's tree, the truth and the explained ray. */
 struct page_parts {
     struct bvh bvh;
     struct packed packed;
@@ -224,7 +224,7 @@ static void print_page(struct troupe *troupe, const struct request *request,
     bvh_free(&parts.bvh);
 }
 
-/* The child's life: until the parent closes its end. */
+/* Main loop of the child, until the parent closes its end. */
 static void serve(struct child *parent, void *user)
 {
     const struct replay_worker *worker = user;

@@ -1,4 +1,4 @@
-/* raydiff fuzz --self-test: the fuzzer against bugs that were planted for it. */
+/* raydiff fuzz --self-test: runs the fuzzer on planted bugs. */
 #define _POSIX_C_SOURCE 200809L
 #include "cmd/fuzz/cmd_selftest.h"
 
@@ -12,11 +12,11 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The rarest planted bug shows only in scenes of more than 32,768 triangles. Of seeds 1 to 8 the
- * first such trial is the 659th to the 10,358th; this one, the 2,458th, stands in the middle. */
+/* The rarest planted bug shows only in scenes of more than 32,768 triangles. For seeds 1 to 8 the
+ * first such trial is the 659th to the 10,358th. This seed's, the 2,458th, is in the middle. */
 #define DEFAULT_SEED "2"
 
-/* What a control plays at least. */
+/* Least number of trials of a control. */
 #define CONTROL_TRIALS 1024u
 
 static enum status take_choices(void *options, const struct option_value *given,
@@ -78,7 +78,7 @@ static bool join(char path[SELFTEST_PATH_MOST], const char *folder, const char *
     return (unsigned)snprintf(path, SELFTEST_PATH_MOST, "%s/%s", folder, name) < SELFTEST_PATH_MOST;
 }
 
-/* This program, and where those with bugs are. */
+/* Finds this program and the folder of the programs with bugs. */
 static enum status find_folder(struct selftest_command *c, struct reason *reason)
 {
     ssize_t length = readlink("/proc/self/exe", c->self, sizeof c->self - 1);
@@ -128,7 +128,7 @@ static bool same_field(const struct selftest_bug *a, const struct selftest_bug *
     return strcmp(a->engines, b->engines) == 0 && strcmp(a->layouts, b->layouts) == 0;
 }
 
-/* A row for each chosen bug, and one for each field that they are played in. */
+/* Adds a row for each chosen bug and a control for each field that they are played in. */
 static enum status make_rows(struct selftest_command *c, struct reason *reason)
 {
     c->row = alloc_zeroed(2 * c->bugs, sizeof *c->row);
@@ -151,7 +151,7 @@ static enum status make_rows(struct selftest_command *c, struct reason *reason)
     return status;
 }
 
-/* A control plays at least the trials that the bugs of its field took. */
+/* A control plays at least as many trials as the bugs of its field needed. */
 static void set_control(const struct selftest_command *c, struct selftest_row *row)
 {
     row->job.trials = CONTROL_TRIALS;
@@ -160,7 +160,7 @@ static void set_control(const struct selftest_command *c, struct selftest_row *r
             row->job.trials = c->row[i].job.result.trials;
 }
 
-/* Starts the next one; false: none may be started now. */
+/* Starts the next row; false: none can be started now. */
 static bool start_next(struct selftest_command *c, size_t running, enum status *status,
                        struct reason *reason)
 {
@@ -171,7 +171,7 @@ static bool start_next(struct selftest_command *c, size_t running, enum status *
         struct selftest_row *row = &c->row[i];
         if (!row->started) {
             if (row->control && ended < c->planted)
-                return false; /* controls wait for all bugs */
+                return false; /* controls start after all bugs */
             if (row->control)
                 set_control(c, row);
             row->started = true;
@@ -207,7 +207,7 @@ static void wipe_progress(const struct selftest_command *c)
         fputs("\r\033[K", stderr);
 }
 
-/* Runs all rows, some at a time. */
+/* Runs all rows, c->jobs at a time. */
 static enum status run_rows(struct selftest_command *c, struct reason *reason)
 {
     enum status status = STATUS_OK;
@@ -259,8 +259,8 @@ static enum status run(struct selftest_command *c, struct selftest_sum *sum, str
     return status;
 }
 
-/* The check of programs with a mutated shader: no run can show a lost decoration,
- * since the drivers here never contract. */
+/* Checks programs with a mutated shader. No run can show a lost decoration, since the drivers here
+ * never contract. */
 static int check_shaders(void)
 {
     struct reason reason;

@@ -1,4 +1,4 @@
-/* What the parts of raydiff fuzz --self-test share. For commands only. */
+/* Shared by the files of raydiff fuzz --self-test. Commands only. */
 #ifndef FUZZ_CMD_SELFTEST_H
 #define FUZZ_CMD_SELFTEST_H
 
@@ -7,10 +7,10 @@
 #define SELFTEST_JOBS_MOST   64u
 #define SELFTEST_CHOICE_MOST 32u
 
-/* A program of the self-test: one of a planted bug or, without a bug, the healthy one in the field
- * of some of them. */
+/* A program of the self-test: one with a planted bug, or a control, which is the program without a
+ * bug played in the field of some of them. */
 struct selftest_row {
-    const struct selftest_bug *bug; /* of a control: the first of its field */
+    const struct selftest_bug *bug; /* for a control: the first bug of its field */
     bool control;
     bool started, ended, printed;
     char folder[SELFTEST_PATH_MOST], program[SELFTEST_PATH_MOST];
@@ -28,31 +28,31 @@ struct selftest_command {
     struct selftest_bug *bug; /* the table */
     size_t bugs;
     struct selftest_row *row; /* bugs first, then controls */
-    size_t rows, planted;     /* of the rows, how many are of bugs */
+    size_t rows, planted;     /* planted: how many rows are bugs */
     uint64_t start_ns;
 };
 
-/* What it came to. */
+/* Summary of a self-test. */
 struct selftest_sum {
-    size_t found, planted, skipped, clean, controls; /* planted and controls without skipped ones */
-    double median_s, slowest_s;                      /* of those found */
-    double seconds;                                  /* all in all */
+    size_t found, planted, skipped, clean, controls; /* planted and controls exclude skipped ones */
+    double median_s, slowest_s;                      /* over found bugs */
+    double seconds;                                  /* total */
 };
 
 struct selftest_sum selftest_sum(const struct selftest_command *command);
 bool selftest_passed(const struct selftest_sum *sum);
 
-/* Errors: as json_write. */
+/* Errors: those of json_write. */
 enum status selftest_json(const struct selftest_command *command, const struct selftest_sum *sum,
                           struct reason *reason) MUST_USE;
 
-/* The heading; those rows that are known and not printed yet, as far as all before them are; the
+/* Print the heading; all ended rows up to the first unfinished one that are not printed yet; the
  * last lines. */
 void selftest_print_head(void);
 void selftest_print_rows(struct selftest_command *command);
 void selftest_print_sum(const struct selftest_sum *sum);
 
-/* raydiff fuzz --self-test; argv[0] is that. */
+/* raydiff fuzz --self-test; argv[0] is "--self-test". */
 int cmd_selftest(int argc, char **argv);
 
 #endif

@@ -1,4 +1,4 @@
-/* What the self-test came to, for people and for machines. */
+/* The results of the self-test, as text and as JSON. */
 #include "cmd/fuzz/cmd_selftest.h"
 
 #include "cmd/common/cmd_json.h"
