@@ -1,4 +1,4 @@
-/* Status codes, reasons, checked allocation. Included by everything in C. */
+/* Status codes, reasons, checked allocation. Every C file includes this. */
 #ifndef BASE_H
 #define BASE_H
 
@@ -10,20 +10,20 @@
 #define PRINTF_LIKE(a, b) __attribute__((format(printf, a, b)))
 #define ARRAY_COUNT(a)    (sizeof(a) / sizeof((a)[0]))
 
-/* Kinds of failure. Every function that can fail returns one; its outputs come last and are zero on
+/* Kinds of failure. Every function that can fail returns one. Its outputs come last and are zero on
  * error, so that freeing them is always safe. */
 enum status {
     STATUS_OK,
-    STATUS_MEMORY,      /* no memory */
+    STATUS_MEMORY,      /* out of memory */
     STATUS_INPUT,       /* a file, flag or scene is wrong */
     STATUS_LIMIT,       /* a stated limit of a layout or engine is exceeded */
-    STATUS_REFUSED,     /* an engine from outside refuses the job */
-    STATUS_UNSUPPORTED, /* not available here: the caller skips, with the reason */
+    STATUS_REFUSED,     /* an external engine rejects the job */
+    STATUS_UNSUPPORTED, /* not available here: the caller skips and reports the reason */
     STATUS_DEVICE,      /* a device or driver failed, or did not finish its work */
-    STATUS_INTERNAL,    /* two of our own ways to the same answer contradict each other: our bug */
+    STATUS_INTERNAL,    /* two of our own methods contradict each other: our bug */
 };
 
-/* One line that explains a status other than STATUS_OK: what, where, which rule. */
+/* One line that explains a status other than STATUS_OK: what failed, where, which rule. */
 struct reason {
     char text[320];
 };
@@ -32,30 +32,31 @@ struct reason {
 const char *status_text(enum status status);
 
 /* Writes a printf-formatted line to `reason` (NULL: nothing) and returns `status`, so that a
- * failing function ends with `return fail(...)`. Too long a line is cut and ends in "..."; it may
- * quote a file, so control bytes are written as '?'. */
+ * failing function ends with `return fail(...)`. A line that is too long is cut and ends in "...";
+ * control bytes, which may come from a quoted file, are written as '?'. */
 enum status fail(struct reason *reason, enum status status, const char *format, ...)
     PRINTF_LIKE(3, 4);
 
-/* Returns `count` zeroed elements of `size` bytes, or NULL without memory (ref/base/memory.h) or if the
- * product overflows. A count of 0 returns a valid pointer to free(). */
+/* Returns `count` zeroed elements of `size` bytes, or NULL if out of memory (ref/base/memory.h) or
+ * if the product overflows. A count of 0 returns a valid pointer to free(). */
 void *alloc_zeroed(size_t count, size_t size) MUST_USE;
 
-/* Returns a copy of `count` elements, the caller's to free; NULL of NULL, and without memory. */
+/* Returns a copy of `count` elements, which the caller frees; NULL if `from` is NULL or out of
+ * memory. */
 void *alloc_copy(const void *from, size_t count, size_t size) MUST_USE;
 
 /* Grows an array of `size`-byte elements so that it can hold at least `need`; doubles `*capacity`.
  * `array` is the address of the pointer to its elements, of any type. On STATUS_MEMORY pointer and
- * capacity are unchanged. New elements are not cleared. */
+ * capacity are unchanged. New elements are uninitialized. */
 enum status array_reserve(void *array, size_t *capacity, size_t need, size_t size) MUST_USE;
 
-/* Sorts numbers, the least first. */
+/* Sorts numbers in ascending order. */
 void sort_doubles(double *value, size_t count);
 
 /* Monotonic time in nanoseconds since an arbitrary start. */
 uint64_t time_ns(void);
 
-/* Time that the calling thread had a core, in nanoseconds. */
+/* CPU time of the calling thread in nanoseconds. */
 uint64_t core_time_ns(void);
 
 /* Bit pattern of a float and back. */
@@ -77,7 +78,7 @@ static inline float float_from_bits(uint32_t bits)
     return pun.f;
 }
 
-/* True for neither NaN nor infinity; independent of -ffinite-math flags. */
+/* True if neither NaN nor infinity; independent of -ffinite-math flags. */
 static inline bool float_is_finite(float x)
 {
     return (float_bits(x) & 0x7F800000u) != 0x7F800000u;

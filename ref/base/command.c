@@ -80,10 +80,10 @@ enum status parse_count(const char *flag, const char *text, uint64_t least, uint
     char *end = NULL;
     errno = 0;
     double value = strtod(text, &end);
-    /* strtod also reads blanks, hexadecimal, inf and nan. */
+    /* strtod also accepts blanks, hexadecimal, inf and nan. */
     bool decimal = text[strspn(text, "0123456789.eE+-")] == '\0';
     bool whole = decimal && end != text && *end == '\0' && errno == 0 && value == floor(value);
-    /* Beyond 2^53 a double skips integers: read those as integers. */
+    /* From 2^53 on a double skips integers, so these are read as integers. */
     if (whole && value >= 0x1p53) {
         *out = strtoull(text, &end, 10);
         whole = *end == '\0' && errno == 0;

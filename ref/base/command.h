@@ -1,4 +1,4 @@
-/* What a sub-command is, and the exit codes all of them share. */
+/* The interface of a sub-command, and the exit codes that all of them share. */
 #ifndef COMMAND_H
 #define COMMAND_H
 
@@ -6,28 +6,29 @@
 
 #include <stdio.h>
 
-/* Exit codes of every sub-command. Where several apply at once, the first of this list is taken:
+/* Exit codes of every sub-command. If several apply, the first of this list is returned:
  * EXIT_INTERNAL, EXIT_ENGINE, EXIT_USAGE, EXIT_MISMATCH, EXIT_SKIPPED, EXIT_AGREE. */
 enum exit_code {
     EXIT_AGREE = 0,
-    EXIT_MISMATCH = 1, /* an engine's answer differs beyond the allowed classes */
-    EXIT_USAGE = 2,    /* unknown flag or name, bad input, a named layout that refuses */
+    EXIT_MISMATCH = 1, /* an engine's result differs beyond the allowed classes */
+    EXIT_USAGE = 2,    /* unknown flag or name, bad input, the chosen layout cannot pack the
+                          scene */
     EXIT_ENGINE = 3,   /* an engine crashed, hung or could not finish a ray */
-    EXIT_INTERNAL = 4, /* no memory, or our own fault */
-    EXIT_SKIPPED = 77, /* a named engine cannot run here */
+    EXIT_INTERNAL = 4, /* out of memory, or our own bug */
+    EXIT_SKIPPED = 77, /* a chosen engine cannot run here */
 };
 
-/* The code that stands for both. */
+/* Returns the exit code for a and b together. */
 int exit_worse(int a, int b);
 
-/* The exit code of a status that ends a command. STATUS_OK gives EXIT_AGREE. */
+/* Returns the exit code of a status that ends a command. STATUS_OK gives EXIT_AGREE. */
 int exit_of_status(enum status status);
 
 /* Prints "raydiff COMMAND: REASON" to stderr unless the status is STATUS_OK. Returns
  * exit_of_status. */
 int exit_with_reason(const char *command, enum status status, const struct reason *reason);
 
-/* "" of one, else "s". */
+/* Returns "" for 1, else "s". */
 const char *plural(uint64_t count);
 
 /* One sub-command: argv[0] is its name; --help is handled by the command itself. */
@@ -35,7 +36,7 @@ struct command {
     const char *name;
     const char *summary;
     int (*run)(int argc, char **argv);
-    const char *group; /* the command that it may follow, or NULL */
+    const char *group; /* the command whose name may precede it, or NULL */
 };
 
 int cmd_bench(int argc, char **argv);
@@ -63,8 +64,8 @@ int cmd_verify(int argc, char **argv);
 /* Prints "raydiff COMMAND: TEXT" to stderr with a hint at --help and returns EXIT_USAGE. */
 int usage_error(const char *command, const char *format, ...) PRINTF_LIKE(2, 3);
 
-/* Appends a blank and the word as a shell reads it back, in quotes if it needs them, to a command
- * line; as much as fits. */
+/* Appends a blank and the word to a command line, quoted for a shell if necessary; as much as
+ * fits. */
 void command_word(char *text, size_t text_bytes, const char *word);
 
 /* Parses a whole decimal integer in [least, most]; "1e6" style powers are accepted.

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A decimal as written: digits * 10^exponent, if `exact`; else more digits than 64 bits hold or an
- * exponent beyond any double. */
+/* A decimal as written: digits * 10^exponent, if `exact`. Otherwise it has more digits than 64 bits
+ * hold or an exponent beyond any double. */
 struct decimal {
     uint64_t digits;
     int32_t exponent;
@@ -32,10 +32,10 @@ static void add_digit(struct decimal *decimal, char c, bool after_point)
     decimal->digits = decimal->digits * 10 + (uint64_t)(c - '0');
     decimal->exponent -= after_point;
     if (decimal->exponent < -EXPONENT_MOST)
-        decimal->exact = false; /* and stays so: the exponent may stop counting */
+        decimal->exact = false; /* exact stays false, so the exponent need not be counted further */
 }
 
-/* Reads the grammar of decimal.h; NULL if there is no number. */
+/* Reads the grammar of decimal.h; returns NULL if there is no number. */
 static const char *scan(const char *text, struct decimal *out)
 {
     *out = (struct decimal){.negative = *text == '-', .exact = true};
@@ -63,8 +63,8 @@ static const char *scan(const char *text, struct decimal *out)
     return power;
 }
 
-/* The double nearest to the decimal, where one multiplication or division of two exact doubles
- * gives it: both factors below 2^53 and 10^23. */
+/* Computes the double nearest to the decimal if one multiplication or division of two exact doubles
+ * gives it: both factors below 2^53 and 10^23. Returns false otherwise. */
 static bool nearest_double(const struct decimal *decimal, double *out)
 {
     static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
@@ -83,8 +83,8 @@ static bool nearest_double(const struct decimal *decimal, double *out)
     return true;
 }
 
-/* True if rounding `x`, itself the rounding of a decimal, once more to float gives the float
- * nearest to the decimal: x is not halfway between two floats, and the result not subnormal. */
+/* `x` is a decimal rounded to double. True if rounding it again to float gives the float nearest to
+ * the decimal: x is not halfway between two floats, and the result is not subnormal. */
 static bool rounds_once(double x)
 {
     union {
@@ -132,7 +132,7 @@ const char *decimal_read_double(const char *text, double *out)
     return end;
 }
 
-/* digits * 10^exponent reads as `x`. */
+/* True if digits * 10^exponent reads as `x`. */
 static bool reads_as(uint32_t digits, int exponent, float x)
 {
     char text[32];
@@ -141,16 +141,16 @@ static bool reads_as(uint32_t digits, int exponent, float x)
     return decimal_read_float(text, &back) && back == x;
 }
 
-/* The `count`-digit decimal nearest to x > 0 that reads as x, if one does. Below a power of two
- * floats lie twice as dense as above it: there the nearest decimal may lie just below and read as
- * the neighbour, while the next one above, farther off, still reads as x. */
+/* Finds the `count`-digit decimal nearest to x > 0 that reads as x, if there is one. Below a power
+ * of two floats are twice as dense as above it. There the nearest decimal may lie just below x and
+ * read as its neighbour, while the next decimal above, farther away, still reads as x. */
 static bool digits_of(float x, int count, uint32_t *digits, int *exponent)
 {
     char text[32];
     snprintf(text, sizeof text, "%.*e", count - 1, (double)x);
     const char *at = text;
     *digits = 0;
-    for (; *at != 'e'; at++) /* the byte that is no digit is the locale's point */
+    for (; *at != 'e'; at++) /* the only other byte is the locale's decimal point */
         if (is_digit(*at))
             *digits = *digits * 10 + (uint32_t)(*at - '0');
     *exponent = (int)strtol(at + 1, NULL, 10) - (count - 1);
@@ -160,7 +160,7 @@ static bool digits_of(float x, int count, uint32_t *digits, int *exponent)
     return (float_bits(x) & 0x7FFFFFu) == 0 && reads_as(*digits, *exponent, x);
 }
 
-/* Writes 0.d1d2.. * 10^whole: `whole` of the digits stand before the point. */
+/* Writes 0.d1d2.. * 10^whole: `whole` of the digits come before the point. */
 static int place_point(const char *digits, int count, int whole, char *out, size_t size)
 {
     if (whole > 13 || whole <= -6)
@@ -181,7 +181,7 @@ size_t decimal_write_float(float x, char text[DECIMAL_TEXT])
     uint32_t digits = 0;
     int exponent = 0;
     if (x != 0) {
-        /* Whatever length can name x, every greater one can; 7 is where most lie. */
+        /* If some length can represent x, every greater one can; most floats need 7. */
         float size = fabsf(x);
         int count = 7;
         bool found = digits_of(size, count, &digits, &exponent);

@@ -17,7 +17,7 @@ static inline double double3_dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* `out` is neither a nor b. */
+/* `out` must be neither a nor b. */
 static inline void double3_cross(const double a[3], const double b[3], double out[3])
 {
     for (int k = 0; k < 3; k++)

@@ -1,16 +1,15 @@
-/* Rounding and treatment of subnormals in the calling thread: its control register. */
+/* Rounding mode and treatment of subnormals in the calling thread: its control register. */
 #ifndef REF_FLOAT_MODE_H
 #define REF_FLOAT_MODE_H
 
-/* FLOAT_MODES: all that changes a result of ordinary floats. FLOAT_FLUSH: subnormal operands and
- * results become 0; 0 on processors that are not known here. FLOAT_UP, FLOAT_DOWN: rounding;
- * nearest is 0. */
+/* FLOAT_MODES: all bits that affect results of ordinary floats. FLOAT_FLUSH: subnormal operands and
+ * results become 0; 0 on unsupported processors. FLOAT_UP, FLOAT_DOWN: rounding; nearest is 0. */
 #if defined(__SSE2__)
 #include <immintrin.h>
 
 enum { FLOAT_DOWN = 0x2000, FLOAT_UP = 0x4000, FLOAT_FLUSH = 0x8040, FLOAT_MODES = 0xE040 };
 
-/* The register; float_mode_set takes a changed copy. */
+/* Returns the register; change a copy and pass it to float_mode_set. */
 static inline unsigned long float_mode(void)
 {
     return _mm_getcsr();
@@ -21,7 +20,7 @@ static inline void float_mode_set(unsigned long mode)
     _mm_setcsr((unsigned)mode);
 }
 #elif defined(__aarch64__)
-/* FPCR (Arm Architecture Reference Manual): FIZ and AH, which newer processors have, are bits 0 and
+/* FPCR (Arm Architecture Reference Manual): FIZ and AH, present on newer processors, are bits 0 and
  * 1, RMode 22 and 23, FZ 24. */
 enum {
     FLOAT_UP = 0x400000,

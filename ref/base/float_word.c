@@ -20,7 +20,7 @@ size_t float_word_write(float x, char text[FLOAT_WORD_MOST])
         return (size_t)snprintf(text, FLOAT_WORD_MOST, "%sinf", sign);
     if (exponent == -127 && fraction == 0)
         return (size_t)snprintf(text, FLOAT_WORD_MOST, "%s0x0p+0", sign);
-    if (exponent == -127) /* subnormal: moved until its leading bit is the hidden one */
+    if (exponent == -127) /* subnormal: shifted until its leading bit is the hidden one */
         for (exponent = -126; !(fraction & (FRACTION + 1)); exponent--)
             fraction <<= 1;
     fraction = (fraction & FRACTION) << 1; /* 24 bits: six digits */
@@ -53,7 +53,7 @@ static bool exact_float(uint64_t digits, int exponent, uint32_t sign, float *out
         digits >>= 1;
     if (digits > 2 * (uint64_t)FRACTION + 1 || exponent < -149)
         return false;
-    int top = exponent; /* of the leading bit */
+    int top = exponent; /* exponent of the leading bit */
     for (uint64_t rest = digits; rest > 1; rest >>= 1)
         top++;
     if (top > 127)
@@ -67,7 +67,7 @@ static bool exact_float(uint64_t digits, int exponent, uint32_t sign, float *out
     return true;
 }
 
-/* What follows "0x". */
+/* Reads the part after "0x". */
 static const char *read_hexadecimal(const char *at, uint32_t sign, float *out, const char **rule)
 {
     uint64_t digits = 0;
@@ -100,7 +100,7 @@ static const char *read_hexadecimal(const char *at, uint32_t sign, float *out, c
     return exact_float(digits, exponent + (negative ? -written : written), sign, out) ? at : NULL;
 }
 
-/* What follows "nan:0x": exactly eight digits, the bits of a NaN. */
+/* Reads the part after "nan:0x": exactly eight digits, the bits of a NaN. */
 static const char *read_nan(const char *at, float *out, const char **rule)
 {
     uint32_t bits = 0;

@@ -10,7 +10,7 @@
 #define INFINITE     0x7C00u
 #define F32_INFINITE 0x7F800000u
 
-/* How the part that was cut off compares with half a unit of the last place kept. */
+/* Compares the discarded part with half a unit of the last place kept. */
 enum rest {
     REST_ZERO,
     REST_BELOW_HALF,
@@ -33,17 +33,17 @@ static enum rest rest_of(uint32_t cut_off, uint32_t half_unit)
     return cut_off < half_unit ? REST_BELOW_HALF : REST_ABOVE_HALF;
 }
 
-/* `magnitude`: the bits of a float without its sign, not NaN. */
+/* `magnitude` is the bits of a float without its sign, not NaN. */
 static struct cut cut_magnitude(uint32_t magnitude)
 {
     if (magnitude == F32_INFINITE)
         return (struct cut){INFINITE, REST_ZERO};
     if (magnitude >= 0x47800000u) /* 2^16 and more */
         return (struct cut){MAX_FINITE, REST_ABOVE_HALF};
-    if (magnitude >= 0x38800000u) /* 2^-14: the exponent is rebiased, 13 bits fall off */
+    if (magnitude >= 0x38800000u) /* 2^-14: the exponent is rebiased, 13 bits are discarded */
         return (struct cut){(uint16_t)((magnitude - 0x38000000u) >> 13),
                             rest_of(magnitude & 0x1FFFu, 0x1000u)};
-    if (magnitude >= 0x33000000u) { /* 2^-25: a multiple of 2^-24 remains, perhaps zero */
+    if (magnitude >= 0x33000000u) { /* 2^-25: the result is a multiple of 2^-24, perhaps zero */
         uint32_t significand = (magnitude & 0x7FFFFFu) | 0x800000u;
         uint32_t shift = 126 - (magnitude >> 23); /* 14 .. 24 */
         uint32_t unit = 1u << shift;
@@ -128,7 +128,7 @@ float half_to_float(struct half h)
         return float_from_bits(sign | ((exponent + 112) << 23) | (fraction << 13));
     if (fraction == 0)
         return float_from_bits(sign);
-    /* A subnormal half is a normal float: shift until the leading one reaches bit 10. */
+    /* A subnormal half is a normal float: shifts until the leading one reaches bit 10. */
     exponent = 113;
     while (fraction < 0x400u) {
         fraction <<= 1;

@@ -10,7 +10,7 @@
 
 _Static_assert(sizeof(size_t) == sizeof(uint64_t), "%zu takes both");
 
-/* The next value of `list`, of the conversion that stands at `at`. */
+/* Makes the next value from `list`, of the conversion at `at`. */
 static json_t *next_value(const char *at, va_list *list)
 {
     double number;
@@ -34,8 +34,8 @@ static json_t *next_value(const char *at, va_list *list)
     }
 }
 
-/* Copies the name that begins at `name`, each %s in it being the next text. Returns where its
- * conversion stands. */
+/* Copies the name that begins at `name`, with each %s replaced by the next text. Returns a pointer
+ * to its conversion. */
 static const char *next_name(const char *name, char key[NAME_MOST], va_list *list)
 {
     size_t used = 0;
@@ -53,14 +53,14 @@ static const char *next_name(const char *name, char key[NAME_MOST], va_list *lis
     return name + 1;
 }
 
-/* Returns whether all were added. */
+/* Returns true if all were added. */
 static bool add(json_t *object, const char *names, va_list *list)
 {
     bool all = object != NULL;
     while (*names) {
         char key[NAME_MOST];
         const char *conversion = next_name(names, key, list);
-        /* Takes over its value, also on failure. */
+        /* json_object_set_new takes ownership of the value, also on failure. */
         all = json_object_set_new(object, key, next_value(conversion, list)) == 0 && all;
         names = conversion + strcspn(conversion, " ");
         names += strspn(names, " ");

@@ -7,20 +7,21 @@
 
 #include <jansson.h>
 
-/* Makes an object of NAME=CONVERSION words, blanks between, in their order. Conversions:
+/* Makes an object from NAME=CONVERSION words, separated by blanks, in their order. Conversions:
  *   %s         a text, not NULL
- *   %d %u %zu  integers; %zu takes size_t and uint64_t
- *   %g         a number; null if it is not finite, which JSON cannot hold
+ *   %d %u %zu  integers; %zu is for size_t and uint64_t
+ *   %g         a number; null if it is not finite, which JSON cannot represent
  *   %i         true or false
- *   %p         a json_t, which is taken over
- * In a name %s is a text, too: "%s_ns=%g". A name has at most 255 bytes.
- * NULL without memory, or if a json_t is NULL. */
+ *   %p         a json_t; ownership is taken
+ * In a name %s is replaced by a text, too: "%s_ns=%g". A name has at most 255 bytes. Returns NULL
+ * if out of memory, or if a json_t is NULL. */
 json_t *json_record(const char *names, ...) PRINTF_LIKE(1, 2);
 
-/* A text, or null for NULL. */
+/* Returns a text value, or null for NULL. */
 json_t *json_text(const char *text);
 
-/* Adds such values to an object. A NULL object stays so; what was to be taken over is freed. */
+/* Adds such values to an object. If the object is NULL, values of which it would take ownership are
+ * freed. */
 void json_add(json_t *object, const char *names, ...) PRINTF_LIKE(2, 3);
 
 #endif

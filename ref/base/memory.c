@@ -9,7 +9,7 @@
 
 #define LINE 4096
 
-/* The number after `key`, at the beginning of a line of a file; false if there is none. */
+/* Reads the number after `key` at the beginning of a line of a file; false if there is none. */
 static bool find_number(const char *path, const char *key, uint64_t *out)
 {
     char line[LINE];
@@ -34,13 +34,14 @@ static uint64_t system_left(void)
     return find_number("/proc/meminfo", "MemAvailable:", &kilobytes) ? kilobytes << 10 : UINT64_MAX;
 }
 
-/* Cached files of the group that are not in use are freed when memory is needed. */
+/* The kernel frees inactive cached files of the group when memory is needed, so they count as
+ * free. */
 static uint64_t one_group_left(const char *group)
 {
     char path[LINE];
     uint64_t most, used, unused = 0;
     snprintf(path, sizeof path, "/sys/fs/cgroup%s/memory.max", group);
-    if (!find_number(path, "", &most)) /* or "max" */
+    if (!find_number(path, "", &most)) /* the value may be "max" */
         return UINT64_MAX;
     snprintf(path, sizeof path, "/sys/fs/cgroup%s/memory.current", group);
     if (!find_number(path, "", &used))
@@ -50,7 +51,7 @@ static uint64_t one_group_left(const char *group)
     return left_of(most, left_of(used, unused));
 }
 
-/* The least of the group's and of all that it is in. */
+/* The least of the group's own value and those of its ancestors. */
 static uint64_t group_left(void)
 {
     char line[LINE / 2];
@@ -66,7 +67,7 @@ static uint64_t group_left(void)
     line[strcspn(line, "\n")] = 0;
     for (char *end = line; end; end = strrchr(line + 3, '/')) {
         if (end > line)
-            *end = 0; /* the group that this one is in; the last has no name */
+            *end = 0; /* the parent group; the last has no name */
         uint64_t left = one_group_left(line + 3);
         least = left < least ? left : least;
     }

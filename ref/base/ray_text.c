@@ -10,13 +10,13 @@
 const char *float_text_read(const char *text, float *out)
 {
     const char *from = text + (*text == '-' || *text == '+'), *rule;
-    if (strncmp(from, "nan", 3) == 0 && from[3] != ':') { /* of no particular bits */
+    if (strncmp(from, "nan", 3) == 0 && from[3] != ':') { /* any NaN */
         *out = *text == '-' ? -NAN : NAN;
         return from + 3;
     }
     if (from[0] == 'i' || (from[0] == '0' && (from[1] == 'x' || from[1] == 'X')))
         return float_word_read(text, out, &rule);
-    return decimal_read_float(text, out); /* beyond the range: infinite, as a ray may be */
+    return decimal_read_float(text, out); /* infinite if out of range, which a ray may be */
 }
 
 static bool is_separator(char c)

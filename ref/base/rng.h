@@ -9,7 +9,7 @@ struct rng {
     uint64_t state;
 };
 
-/* Starts the sequence of `seed`; `stream` gives independent sequences of one seed. */
+/* Starts the sequence of `seed`; different streams of one seed are independent. */
 static inline struct rng rng_make(uint64_t seed, uint64_t stream)
 {
     return (struct rng){seed * 0x9E3779B97F4A7C15u + stream * 0xD1B54A32D192ED03u};
@@ -43,8 +43,8 @@ static inline float rng_range(struct rng *rng, float lo, float hi)
 }
 
 /* Uniform in [lo, hi) times 2^e, e uniform among `count` whole numbers from `least`. The two are
- * drawn one after the other, as every two draws of a sequence must be: a compiler may evaluate the
- * arguments of a call in any order. */
+ * drawn in separate statements, as two draws always must be: a compiler may evaluate the arguments
+ * of a call in any order. */
 static inline float rng_scaled(struct rng *rng, float lo, float hi, int least, uint32_t count)
 {
     int exponent = least + (int)rng_below(rng, count);

@@ -4,7 +4,7 @@
 
 #include "ref/base/base.h"
 
-/* Appends to the text in `text`; what does not fit is cut. */
+/* Appends to the text in `text`, cut to what fits. */
 void text_append(char *text, size_t text_bytes, const char *format, ...) PRINTF_LIKE(3, 4);
 
 #endif

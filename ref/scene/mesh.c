@@ -47,7 +47,7 @@ enum status mesh_corner(struct mesh *mesh, uint32_t vertex)
     return STATUS_OK;
 }
 
-/* Gives back unused capacity; returns the same array if that fails. */
+/* Frees unused capacity; returns the same array if that fails. */
 static void *shrink(void *array, size_t count, size_t size)
 {
     void *moved = realloc(array, count * size);

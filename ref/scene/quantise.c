@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Least and largest coordinate of all vertices, whether triangles have them or not. */
+/* Least and largest coordinate of all vertices, also of those that no triangle uses. */
 static void extents(const struct scene *scene, int k, double *least, double *most)
 {
     *least = INFINITY;
@@ -33,7 +33,7 @@ static enum status check_vertices(const struct scene *scene, struct reason *reas
 }
 
 /* Exact: x has 24 bits, and a step of at least 2^-24 of the largest |x| leaves at most 25 before
- * the point; where the sum is rounded, x is tiny and n is 0 either way. */
+ * the point; if the sum is rounded, x is tiny and n is 0 either way. */
 static double nearest(double x, double step)
 {
     return floor(x / step + 0.5);
@@ -49,7 +49,7 @@ static double step_of(double least, double most, uint32_t bits)
     return step;
 }
 
-/* Decoded scenes are taken apart in integers: 2^21 codes, products of 2^42. */
+/* Computes in integers: codes are below 2^21, products below 2^42. */
 static bool is_flat(const struct scene *scene, const struct grid *grid, uint32_t prim)
 {
     float v[3][3];
@@ -76,14 +76,14 @@ static void move_vertices(const struct scene *scene, struct scene *out, struct q
             double x = (double)scene->vertex[at], step = (double)q->grid.step[k];
             double to = nearest(x, step) * step;
             out->vertex[at] = (float)to + 0.0f; /* no negative zero */
-            /* Exact: x itself, or a multiple of 2^-25 step that is no more than half of one. */
+            /* Exact: x itself, or a multiple of 2^-25 step that is at most half a step. */
             double moved = fabs(to - x);
             q->moved[k] = fmax(q->moved[k], moved);
             square += moved * moved;
         }
         farthest = fmax(farthest, square);
     }
-    /* Two sums, three squares and the root are off by less than 2^-51 of it. */
+    /* The rounding errors of two sums, three squares and the root are below 2^-51 of it. */
     q->distance = sqrt(farthest) * (1.0 + 4.0 * DBL_EPSILON);
 }
 

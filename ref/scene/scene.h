@@ -1,4 +1,4 @@
-/* Boxes, and a scene: indexed triangles with what an RTRS scene file has beside them. */
+/* Boxes, and a scene: indexed triangles with the other contents of an RTRS scene file. */
 #ifndef SCENE_H
 #define SCENE_H
 
@@ -17,8 +17,8 @@ static inline struct box box_empty(void)
     return (struct box){{FLT_MAX, FLT_MAX, FLT_MAX}, {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
 }
 
-/* Grows `box` by a point; a NaN coordinate changes nothing. Selects, not branches, which are hard
- * to predict here. */
+/* Grows `box` by a point; a NaN coordinate changes nothing. Uses selects instead of branches, which
+ * are hard to predict here. */
 static inline void box_add_point(struct box *box, const float p[3])
 {
     for (int k = 0; k < 3; k++) {
@@ -43,7 +43,7 @@ static inline bool box_contains_box(const struct box *outer, const struct box *i
     return true;
 }
 
-/* Half its area, in double: finite for every box of finite bounds. */
+/* Half of the surface area, in double: finite for every box of finite bounds. */
 static inline double box_half_area(const struct box *box)
 {
     double x = (double)box->hi[0] - (double)box->lo[0];
@@ -52,7 +52,7 @@ static inline double box_half_area(const struct box *box)
     return x * y + y * z + z * x;
 }
 
-/* The same; 0 of an empty box. */
+/* The same; 0 for an empty box. */
 static inline double box_half_area_or_none(const struct box *box)
 {
     for (int k = 0; k < 3; k++)
@@ -79,7 +79,7 @@ struct material {
 };
 
 /* Owns its arrays (see scene_free). A scene made by a reader or generator has passed scene_check.
- * Triangle i has the vertices index[3i .. 3i+2]; its index is its name in every hit. */
+ * Triangle i has the vertices index[3i .. 3i+2]; hits name triangles by this index. */
 struct scene {
     float *vertex;   /* 3 * vertex_count, finite */
     uint32_t *index; /* 3 * tri_count, each < vertex_count */
@@ -99,20 +99,20 @@ struct scene {
  * Errors: STATUS_MEMORY. */
 enum status scene_make(uint32_t vertex_count, uint32_t tri_count, struct scene *out) MUST_USE;
 
-/* Frees what the scene owns and zeroes it. A zero scene is fine. */
+/* Frees the scene's arrays and zeroes it. A zero scene is allowed. */
 void scene_free(struct scene *scene);
 
-/* Checks that indices are in range and vertices finite.
- * Errors: STATUS_INPUT with the first offending triangle or vertex in `reason`. */
+/* Checks that indices are in range and vertices finite. Errors: STATUS_INPUT with the first invalid
+ * triangle or vertex in `reason`. */
 enum status scene_check(const struct scene *scene, struct reason *reason) MUST_USE;
 
-/* Exact bounds of all triangles; box_empty() without triangles. */
+/* Returns the exact bounds of all triangles; box_empty() without triangles. */
 struct box scene_bounds(const struct scene *scene);
 
-/* Exact bounds of triangle `prim`. */
+/* Returns the exact bounds of triangle `prim`. */
 struct box scene_tri_bounds(const struct scene *scene, uint32_t prim);
 
-/* The scene's camera, or one that sees the whole scene from outside along (1, 0.7, 1.3). */
+/* Returns the scene's camera, or one that sees the whole scene from outside along (1, 0.7, 1.3). */
 struct camera scene_camera(const struct scene *scene);
 
 /* Copies the nine coordinates of triangle `prim`. */

@@ -3,7 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A vertex by its position: bit patterns, with -0 as +0, so that equal numbers are equal keys. */
+/* A vertex keyed by its position: bit patterns, with -0 as +0, so that equal numbers are equal
+ * keys. */
 struct topology_place {
     uint32_t key[3];
     uint32_t vertex;
@@ -65,7 +66,7 @@ static enum status weld(const struct scene *scene, struct topology *out)
             out->vertex[out->point_count] = i;
             out->point[i] = out->point_count++;
         } else {
-            out->point[i] = out->point[out->point[i]]; /* numbered already: it comes before i */
+            out->point[i] = out->point[out->point[i]]; /* already numbered: it comes before i */
         }
     }
     return STATUS_OK;
@@ -129,8 +130,8 @@ static void list_fans(struct topology *out)
                     out->fan[out->fan_first[p[c]]++] = i;
             }
         }
-        /* After the first pass counts become starts; the second has moved each to its end, which is
-         * the next one's start. */
+        /* After the first pass counts become starts. The second pass has moved each start to its
+         * end, which is the start of the next point. */
         uint32_t start = 0;
         for (uint32_t p = 0; p <= out->point_count; p++) {
             uint32_t value = out->fan_first[p];
@@ -205,7 +206,7 @@ bool topology_fan_closed(const struct topology *topology, uint32_t p)
     return topology->fan_first[p] < topology->fan_first[p + 1];
 }
 
-/* True if triangle `tri` runs along its side `edge` from the edge's lower point to the higher. */
+/* True if triangle `tri` traverses its side `edge` from the edge's lower point to the higher. */
 static bool runs_forward(const struct topology *topology, const struct topology_edge *edge,
                          uint32_t tri)
 {
@@ -215,8 +216,8 @@ static bool runs_forward(const struct topology *topology, const struct topology_
     return false;
 }
 
-/* The two sides of triangle `tri` that meet point `p`: the one that arrives there and the one that
- * leaves, in the triangle's own direction. */
+/* Finds the two sides of triangle `tri` at point `p`, in the triangle's own direction: the one that
+ * ends there and the one that starts there. */
 static void sides_at(const struct topology *topology, uint32_t tri, uint32_t p, uint32_t *arrives,
                      uint32_t *leaves)
 {

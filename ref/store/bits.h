@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-/* `word` has the bits up to at + width. */
+/* Reads `width` bits from bit `at` on; `word` must extend to bit at + width. */
 static inline uint32_t bits_get(const uint32_t *word, uint32_t at, uint32_t width)
 {
     const uint32_t *from = word + at / 32, shift = at % 32;
@@ -14,7 +14,7 @@ static inline uint32_t bits_get(const uint32_t *word, uint32_t at, uint32_t widt
     return value & ((1u << width) - 1);
 }
 
-/* The bits were 0. */
+/* Writes bits that were 0. */
 static inline void bits_put(uint32_t *word, uint32_t at, uint32_t width, uint32_t value)
 {
     uint32_t *to = word + at / 32, shift = at % 32;
@@ -23,7 +23,7 @@ static inline void bits_put(uint32_t *word, uint32_t at, uint32_t width, uint32_
         to[1] |= value >> (32 - shift);
 }
 
-/* Of the smallest number that holds it. */
+/* Returns the number of bits needed for `value`. */
 static inline uint32_t bits_of(uint32_t value)
 {
     uint32_t width = 0;

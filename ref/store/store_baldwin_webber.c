@@ -1,6 +1,6 @@
-/* Storage `baldwin_webber`: ten words an item: the nine coefficients of the transform (see
- * ref/primitives/tri_baldwin_webber.h), the triangle's number in bits 0 - 29 and its axis in the
- * upper two. */
+/* Storage `baldwin_webber`: ten words per item: the nine coefficients of the transform (see
+ * ref/primitives/tri_baldwin_webber.h), then the triangle's number in bits 0 - 29 and its axis in
+ * the upper two. */
 #include "ref/primitives/primitives.h"
 #include "ref/store/rows.h"
 #include "ref/primitives/test_run.h"

@@ -1,6 +1,6 @@
-/* Storage `compact`: a leaf is a block of up to 8 triangles that share up to 16 vertices, each of
- * them once, to the bit (ref/fast/block.h). How many there are is not stored: the largest corner is
- * the last vertex. */
+/* Storage `compact`: a leaf is a block of up to 8 triangles with up to 16 shared vertices, each
+ * stored once, to the bit (ref/fast/block.h). The number of vertices is not stored: the largest
+ * corner is the last vertex. */
 #include "ref/fast/block.h"
 #include "ref/layout.h"
 #include "ref/store.h"
@@ -31,11 +31,11 @@ static void write(const struct packed *packed, const struct scene *scene, const 
     (void)packed;
     struct block block;
     if (!block_make(scene, prim, count, &block))
-        return; /* measure() refused it */
+        return; /* measure() rejected it */
     block_write(&block, word);
 }
 
-/* Vertices of the block if its item `slot` lies within the words; else 0. */
+/* Returns the number of vertices of the block if its item `slot` is within the words; else 0. */
 static uint32_t vertices_of(const struct packed *packed, uint32_t first, uint32_t slot)
 {
     uint32_t most = 0;

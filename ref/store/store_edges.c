@@ -1,5 +1,5 @@
-/* Storage `edges`: ten words an item: vertex 0, vertex 1 - vertex 0, vertex 2 - vertex 0, as the
- * test by Moeller and Trumbore rounds them, and the triangle's number. */
+/* Storage `edges`: ten words per item: vertex 0, vertex 1 - vertex 0, vertex 2 - vertex 0, rounded
+ * as in the test by Moeller and Trumbore, and the triangle's number. */
 #include "ref/primitives/primitives.h"
 #include "ref/store/rows.h"
 #include "ref/primitives/test_run.h"

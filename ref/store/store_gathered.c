@@ -1,4 +1,4 @@
-/* Storage `gathered`: ten words an item, in leaf order: the nine coordinates, then the triangle's
+/* Storage `gathered`: ten words per item, in leaf order: the nine coordinates, then the triangle's
  * number. Nothing else is read, and nothing is shared. */
 #include "ref/layout.h"
 #include "ref/store/rows.h"

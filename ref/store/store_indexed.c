@@ -1,5 +1,5 @@
-/* Storage `indexed`: an array of triangle numbers in leaf order; vertices are the scene's. On the
- * GPU those are gathered, nine floats a triangle in the scene's order. */
+/* Storage `indexed`: an array of triangle numbers in leaf order; vertices are read from the scene.
+ * On the GPU these are gathered, nine floats per triangle in the scene's order. */
 #include "ref/layout.h"
 #include "ref/store.h"
 

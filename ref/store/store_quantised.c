@@ -1,5 +1,6 @@
 /* Storage `quantised`: the blocks of `compact` (ref/fast/block.h) of a scene whose vertices lie on
- * a grid, in bits. It loses nothing: what is lost was lost by scene_quantise (ref/scene/quantise.h).
+ * a grid, packed in bits. The storage is lossless; only scene_quantise (ref/scene/quantise.h) loses
+ * precision.
  *
  *   before the first leaf
  *     words 0 - 2    the grid's lo per axis
@@ -7,7 +8,7 @@
  *     word 4         bits of a code (5), then of a triangle's number (5)
  *   a leaf, from the lowest bit of its first word
  *     3, 4           triangles - 1, vertices - 1
- *     5 an axis      width of what a vertex adds to the least code
+ *     5 an axis      width of a vertex code minus the least code
  *     code an axis   the least code of its vertices
  *     12 a triangle  its corners, 4 bits each
  *     number each    the triangles' numbers
@@ -21,7 +22,7 @@
 #include <string.h>
 
 #define HEAD     5u
-#define SIZES    7u  /* bits of the numbers of triangles and vertices */
+#define SIZES    7u  /* bits of both counts, of triangles and vertices */
 #define LEAST_AT 22u /* bits before the least codes */
 #define CORNERS  12u /* bits of a triangle's corners */
 
@@ -54,7 +55,7 @@ static struct grid grid_of(const uint32_t *word)
     return grid;
 }
 
-/* A leaf as codes. */
+/* A leaf in codes. */
 struct codes {
     struct block block;
     uint32_t least[3];
@@ -80,7 +81,7 @@ static bool codes_make(const struct packed *packed, const struct scene *scene, c
     return true;
 }
 
-/* Where things lie in a leaf, in bits. */
+/* Bit positions in a leaf. */
 struct places {
     uint32_t tris, vertices;
     uint32_t code, number; /* widths */
@@ -128,7 +129,7 @@ static void write(const struct packed *packed, const struct scene *scene, const 
 {
     struct codes codes;
     if (!codes_make(packed, scene, prim, count, &codes))
-        return; /* measure() refused it */
+        return; /* measure() rejected it */
     struct grid grid = grid_of(packed->item);
     struct places p = places_of(&codes, packed);
     const struct block *block = &codes.block;
@@ -152,7 +153,7 @@ static void write(const struct packed *packed, const struct scene *scene, const 
     }
 }
 
-/* False if there is no such item, or not all of its leaf lies in the words. */
+/* False if there is no such item, or part of its leaf is outside the words. */
 static bool leaf_of(const struct packed *packed, uint32_t first, uint32_t slot, struct places *p)
 {
     if (packed->item_count < HEAD || first >= packed->item_count)
@@ -173,7 +174,7 @@ static uint32_t item(const struct packed *packed, uint32_t first, uint32_t slot)
     return bits_get(packed->item + first, p.number_at + p.number * slot, p.number);
 }
 
-/* n of 25 bits with a sign: whatever the words are, floats have it exactly. */
+/* n has 25 bits with a sign, so floats represent it exactly, whatever the words are. */
 static float decode(uint32_t n, uint32_t exponent)
 {
     int32_t whole = (int32_t)((n & 0x1FFFFFFu) ^ 0x1000000u) - 0x1000000;
