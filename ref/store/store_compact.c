@@ -31,7 +31,7 @@ static void write(const struct packed *packed, const struct scene *scene, const 
     (void)packed;
     struct block block;
     if (!block_make(scene, prim, count, &block))
-        return; /* measure() rejected it */
+        return; /* measure() refused it */
     block_write(&block, word);
 }
 
