@@ -1,4 +1,4 @@
-/* raydiff conform: the conformance suite, its names made from the tables. */
+/* raydiff conform: the conformance suite. Trial names are built from the tables. */
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Engines, and watertight among them, which is no engine. */
+/* Parses a list of engines that may also contain the word "watertight". */
 static enum status take_require(void *options, const struct option_value *given,
                                 struct reason *reason)
 {
@@ -101,13 +101,13 @@ static const struct option_set set = {
     .example = "conform 'closest.vulkan.rf16.median.robust.woop.sphere.*'",
 };
 
-/* Whether a trial was judged, and whether one of an unknown formula was. */
+/* Whether any trial was judged, and whether any of an unknown formula was. */
 struct use_of {
     bool judged, unknown;
 };
 
-/* Runs the trials of the suite from `first` on into the report; ran[i] is whether trial i came to
- * be judged. */
+/* Runs the trials of the suite from `first` on and adds them to the report. ran[i] is set if trial
+ * i was judged. */
 static void run_suite(const struct conform_options *o, const struct suite *suite, size_t first,
                       struct conform_report *report, bool *ran, struct use_of *use)
 {
@@ -148,8 +148,8 @@ static int list_suite(const struct suite *suite)
     return EXIT_AGREE;
 }
 
-/* Pairs that met only where nothing ran meet once more, where the rest runs with most; what then is
- * left cannot meet. */
+/* Pairs that met only in trials that did not run get another trial, with the other members that run
+ * with most. Pairs still left after that cannot meet. */
 static enum status fill_and_print(const struct conform_options *o, struct suite *suite,
                                   struct conform_report *report, bool **ran, struct use_of *use)
 {
@@ -172,7 +172,7 @@ static enum status fill_and_print(const struct conform_options *o, struct suite 
     return status;
 }
 
-/* What was named: "all" is not. */
+/* The members named by options; "all" names none. */
 static void named_of(const struct conform_options *o, struct list named[TABLE_COUNT])
 {
     for (enum table t = 0; t < TABLE_COUNT; t++)
@@ -207,7 +207,7 @@ static int run_and_report(const struct conform_options *o, struct suite *suite,
     return code;
 }
 
-/* -1: a trial of the suite uses what is demanded. */
+/* Rejects demands that no trial of the suite uses. Returns -1 if there are none. */
 static int check_demands(const struct conform_options *o, const struct suite *suite)
 {
     struct reason why;
@@ -239,7 +239,7 @@ static int conform(const struct conform_options *o)
     return code;
 }
 
-/* A trial's whole name names its members; options bring those from outside. */
+/* A complete trial name determines all members. Options only load external ones. */
 static int check_name(const struct conform_options *o)
 {
     struct list engine, layout = {.count = 0};
@@ -247,7 +247,7 @@ static int check_name(const struct conform_options *o)
     struct reason why;
     char never[100];
     if (trial_parse(o->pattern, &trial, &why))
-        return -1; /* it is no name: suite_make reports that */
+        return -1; /* not a valid name: suite_make reports that */
     engine = list_of_one(TABLE_ENGINES, trial.engine);
     const bool outside = trial.layout && trial.layout->outside;
     snprintf(never, sizeof never, "%s%s store builder box tri hard quick summary markdown html",
@@ -259,7 +259,7 @@ static int check_name(const struct conform_options *o)
     return options_refused("conform", &use);
 }
 
-/* Refuses options that this run does not use. -1: there are none. */
+/* Rejects options that this run does not use. Returns -1 if there are none. */
 static int check_use(const struct conform_options *o, bool hard)
 {
     struct list engine = table_all(TABLE_ENGINES), layout = table_all(TABLE_LAYOUTS);

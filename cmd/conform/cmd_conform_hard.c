@@ -19,11 +19,11 @@ struct hard_suite {
     struct one *one;
     size_t count, capacity;
     const char *pattern; /* NULL: take all */
-    struct list engine;  /* none: take all */
+    struct list engine;  /* empty: take all */
     struct hard_tables tables;
-    bool tri_named; /* then not the core alone */
-    bool quick;     /* without members of which two parts or more are as published */
-    bool failed;    /* no memory */
+    bool tri_named; /* --tri was given: not only core tests */
+    bool quick;     /* skip members with two or more parts as published */
+    bool failed;    /* out of memory */
 };
 
 static void suite_add(void *user, const struct hard_case *hard, const struct hard_member *member)
@@ -60,10 +60,10 @@ static enum status suite_make(struct hard_suite *suite, struct reason *reason)
     return STATUS_OK;
 }
 
-/* A member that may be excused by one of the waivers. */
+/* Context of count_name, which counts the members that waivers may excuse. */
 struct hard_counting {
     struct waivers *waivers;
-    bool core; /* of core members alone */
+    bool core; /* count core members only */
 };
 
 static void count_name(void *user, const struct hard_case *hard, const struct hard_member *member)
@@ -76,17 +76,17 @@ static void count_name(void *user, const struct hard_case *hard, const struct ha
     waivers_count(counting->waivers, name);
 }
 
-/* What belongs to a run. */
+/* State of a run. */
 struct hard_run {
     const struct conform_options *options;
     struct hard_stage stage;
     struct conform_report *report;
     struct hard_matrix *matrix;
-    const char *driver;  /* that `versions` are of */
-    char versions[8192]; /* of conform_versions; "": not made yet */
+    const char *driver;  /* the driver that `versions` belongs to */
+    char versions[8192]; /* from conform_versions; "": not read yet */
 };
 
-/* True if the defect is known of the versions here. */
+/* True if the defect is known for the versions here. */
 static bool is_expected(struct hard_run *run, const struct hard_defect *defect)
 {
     const struct engine_options *options = &run->stage.pool.options;
@@ -98,14 +98,15 @@ static bool is_expected(struct hard_run *run, const struct hard_defect *defect)
     return version_told(run->versions, defect->version);
 }
 
-/* True if the member is there to show a defect: that it does so otherwise is not excused. */
+/* True if the member is expected to show a defect here. No waiver excuses such a member. */
 static bool is_defect(struct hard_run *run, const struct one *one)
 {
     const struct hard_defect *defect = hard_defect_of(one->hard, &one->member);
     return defect && is_expected(run, defect);
 }
 
-/* A member that is to show a defect broke the case: for the cause that is known? */
+/* Handles a member that showed its defect. The outcome is OUTCOME_KNOWN if the explained cause is
+ * the known one, else OUTCOME_FAILED. */
 static enum status confirm(struct hard_run *run, const struct one *one,
                            const struct hard_result *result, const struct hard_defect *defect,
                            enum matrix_outcome *outcome, char *why, size_t why_bytes,
@@ -143,7 +144,7 @@ static bool shows(const struct hard_result *result, const struct hard_defect *de
            (!result->unfinished || defect->cause == CAUSE_LOOP_CAP);
 }
 
-/* What a result means for a member that is to show a defect, or for any other. */
+/* Decides the outcome of a result, for members with and without an expected defect. */
 static enum status outcome_of(struct hard_run *run, const struct one *one,
                               const struct hard_result *result, enum matrix_outcome *outcome,
                               char *why, size_t why_bytes, struct reason *reason)
@@ -168,7 +169,7 @@ static enum status outcome_of(struct hard_run *run, const struct one *one,
     return STATUS_OK;
 }
 
-/* Counts the parts of a case for those that were named. */
+/* Counts the parts of a case for the named members. */
 static void count_turnout(struct turnout *turnout, const struct hard_member *member,
                           const struct hard_result *result)
 {
@@ -188,7 +189,7 @@ static void count_turnout(struct turnout *turnout, const struct hard_member *mem
         turnout_add(turnout, who[i].kind, who[i].name, TURNOUT_ANSWERED, result->played, why);
         turnout_add(turnout, who[i].kind, who[i].name, engine ? TURNOUT_REFUSED : TURNOUT_SKIPPED,
                     result->declined, why);
-        if (!engine) /* which played nothing */
+        if (!engine) /* the engine played nothing of these */
             turnout_add(turnout, who[i].kind, who[i].name, TURNOUT_REFUSED, refused, why);
         if (result->outcome == HARD_SKIPPED)
             turnout_add(turnout, who[i].kind, who[i].name,
@@ -250,7 +251,7 @@ static enum status run_suite(struct hard_run *run, const struct hard_suite *suit
 
 typedef void write_fn(const struct hard_matrix *matrix, const char *versions, FILE *out);
 
-/* Writes a document whole or not at all. */
+/* Writes a document completely or not at all. */
 static enum status write_file(const char *path, write_fn *write, const struct hard_matrix *matrix,
                               const char *versions, struct reason *reason)
 {
@@ -305,7 +306,7 @@ static int play(const struct conform_options *o, const struct list named[TABLE_C
     return exit_worse(code, exit_with_reason("conform", status, &reason));
 }
 
-/* What the user chose of the tables, as hard cases take them. */
+/* The members chosen by the user, in the form that hard cases take. */
 struct chosen {
     const struct layout *layout[LIST_MOST + 1];
     const struct builder *builder[LIST_MOST + 1];
@@ -333,7 +334,7 @@ static struct hard_tables choose(const struct conform_options *o, struct chosen 
     return tables;
 }
 
-/* Whether one of the suite's members has this layout and this builder; NULL: any. */
+/* Returns whether a member of the suite has this layout and this builder; NULL: any. */
 static bool is_met(const struct hard_suite *suite, const struct layout *layout,
                    const struct builder *builder)
 {
@@ -345,7 +346,7 @@ static bool is_met(const struct hard_suite *suite, const struct layout *layout,
     return false;
 }
 
-/* The names on standard output; on standard error how much of the tables they are. */
+/* Prints the names to standard output, and how much of the tables they cover to standard error. */
 static void list_suite(const struct hard_suite *suite)
 {
     size_t cases = 0, l, b, of_layouts = 0, of_builders = 0;
