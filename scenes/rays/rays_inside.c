@@ -75,7 +75,7 @@ static void centre_of_mass(const struct stage *stage, float out[3])
     }
 }
 
-/* Candidate points by turns: the centre of mass; between it and the surface; anywhere in the box; a
+/* Candidate points in turn: the centre of mass; between it and the surface; anywhere in the box; a
  * little below a triangle, for thin walls. Except for the last kind and the first turn, every other
  * turn is snapped to a coarse lattice, so that differences to vertices are often exact. */
 static void candidate(const struct stage *stage, struct rng *rng, int turn, const float centre[3],
