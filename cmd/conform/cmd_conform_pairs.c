@@ -1,4 +1,4 @@
-/* Which pairs of members the trials of a conformance run had, and trials for those they lack. */
+/* Counts the pairs of members that met in a conformance run, and adds trials for missing pairs. */
 #include "cmd/conform/cmd_conform_suite_inner.h"
 #include "ref/store.h"
 
@@ -35,7 +35,7 @@ static int by_pair(const void *a, const void *b)
         order = strcmp(x->name[0], y->name[0]);
     if (order == 0)
         order = strcmp(x->name[1], y->name[1]);
-    return order ? order : (int)y->ran - (int)x->ran; /* the first of equal ones ran, if any */
+    return order ? order : (int)y->ran - (int)x->ran; /* the first of equal pairs ran if any did */
 }
 
 static size_t put_pairs(const struct trial *trial, bool stores, bool ran, struct met *met)
@@ -66,8 +66,8 @@ static size_t index_of(enum table table, const char *name)
     return i;
 }
 
-/* The engine that stands for the others where no pair names one: `cpu`, if it takes part, else the
- * first that does and has, or needs no, tree. */
+/* The default engine for pairs that name none: `cpu` if it takes part, else the first engine that
+ * takes part and matches `tree`. */
 static size_t stand_in(const struct suite *suite, bool tree)
 {
     struct list list = suite_members(suite, TABLE_ENGINES, tree);
@@ -81,7 +81,7 @@ static bool is_of_trees(enum table table)
            table == TABLE_BOX_TESTS;
 }
 
-/* The pair among the first members that take part of all other tables. */
+/* Adds a trial with the pair and the first participating member of every other table. */
 static enum status add_pair(const struct suite *suite, const struct met *met, struct suite *more)
 {
     struct suite_choice choice = {{0}};

@@ -18,7 +18,7 @@ void conform_versions(const struct engine_options *options, char *text, size_t t
     }
 }
 
-/* Enters what was named: each of these is to answer something. */
+/* Registers the named members: each must answer something. */
 static void expect(struct conform_report *report, const struct list list[TABLE_COUNT])
 {
     static const enum table tables[] = {TABLE_ENGINES,  TABLE_LAYOUTS,   TABLE_STORES,
@@ -57,7 +57,7 @@ static bool counts_as_passed(enum matrix_outcome outcome)
     return outcome == OUTCOME_PASSED || outcome == OUTCOME_KNOWN;
 }
 
-/* In TAP and JUnit alike. */
+/* The entry as a case, for TAP and JUnit. */
 static struct ci_case case_of(const struct conform_entry *entry, enum matrix_outcome outcome,
                               const char *why)
 {
@@ -96,7 +96,7 @@ static enum waiver_event event_of(enum matrix_outcome outcome)
     return outcome == OUTCOME_SKIPPED ? WAIVER_SKIPPED : WAIVER_PASSED;
 }
 
-/* Not before a waiver needs it: every driver is opened for it. */
+/* Called only when a waiver needs the versions, since it opens every driver. */
 static void ask_versions(struct conform_report *report)
 {
     if (report->versions[0] == '\0')
@@ -133,7 +133,7 @@ enum matrix_outcome conform_report_put(struct conform_report *report,
     return outcome;
 }
 
-/* The outcome of a trial; `why` gets one line of reasons. */
+/* Decides the outcome of a trial and writes one line of reasons to `why`. */
 static enum matrix_outcome decide(enum status status, const struct row *row,
                                   const struct reason *reason, bool required, char *why,
                                   size_t why_bytes)
@@ -230,7 +230,7 @@ static void judge_waivers(struct conform_report *report)
     }
 }
 
-/* A case for each of those that were named. */
+/* Adds one case for each named member. */
 static void judge_turnout(struct conform_report *report)
 {
     static const enum ci_state state[] = {[EXIT_AGREE] = CI_PASSED, [EXIT_MISMATCH] = CI_FAILED};
@@ -258,7 +258,7 @@ static void judge_turnout(struct conform_report *report)
     }
 }
 
-/* Where nothing ran nothing is tested: skipped if the engines cannot run here, else vacuous. */
+/* If nothing ran, nothing is tested: skipped if the engines cannot run here, else vacuous. */
 static void judge_ran(struct conform_report *report)
 {
     const size_t *n = report->outcomes;

@@ -1,4 +1,4 @@
-/* Results of the conformance suite: text, TAP, JUnit, waivers. For commands only. */
+/* Results of the conformance suite: text, TAP, JUnit, waivers. Commands only. */
 #ifndef CMD_CONFORM_REPORT_H
 #define CMD_CONFORM_REPORT_H
 
@@ -12,8 +12,7 @@
 struct conform_options {
     const char *pattern, *junit, *waivers, *markdown, *html; /* each may be NULL */
     bool list_only, verbose, tap, hard, summary, quick;
-    struct list list[TABLE_COUNT],
-        require; /* of each table those to be played; none: the default */
+    struct list list[TABLE_COUNT], require; /* per table, the members to play; empty: the default */
     bool all;
     struct match_demands demands;
     uint64_t count, brute;
@@ -21,38 +20,38 @@ struct conform_options {
 };
 
 struct conform_report {
-    size_t expected /* 0: not known before the end */, done;
+    size_t expected /* 0: unknown until the end */, done;
     size_t outcomes[OUTCOME_COUNT];
-    size_t absent; /* skipped, since the engine cannot run here at all */
+    size_t absent; /* skipped because the engine cannot run here at all */
     size_t rays, count[VERDICT_COUNT];
-    size_t excused; /* rays of hard cases whose failure is waived or known, not in `rays` */
+    size_t excused; /* rays of hard cases whose failure is waived or known; not in `rays` */
     bool verbose, tap, complete;
-    bool quiet; /* waived ones are not printed: they stand in a matrix */
+    bool quiet; /* do not print waived entries: a matrix shows them */
     int code;
     uint64_t start_ns;
-    struct engine_options options; /* of the engines whose versions waivers name */
-    struct turnout turnout;        /* of what was named */
+    struct engine_options options; /* for the engines whose versions waivers name */
+    struct turnout turnout;        /* of the named members */
     struct waivers waivers;
-    char versions[8192];   /* of conform_versions, if a waiver needs them */
-    struct ci_junit junit; /* body NULL: none */
+    char versions[8192];   /* from conform_versions, if a waiver needs them */
+    struct ci_junit junit; /* body NULL: no JUnit file */
 };
 
-/* What became of one trial or hard case. */
+/* The result of one trial or hard case. */
 struct conform_entry {
     const char *name;
     enum matrix_outcome outcome; /* a waiver turns OUTCOME_FAILED into OUTCOME_WAIVED */
     const char *why;
-    int code;   /* of a failure */
+    int code;   /* exit code of a failure */
     bool plain; /* a failure that no waiver may excuse */
     double seconds;
 };
 
-/* The description of every engine, a line or more each; of one that cannot run, why. */
+/* Writes the description of every engine, one or more lines each, or why it cannot run. */
 void conform_versions(const struct engine_options *options, char *text, size_t text_bytes);
 
 /* Reads the waivers and opens the JUnit file of the options.
- *   expected   entries; 0: not known before the end
- *   complete   the suite is not cut by a pattern: waivers that name nothing are faults
+ *   expected   number of entries; 0: unknown until the end
+ *   complete   no pattern limits the suite: waivers that match nothing are faults
  *   named      members that must answer something, or the run fails
  * Errors: STATUS_INPUT bad waiver line, cannot write. */
 enum status conform_report_open(struct conform_report *report,
@@ -60,19 +59,19 @@ enum status conform_report_open(struct conform_report *report,
                                 bool complete, const struct list named[TABLE_COUNT],
                                 struct reason *reason) MUST_USE;
 
-/* Counts and prints an entry; returns what it is under the waivers, and the waiver that excuses it
- * in *waiver (may be NULL). */
+/* Counts and prints an entry. Returns its outcome after waivers, and the waiver that excuses it in
+ * *waiver (may be NULL). */
 enum matrix_outcome conform_report_put(struct conform_report *report,
                                        const struct conform_entry *entry,
                                        const struct waiver **waiver);
 
-/* Adds the outcome of one trial: `status` and `reason` of stage_run, and its row. */
+/* Adds the outcome of one trial: `status` and `reason` of trial_stage_run, and its row. */
 void conform_report_add(struct conform_report *report, const char *name, enum status status,
                         const struct row *row, const struct reason *reason, bool required,
                         double seconds);
 
-/* Prints the summary, finishes files, fails waivers that matched nothing and what was named and
- * answered nothing; returns the exit code. */
+/* Prints the summary and finishes the files. Waivers that matched nothing and named members that
+ * answered nothing are failures. Returns the exit code. */
 int conform_report_close(struct conform_report *report);
 
 #endif

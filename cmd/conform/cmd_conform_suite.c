@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define NAME_DOTS    8 /* of a trial whose scene has none */
+#define NAME_DOTS    8 /* of a trial name whose scene has none */
 #define LAYOUT_FIELD 2
 
-/* The tables whose members pair, in the order of a row. */
+/* The tables whose members form pairs, in the order of a row. */
 static const enum table with_tree[] = {TABLE_ENGINES,    TABLE_LAYOUTS,   TABLE_BUILDERS,
                                        TABLE_BOX_TESTS,  TABLE_TRI_TESTS, TABLE_QUERIES,
                                        TABLE_GENERATORS, TABLE_RAY_SETS};
@@ -56,7 +56,7 @@ enum status suite_add(struct suite *suite, const struct trial *trial)
 /* --- members that take part -----------------------------------------------------------------------------
  */
 
-/* A layout's field is its name, and perhaps that of a storage. */
+/* Matches a layout field, which is a name that may be followed by a storage. */
 static bool layout_matches(const char *field, const char *name)
 {
     char layout[TRIAL_NAME_MOST];
@@ -64,7 +64,7 @@ static bool layout_matches(const char *field, const char *name)
     return fnmatch(layout, name, 0) == 0;
 }
 
-/* True if the pattern's field `at`, or (at < 0) any of them but "*", matches the name. */
+/* True if field `at` of the pattern matches the name; at < 0: any field except "*". */
 static bool field_matches(const char *pattern, int at, const char *name)
 {
     char field[TRIAL_NAME_MOST];
@@ -103,7 +103,7 @@ bool suite_takes_stores(const struct suite *suite)
     return strcspn(field, ":") < strcspn(field, ".");
 }
 
-/* The tables of trials with or without a tree; their number in *count. */
+/* The tables of trials with or without a tree; sets *count to their number. */
 static const enum table *tables_of(const struct suite *suite, bool tree, uint32_t *count)
 {
     bool stores = tree && suite_takes_stores(suite);
@@ -113,7 +113,8 @@ static const enum table *tables_of(const struct suite *suite, bool tree, uint32_
     return stores ? with_stores : tree ? with_tree : without_tree;
 }
 
-/* With all the dots of a name no wildcard can stand for one, so that each field has a table. */
+/* If the pattern has as many dots as a name, no wildcard matches a dot, so each field belongs to
+ * one table. */
 static bool pattern_takes(const struct suite *suite, enum table table, size_t i)
 {
     static const int field_of[TABLE_COUNT] = {
@@ -134,14 +135,15 @@ static bool pattern_takes(const struct suite *suite, enum table table, size_t i)
 static bool takes_part(const struct suite *suite, enum table table, size_t i)
 {
     const struct list *list = &suite->list[table];
-    if (table == TABLE_QUERIES && i > QUERY_ANY) /* not judged here yet */
+    if (table == TABLE_QUERIES && i > QUERY_ANY) /* not judged yet */
         return false;
     if (suite->kind == SUITE_PATTERN && !pattern_takes(suite, table, i))
         return false;
     if (list->count > 0)
         return list_has(list, i);
     return table != TABLE_ENGINES || suite->kind == SUITE_PATTERN ||
-           engines[i] != engine_reference(false); /* it is what the others are compared with */
+           engines[i] !=
+               engine_reference(false); /* the reference is what the others are compared with */
 }
 
 struct list suite_members(const struct suite *suite, enum table table, bool tree)
@@ -182,12 +184,13 @@ static enum status add_covering(struct suite *suite, bool tree, struct reason *r
     return status;
 }
 
-/* Every combination of members of `table`; scenes and rays too, or by turns. */
+/* Adds every combination of members of the tables. With `everywhere` this includes scenes and ray
+ * sets; otherwise they take turns. */
 static enum status add_product(struct suite *suite, bool tree, bool everywhere)
 {
     uint32_t tables;
     const enum table *table = tables_of(suite, tree, &tables);
-    uint32_t combined = everywhere ? tables : tables - 2; /* those before scene and rays */
+    uint32_t combined = everywhere ? tables : tables - 2; /* scenes and ray sets are last */
     struct list list[TABLE_COUNT];
     size_t at[TABLE_COUNT] = {0}, serial = 0;
     for (uint32_t t = 0; t < tables; t++) {
@@ -198,7 +201,7 @@ static enum status add_product(struct suite *suite, bool tree, bool everywhere)
     for (uint32_t t = 0; t < combined;) {
         struct suite_choice choice = {{0}};
         if (!everywhere) {
-            /* Engines, the first table, share scene and rays. */
+            /* All engines, the first table, get the same scene and rays. */
             size_t turn = serial++ / list[0].count;
             at[tables - 2] = turn % list[tables - 2].count;
             at[tables - 1] = turn / list[tables - 2].count % list[tables - 1].count;

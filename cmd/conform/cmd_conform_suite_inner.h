@@ -1,4 +1,4 @@
-/* What cmd_conform_suite.c and cmd_conform_pairs.c share; private to them. */
+/* Shared by cmd_conform_suite.c and cmd_conform_pairs.c; private to them. */
 #ifndef CMD_CONFORM_SUITE_INNER_H
 #define CMD_CONFORM_SUITE_INNER_H
 
@@ -13,14 +13,14 @@ struct trial suite_trial(const struct suite_choice *c);
 
 enum status suite_add(struct suite *suite, const struct trial *trial);
 
-/* True if storages are a table like others: some are named, by the option or in the field of the
- * layout; else all trials are of `indexed`. */
+/* True if storages are a table like the others, because some are named by the option or by the
+ * layout's field. Otherwise all trials use `indexed`. */
 bool suite_takes_stores(const struct suite *suite);
 
-/* The members of a table that take part; of engines those with or without a tree. */
+/* The participating members of a table; for engines only those with or without a tree. */
 struct list suite_members(const struct suite *suite, enum table table, bool tree);
 
-/* Names of the trial's members, by table; NULL where it has none. */
+/* Names of the trial's members, by table; NULL for tables it does not use. */
 void suite_names(const struct trial *trial, const char *name[TABLE_COUNT]);
 
 /* The order of trials, for qsort. */

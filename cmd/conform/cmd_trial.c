@@ -17,7 +17,7 @@ void trial_print(const struct trial *trial, char name[TRIAL_NAME_MOST])
              trial->tri->name, trial->scene, trial->rays->name, (unsigned long long)trial->seed);
 }
 
-/* Cuts the text up to the next dot; returns it and moves on. */
+/* Cuts the text at the next dot. Returns the part before it and advances *rest. */
 static char *cut_first(char **rest)
 {
     char *field = *rest;
@@ -28,8 +28,8 @@ static char *cut_first(char **rest)
     return field;
 }
 
-/* Cuts the name of the engine. A command may hold dots: it goes on to the three '-' of an engine
- * without a tree. */
+/* Cuts off the engine's name. A peer's command may contain dots, so it ends at the three '-' of an
+ * engine without a tree. */
 static char *cut_engine(char **rest)
 {
     char *field = *rest;
@@ -53,7 +53,7 @@ static char *cut_last(char *text)
 
 static enum status parse_fields(char *const field[6], struct trial *out, struct reason *reason)
 {
-    if (!query_find(field[0], &out->query) || out->query == QUERY_ALL) /* not judged here yet */
+    if (!query_find(field[0], &out->query) || out->query == QUERY_ALL) /* not judged yet */
         return fail(reason, STATUS_INPUT, "trial: unknown query '%s'", field[0]);
     out->engine = engine_find(field[1]);
     if (!out->engine && strncmp(field[1], PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0) {
@@ -162,7 +162,8 @@ static enum status set_scene(struct trial_stage *stage, const struct trial *tria
     return status;
 }
 
-/* The match of the stage's scene and rays, with the trial's builder and triangle test. */
+/* Makes or reuses the match of the stage's scene and rays, with the trial's builder and triangle
+ * test. */
 static enum status set_match(struct trial_stage *stage, const struct trial *trial,
                              struct reason *reason)
 {
@@ -170,7 +171,7 @@ static enum status set_match(struct trial_stage *stage, const struct trial *tria
     const struct box_test *box = trial->box ? trial->box : box_tests[0];
     const struct build_options build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
     enum status status = STATUS_OK;
-    if (stage->has_match) { /* its truth is that of the scene and rays */
+    if (stage->has_match) { /* the truth depends on scene and rays only, so it is reused */
         if (stage->match.options.builder != builder || stage->match.options.tri != trial->tri)
             status = match_rebuild(&stage->match, builder, &build, trial->tri, reason);
         if (status)

@@ -1,9 +1,9 @@
-/* A trial: one reproducible comparison, and its name. For commands only.
+/* A trial: one reproducible comparison, and its name. Commands only.
  *   query.engine.layout.builder.box.tri.scene.rays.seed
  *   closest.vulkan.rf16.median.robust.woop.sphere.edges.7
- * Engines without a tree have "-" for layout, builder and box; a triangle storage other than
+ * Engines without a tree have "-" for layout, builder and box. A triangle storage other than
  * `indexed` follows its layout, as in f32:compact. The scene may be any spec that scene_open takes,
- * dots included. */
+ * including dots. */
 #ifndef CMD_TRIAL_H
 #define CMD_TRIAL_H
 
@@ -26,13 +26,13 @@ struct trial {
     char scene[128];
 };
 
-/* Writes the name; at most TRIAL_NAME_MOST bytes with the terminator. */
+/* Writes the name, at most TRIAL_NAME_MOST bytes with the terminator. */
 void trial_print(const struct trial *trial, char name[TRIAL_NAME_MOST]);
 
-/* The inverse of trial_print. Errors: STATUS_INPUT with the field that is wrong. */
+/* The inverse of trial_print. Errors: STATUS_INPUT with the wrong field. */
 enum status trial_parse(const char *name, struct trial *out, struct reason *reason) MUST_USE;
 
-/* Where trials run: keeps the last scene, rays, tree and packed layout for the next trial. */
+/* Runs trials. Keeps the last scene, rays, tree and packed layout for the next trial. */
 struct trial_stage {
     struct pool pool;
     size_t ray_count;
@@ -48,8 +48,8 @@ struct trial_stage {
     bool has_match;
 };
 
-/* Runs one trial. Errors: those of reading the scene, making rays or the reference; everything
- * else is in *row. A builder that would never end and a layout that refuses are ROW_REFUSED. */
+/* Runs one trial. Errors: those of reading the scene, making rays or the reference; everything else
+ * is in *row. A builder that would never end and a layout that refuses give ROW_REFUSED. */
 enum status trial_stage_run(struct trial_stage *stage, const struct trial *trial, struct row *row,
                             struct reason *reason) MUST_USE;
 
