@@ -39,7 +39,7 @@ enum status cpu_rays_prepare(void *self, const struct job *job, struct reason *r
                        : STATUS_OK;
 }
 
-/* Bytes the traversal reads: packed tree, vertices, indices. */
+/* Bytes that the traversal reads: packed tree, vertices, indices. */
 static uint64_t job_bytes(const struct job *job)
 {
     uint64_t bytes = 0;

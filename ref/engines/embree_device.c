@@ -1,4 +1,4 @@
-/* Embree 3 or 4; the only file of the library that includes it. */
+/* Embree 3 or 4. The only file of the library that includes its headers. */
 #include "ref/engines/embree_device.h"
 
 #if HAVE_EMBREE
@@ -25,10 +25,11 @@ struct embree {
     bool unguarded;
     unsigned threads;
     enum query query;
-    atomic_llong bytes; /* held by Embree now */
+    atomic_llong bytes; /* currently allocated by Embree */
 };
 
-/* Embree asserts on origins and directions from 1.844e18 on: such rays are out of contract. */
+/* Rays whose origin or direction reaches this are out of contract: Embree asserts from 1.844e18
+ * on. */
 #define EMBREE_MOST 1e18f
 
 static bool embree_memory(void *user, ssize_t bytes, bool post)
@@ -85,10 +86,10 @@ enum status embree_open_mode(const struct engine_options *options, enum embree_m
     return STATUS_OK;
 }
 
-/* One ray of QUERY_ALL: the context that Embree hands back to the filter, and where hits go. */
+/* One ray of QUERY_ALL: the context that Embree passes to the filter, and the list of hits. */
 struct embree_list {
 #if HAVE_EMBREE == 4
-    struct RTCRayQueryContext context; /* first: Embree knows the list by it */
+    struct RTCRayQueryContext context; /* first: Embree passes its address to the filter */
 #else
     struct RTCIntersectContext context;
 #endif
@@ -96,8 +97,9 @@ struct embree_list {
     uint32_t capacity, found;
 };
 
-/* Lists the hit and rejects it, so that the ray keeps its length and goes on. Rays come alone: a
- * group of one has the layout of the single structs, which is all that C has accessors for. */
+/* Adds the hit to the list and rejects it, so that the ray keeps its length and is traced on. Rays
+ * are traced one by one: only a group of one has the layout of the single structs, and C has no
+ * accessors for others. */
 static void embree_list_filter(const struct RTCFilterFunctionNArguments *args)
 {
     struct embree_list *list = (struct embree_list *)args->context;
@@ -150,7 +152,7 @@ enum status embree_prepare(void *self, const struct job *job, struct reason *rea
         status = embree_add_mesh(embree, job->scene, reason);
     if (status)
         return status;
-    /* The build sets flush-to-zero on this thread: the reference must not see it. */
+    /* The build sets flush-to-zero on this thread; restore the mode for the reference. */
     fenv_t environment;
     fegetenv(&environment);
     rtcCommitScene(embree->scene);
@@ -219,7 +221,7 @@ static uint32_t embree_all(struct embree *embree, const struct ray *ray, uint32_
     return list.found;
 }
 
-/* Embree does not say what blocked the ray: a hit is triangle 0 at t = 0. */
+/* Embree does not return what blocked the ray, so a hit is triangle 0 at t = 0. */
 static void embree_any(struct embree *embree, const struct ray *ray, struct hit *hit)
 {
     struct RTCRay query = {.org_x = ray->org[0],

@@ -1,5 +1,5 @@
-/* Embree 3 or 4, as engines (ref/engine.h): of their functions those that all of its modes share. Built
- * without Embree (embree_none.c) opening says so. */
+/* Embree 3 or 4: the engine functions (ref/engine.h) that all its modes share. Without Embree
+ * (embree_none.c) opening fails with STATUS_UNSUPPORTED. */
 #ifndef EMBREE_DEVICE_H
 #define EMBREE_DEVICE_H
 

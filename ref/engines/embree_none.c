@@ -1,4 +1,4 @@
-/* What a library that was built without Embree has in its place. */
+/* The functions of embree_device.h in a build without Embree. */
 #include "ref/engines/embree_device.h"
 
 #if !HAVE_EMBREE

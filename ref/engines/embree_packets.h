@@ -1,10 +1,10 @@
-/* Sixteen rays at a time; for engine_embree.c alone, whose functions it uses. */
+/* Tracing in packets of 16 rays. Included by embree_device.c only, whose functions it uses. */
 #ifndef EMBREE_PACKETS_H
 #define EMBREE_PACKETS_H
 
 #define EMBREE_PACKET 16u
 
-/* Lane `i` of a packet; Embree takes its rays by columns. */
+/* Writes a ray to lane `i` of a packet. */
 static void embree_lane(struct RTCRay16 *to, const struct ray *ray, uint32_t i)
 {
     to->org_x[i] = ray->org[0];
@@ -39,8 +39,8 @@ static void embree_packet_ask(const struct embree *embree, const int *valid,
 #endif
 }
 
-/* Answers up to EMBREE_PACKET rays; lanes of rays that Embree does not take, and those beyond
- * `count`, are switched off. */
+/* Traces up to EMBREE_PACKET rays. Lanes beyond `count`, and lanes of rays that embree_takes
+ * rejects, are switched off. */
 static void embree_packet(const struct embree *embree, const struct ray *ray, uint32_t count,
                           struct hit *hit)
 {

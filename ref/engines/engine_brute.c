@@ -1,4 +1,5 @@
-/* Every triangle for every ray, no tree: any difference to it is the tree's. */
+/* Tests every triangle for every ray, without a tree: any difference between it and another engine
+ * comes from the tree. */
 #include "ref/engines/cpu_rays.h"
 #include "ref/trace/trace.h"
 
@@ -8,7 +9,7 @@ static enum status brute_ray(const struct job *job, const struct ray *ray, struc
                              struct trace_counts *counts)
 {
     trace_brute(job->scene, job->tri, job->query, ray, hit);
-    counts->tris += job->scene->tri_count; /* an upper bound for any-hit */
+    counts->tris += job->scene->tri_count; /* for any-hit an upper bound */
     return STATUS_OK;
 }
 

@@ -1,4 +1,4 @@
-/* The reference traversal without a stack: links to parents and a trail of bits. */
+/* The reference traversal without a stack, by parent links and a trail of bits. */
 #include "ref/engines/cpu_rays.h"
 #include "ref/packed/packed_walk.h"
 #include "ref/trace/trace.h"
@@ -9,8 +9,8 @@
 
 struct stackless {
     void *rays;
-    uint32_t *parent; /* of the job's tree */
-    uint64_t bytes;   /* of that */
+    uint32_t *parent; /* links of the job's tree */
+    uint64_t bytes;   /* bytes of `parent` */
 };
 
 static enum status answer_all(const struct job *job, const struct ray *ray, uint32_t capacity,

@@ -1,4 +1,4 @@
-/* Embree as a third opinion: the engines of its modes. */
+/* The engines of all modes of Embree, an independent ray tracer. */
 #include "ref/engines/embree_device.h"
 #include "ref/engines/embree_modes.h"
 #include "ref/twin/model.h"
@@ -27,7 +27,7 @@ static enum status embree_high_open(const struct engine_options *options, void *
     return embree_open_mode(options, EMBREE_HIGH, self, reason);
 }
 
-/* Embree knows one triangle test a mode, whatever ours is. */
+/* Each mode of Embree has one triangle test, whatever `tri` is. */
 static struct model embree_model(void *self, const struct tri_test *tri)
 {
     (void)self, (void)tri;

@@ -1,5 +1,4 @@
-/* The fast traversal on all cores: of any tree, made anew in the form that ref/fast/fast.h
- * describes. */
+/* The fast traversal on all cores. Any packed tree is converted to the form of ref/fast/fast.h. */
 #include "ref/engines/cpu_rays.h"
 #include "ref/fast/decoded.h"
 #include "ref/fast/fast.h"
@@ -8,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define CHUNK 64 /* rays that a thread takes at a time */
+#define CHUNK 64 /* rays of a thread's unit of work */
 
 struct fast {
     struct fast_tree tree;
@@ -21,7 +20,7 @@ struct fast {
 static enum status fast_open(const struct engine_options *options, void **self,
                              struct reason *reason)
 {
-    /* Trees are aligned to vectors. */
+    /* struct fast_tree is aligned for vectors. */
     struct fast *fast = aligned_alloc(_Alignof(struct fast), sizeof *fast);
     *self = fast;
     if (!fast)

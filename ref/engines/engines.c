@@ -8,7 +8,7 @@ extern const struct engine engine_brute, engine_cpu, engine_vulkan, engine_vulka
     engine_rayquery, engine_embree, engine_embree_robust, engine_fast, engine_cpu_stackless,
     engine_vulkan_stackless;
 
-/* One file holds both Embree engines; every other file holds one. */
+/* Each engine_*.c holds one engine in the table, except engine_embree.c, which holds two. */
 #define OWN (ENGINE_FILES + 1)
 
 static const struct engine *table[OWN + ENGINES_ADDED_MOST + 1] = {
@@ -20,7 +20,7 @@ static const struct engine *table[OWN + ENGINES_ADDED_MOST + 1] = {
 };
 static size_t count = OWN;
 
-/* The last of the table above; adjust it with the list. */
+/* Update the number when the table above changes. */
 _Static_assert(OWN == 10, "an engine_*.c is in no table");
 
 const struct engine *const *const engines = table;

@@ -2,7 +2,8 @@
 
 #include <string.h>
 
-/* The place of vertex `v` in the block, added if it is new; BLOCK_VERTICES if there is no room. */
+/* Returns the index of vertex `v` in the block. A new vertex is added. Returns BLOCK_VERTICES if
+ * the block is full. */
 static uint32_t vertex_place(struct block *block, const float v[3])
 {
     for (uint32_t i = 0; i < block->vertex_count; i++)

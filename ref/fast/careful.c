@@ -3,7 +3,7 @@
 #include "ref/primitives/primitives.h"
 #include "ref/primitives/test_run.h"
 
-/* One ray's way through a tree. */
+/* The traversal of a tree by one ray. */
 struct way {
     const struct fast_tree *tree;
     struct slab_ray slab;
@@ -13,7 +13,7 @@ struct way {
     float tbest;
     struct hit *list; /* QUERY_ALL */
     uint32_t capacity, found;
-    fast_read_fn *read; /* NULL, or called for all that is read */
+    fast_read_fn *read; /* called for all that is read; or NULL */
     void *reader;
 };
 
@@ -34,7 +34,7 @@ static struct box decoded(const struct fast_tree *tree, const struct fast_node *
     return box;
 }
 
-/* Returns true if the query is answered. */
+/* Returns true if the traversal is finished. */
 static bool visit_leaf(struct way *way, uint32_t ref)
 {
     const uint32_t *word = way->tree->block + (ref & (FAST_LEAF_WORDS - 1));
@@ -90,7 +90,7 @@ static void walk(struct way *way)
             float at;
             if (node->ref[i] == 0 || !slab_watertight(&way->slab, &box, way->tbest, &at))
                 continue;
-            uint32_t place = depth++; /* the nearest on top, as the kernels have it */
+            uint32_t place = depth++; /* nearest on top, as in the kernels */
             for (; place > base && entry[place - 1] < at; place--) {
                 entry[place] = entry[place - 1];
                 ref[place] = ref[place - 1];
@@ -101,7 +101,7 @@ static void walk(struct way *way)
     }
 }
 
-/* Finds the way's answer; what it is to list is set already. */
+/* Traverses the tree. The caller has set the members `list`, `capacity`, `read` and `reader`. */
 static void start(struct way *way, const struct fast_tree *tree, const struct ray *ray,
                   enum query query)
 {

@@ -15,7 +15,7 @@ struct decoding {
     uint32_t prims_most;
 };
 
-/* Children of a node, of which first .. first + count - 1 are meant. */
+/* The children first .. first + count - 1 of a node. */
 struct some {
     const struct wide *of;
     uint32_t first, count;
@@ -34,7 +34,7 @@ static enum status add_node(struct decoding *d, uint32_t *index)
     return status;
 }
 
-/* Appends the triangles of a leaf; how many are in the scene. */
+/* Appends the triangles of a leaf that the scene has, and counts them. */
 static enum status add_items(struct decoding *d, const struct wide *leaf, uint32_t *count)
 {
     *count = 0;
@@ -50,7 +50,7 @@ static enum status add_items(struct decoding *d, const struct wide *leaf, uint32
     return STATUS_OK;
 }
 
-/* Appends the subtree of a node; nothing if it has no triangles. */
+/* Appends the subtree of a node. Appends nothing if it has no triangles. */
 static enum status decode_node(struct decoding *d, uint32_t ref, const struct box *box,
                                uint32_t depth)
 {
@@ -105,7 +105,7 @@ static enum status decode_children(struct decoding *d, const struct some *some, 
             box_add_box(&node->bounds, &some->of->box[some->first + i]);
         return STATUS_OK;
     }
-    /* One side is empty: the other one takes the node's place. */
+    /* One half is empty: the other one replaces this node. */
     for (uint32_t i = index; i + 1 < bvh->node_count; i++) {
         bvh->node[i] = bvh->node[i + 1];
         bvh->node[i].fst -= bvh->node[i].fst > 0;

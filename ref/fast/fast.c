@@ -14,16 +14,16 @@
 
 #define CODE_MOST  65535
 #define HUGE_PAGE  ((size_t)1 << 21)
-#define HUGE_LEAST ((size_t)1 << 20) /* smaller arrays do not pay for one */
+#define HUGE_LEAST ((size_t)1 << 20) /* smaller arrays use small pages */
 
-/* A leaf costs as much as a node: all its triangles are tested together. */
+/* A leaf costs as much as a node, as all its triangles are tested together. */
 static float leaf_cost(void *self, const uint32_t *prim, uint32_t count)
 {
     struct block block;
     return block_make(*(const struct scene **)self, prim, count, &block) ? 1.0f : INFINITY;
 }
 
-/* The frame: the box of the scene in CODE_MOST steps of 8 significant bits, so that a step times a
+/* Sets the frame: the scene's box in CODE_MOST steps. A step has 8 significant bits, so that step *
  * code is exact in float. */
 static void find_frame(struct fast_tree *tree, const struct box *bounds)
 {
@@ -39,11 +39,11 @@ static void find_frame(struct fast_tree *tree, const struct box *bounds)
         tree->extent[k] = tree->step[k] * (CODE_MOST + 1);
         most = tree->extent[k] > most ? tree->extent[k] : most;
     }
-    /* Absent children are missed by a ray that is nearer, see CONTRIBUTING. */
+    /* Rays within this distance miss all absent children (CONTRIBUTING, "Boxes", fast). */
     tree->reach = most > 0x1p-60f ? most * 0x1p16f : 0;
 }
 
-/* The largest code at or below b; exact in double: the sum of a float and a float of few bits. */
+/* The largest code whose bound is at or below b. In double step * code is exact. */
 static uint16_t code_down(const struct fast_tree *tree, int k, float b)
 {
     double lo = (double)tree->lo[k], step = (double)tree->step[k];
@@ -56,7 +56,7 @@ static uint16_t code_down(const struct fast_tree *tree, int k, float b)
     return (uint16_t)code;
 }
 
-/* The smallest code at or above b. */
+/* The smallest code whose bound is at or above b. */
 static uint16_t code_up(const struct fast_tree *tree, int k, float b)
 {
     double lo = (double)tree->lo[k], step = (double)tree->step[k];
@@ -90,7 +90,7 @@ static uint32_t add_block(struct fast_tree *tree, const uint32_t *prim, uint32_t
 {
     struct block block;
     uint32_t first = (uint32_t)tree->block_words;
-    (void)block_make(scene, prim, count, &block); /* fits: leaf_cost checked it */
+    (void)block_make(scene, prim, count, &block); /* fits: checked by leaf_cost */
     block_write(&block, tree->block + first);
     tree->block_words += block_words(&block);
     return FAST_LEAF | (block.vertex_count - 1) << FAST_LEAF_COUNT | first;
@@ -117,8 +117,9 @@ static void fill_node(struct fast_tree *tree, const struct wide_tree *wide, uint
     tree->node[index] = node;
 }
 
-/* Zeroed, aligned to a node at least; in large pages where there are some: a ray reads a few lines
- * of many pages. Freed by free(). */
+/* Returns zeroed memory, aligned to a node at least. Large arrays use huge pages where the system
+ * has them, as a ray reads a few cache lines of many pages. Freed by free(). Returns NULL if there
+ * is no memory. */
 static void *alloc_pages(uint64_t bytes)
 {
     size_t unit = bytes < HUGE_LEAST ? sizeof(struct fast_node) : HUGE_PAGE;
@@ -130,7 +131,7 @@ static void *alloc_pages(uint64_t bytes)
         return NULL;
 #if defined(__linux__)
     if (unit == HUGE_PAGE)
-        (void)madvise(made, whole, MADV_HUGEPAGE); /* refused: small pages do, too */
+        (void)madvise(made, whole, MADV_HUGEPAGE); /* on failure pages are small */
 #endif
     memset(made, 0, whole);
     return made;
@@ -148,7 +149,8 @@ static enum status fill(struct fast_tree *tree, const struct wide_tree *wide, co
     if (words > FAST_LEAF_WORDS)
         return fail(reason, STATUS_LIMIT, "fast: leaves of %llu MB, at most %u MB fit",
                     (unsigned long long)(words >> 18), FAST_LEAF_WORDS >> 18);
-    /* A kernel reads whole vectors: rows of vertices end at most so far beyond the last block. */
+    /* Kernels read whole vectors: a row of vertices may be read up to BLOCK_VERTICES words beyond
+     * the last block. */
     tree->block = alloc_pages((words + BLOCK_VERTICES) * sizeof *tree->block);
     tree->node = alloc_pages(wide->node_count * sizeof *tree->node);
     if (!tree->block || !tree->node)

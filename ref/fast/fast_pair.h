@@ -1,7 +1,7 @@
-/* Two rays under way at once, a node or a leaf of each by turns: while one waits for memory the
- * other goes on. The hits are those of walk(), ray by ray. Included by ref/fast/walk.h. */
+/* Traces two rays in turns, one node or leaf of each at a time, so that one waits for memory while
+ * the other is computed. The hits are those of walk(). Included by ref/fast/walk.h. */
 
-/* A ray under way. */
+/* The state of one ray. */
 struct walker {
     struct walk_ray r;
     struct walk_best best;
@@ -10,7 +10,7 @@ struct walker {
     struct hit *hit; /* NULL: no ray */
 };
 
-/* The rays of a call that no walker took yet. */
+/* The rays of a call that have not been started. */
 struct walk_queue {
     const struct fast_tree *tree;
     const struct ray *ray;
@@ -19,7 +19,8 @@ struct walk_queue {
     bool any;
 };
 
-/* Takes the next ray that is one for this kernel; returns false if there is none. */
+/* Starts the next ray that this kernel can trace; returns false if there is none. Other rays are
+ * traced by fast_careful. */
 INLINE bool take(struct walker *w, struct walk_queue *queue)
 {
     w->hit = NULL;
@@ -38,7 +39,7 @@ INLINE bool take(struct walker *w, struct walk_queue *queue)
     return false;
 }
 
-/* Asks for the lines that the next step reads first. */
+/* Prefetches the first two cache lines that the next step reads. */
 INLINE void ask(const struct fast_tree *tree, uint32_t ref)
 {
     const char *leaf = (const char *)(tree->block + (ref & (FAST_LEAF_WORDS - 1)));
@@ -48,7 +49,7 @@ INLINE void ask(const struct fast_tree *tree, uint32_t ref)
     __builtin_prefetch(from + 64);
 }
 
-/* One node or one leaf; returns false when the ray is done. */
+/* Visits one node or leaf; returns false when the ray is finished. */
 INLINE bool step(struct walker *w, const struct fast_tree *tree, bool any)
 {
     struct walk_place at = w->at;
@@ -74,7 +75,7 @@ INLINE void walk_pairs(const struct fast_tree *tree, const struct ray *ray, size
     bool both = take(&pair[0], &queue);
     both = take(&pair[1], &queue) && both;
     while (both)
-#pragma GCC unroll 1 /* one copy of it all: two are slower */
+#pragma GCC unroll 1 /* two copies of the code are slower */
         for (int i = 0; i < 2; i++)
             if (!step(&pair[i], tree, any)) {
                 write_hit(&pair[i].best, pair[i].hit);

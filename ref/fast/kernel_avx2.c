@@ -1,4 +1,5 @@
-/* The traversal by AVX2: rows of 16 vertices in two registers, of which most leaves need one. */
+/* The AVX2 traversal: rows of 16 vertices in two registers, the second of which most leaves do not
+ * need. */
 #include "ref/fast/fast.h"
 
 #if defined(__x86_64__)
@@ -38,7 +39,7 @@ INLINE float16 lane16(float4 v, int k)
     return both;
 }
 
-/* Lanes beyond the row are of what follows it; no corner names them. */
+/* Lanes beyond the row hold what follows it; no corner refers to them. */
 INLINE float16 vertices(const uint32_t *row, uint32_t count)
 {
     (void)count;
@@ -55,7 +56,7 @@ INLINE codes8 codes(uint32_t word)
                              _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28));
 }
 
-/* A permutation of 8 lanes reads the lowest 3 bits; the fourth selects the half. */
+/* The permutation of 8 lanes reads the lowest 3 bits of a code; the fourth bit selects the half. */
 INLINE float8 corners(float16 row, codes8 code, uint32_t count)
 {
     __m256 half[2];

@@ -1,4 +1,4 @@
-/* The traversal by AVX-512: rows of 16 vertices in a register, children sorted in one. */
+/* The AVX-512 traversal: rows of 16 vertices in one register, and children sorted in one. */
 #include "ref/fast/fast.h"
 
 #if defined(__x86_64__)
@@ -41,7 +41,8 @@ INLINE float16 vertices(const uint32_t *row, uint32_t count)
 
 typedef __m256i codes8;
 
-/* The higher bits of a lane are of the next codes; a permutation of 16 lanes reads the lowest 4. */
+/* The higher bits of a lane belong to the next codes. The permutation of 16 lanes reads the lowest
+ * 4. */
 INLINE codes8 codes(uint32_t word)
 {
     return _mm256_srlv_epi32(_mm256_set1_epi32((int)word),
@@ -59,7 +60,8 @@ INLINE float8 corners(float16 row, codes8 code, uint32_t count)
 #define ORDER8(k, p, smaller)                                                                      \
     _mm256_blend_epi32(_mm256_max_epu32(k, p), _mm256_min_epu32(k, p), smaller)
 
-/* Larger first: in each step the lanes in `smaller` take the smaller of a pair. */
+/* Sorts in descending order. In each step the lanes in `smaller` take the smaller value of a
+ * pair. */
 INLINE __m128i sort4(__m128i k)
 {
     k = ORDER(k, _mm_shuffle_epi32(k, 0xB1), 0xA);

@@ -1,5 +1,4 @@
-/* The traversal on vectors of the compiler's own, whatever it makes of them: SSE2, NEON, scalars.
- */
+/* The portable traversal, on vector types of the compiler: SSE2, NEON or scalar code. */
 #define KERNEL_TARGET
 #define INLINE static inline __attribute__((always_inline))
 #include "ref/fast/vectors.h"

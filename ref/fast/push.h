@@ -1,10 +1,11 @@
-/* How the kernels of processors that cannot sort lanes find the order of children. Expects INLINE
- * and ref/fast/vectors.h. */
+/* Sorts children in scalar code, for kernels that cannot sort lanes. Expects INLINE and
+ * ref/fast/vectors.h. */
 #ifndef FAST_PUSH_H
 #define FAST_PUSH_H
 
-/* Sorts the children in `mask`, farthest first, by the bits of their entries, which are at least 0;
- * the lowest three bits of a key are the child's number. Returns how many there are. */
+/* Sorts the children in `mask`, farthest first, by the bits of their entry distances, which are at
+ * least 0. The lowest three bits of a key are replaced with the child's index. Returns their
+ * number. */
 INLINE uint32_t push(uint32_t *key, uint32_t *ref, const uint32_t *child, uint32_t mask,
                      float8 entry)
 {
@@ -22,7 +23,7 @@ INLINE uint32_t push(uint32_t *key, uint32_t *ref, const uint32_t *child, uint32
     return count;
 }
 
-/* All but the first of the children in `mask`, in their order. */
+/* Writes all children in `mask` except the first, in order. Returns their number. */
 INLINE uint32_t push_any(uint32_t *ref, const uint32_t *child, uint32_t mask)
 {
     uint32_t count = 0;

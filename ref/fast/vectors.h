@@ -1,5 +1,4 @@
-/* Vectors as gcc and clang have them on every processor, and what needs no more than them. Expects
- * INLINE. */
+/* Vector types of gcc and clang, available on every processor. Expects INLINE. */
 #ifndef FAST_VECTORS_H
 #define FAST_VECTORS_H
 

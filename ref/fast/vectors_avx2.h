@@ -1,4 +1,4 @@
-/* What the kernels of AVX2 and AVX-512 have in common. Expects INLINE. */
+/* Functions that the AVX2 and AVX-512 kernels share. Expects INLINE. */
 #ifndef FAST_VECTORS_AVX2_H
 #define FAST_VECTORS_AVX2_H
 

@@ -1,56 +1,58 @@
-/* The traversal, once for every kind of processor. The file that includes it defines KERNEL_TARGET
- * (an attribute, or nothing) and INLINE, and these on the vectors of ref/fast/vectors.h:
+/* The traversal, compiled once for every kind of processor. The including file defines
+ * KERNEL_TARGET (an attribute, or nothing), INLINE, and these on the vectors of ref/fast/vectors.h:
  *   planes      8 codes as floats              fma8       a * b + c, rounded once or twice
  *   max4, max8  a if a > b, else b             min8       a if a < b, else b
- *   bits4       the lanes' sign bits           permute4   the lanes that an index vector names
- *   lane8       one of 4 lanes in all of 8     lane16     and of 16
- *   less, unequal, not_above                   bits of the lanes where it is true
- *   vertices    a row of up to 16 floats       corners    8 of them, by 4-bit codes
- *   push        the nearer children of three or more, sorted; push_any all but the first
- * Comparisons with NaN are false, unequal's too. */
+ *   bits4       the lanes' sign bits           permute4   lanes selected by an index vector
+ *   lane8       one of 4 lanes, copied to 8    lane16     one of 4 lanes, copied to 16
+ *   less, unequal, not_above                   bits of the lanes where it holds
+ *   vertices    a row of up to 16 floats       corners    8 of a row, by 4-bit codes
+ *   codes       the 8 4-bit codes of a word
+ *   push        writes three or more children, farthest first; push_any all but the first
+ * All comparisons with NaN are false, also by unequal. */
 #include "ref/fast/fast.h"
 
 #include "ref/fast/block.h"
 
 #include <string.h>
 
-/* Half width of the bounds' padding, of the farthest that anything is from the origin in any axis:
- * CONTRIBUTING, "Boxes". */
+/* Half the padding of the bounds, relative to the largest distance of the scene from the ray's
+ * origin in any axis (CONTRIBUTING, "Boxes", fast). */
 #define FAST_PAD 0x1p-19f
 
-/* Axes that woop calls x, y, z, by the main axis and whether the ray goes down it. */
+/* The axes that woop calls x, y, z; row 2 * main axis, plus 1 if the ray's direction is negative
+ * there. */
 static const int32_t axes_of[6][4] __attribute__((aligned(16))) = {
     {1, 2, 0, 0}, {2, 1, 0, 0}, {2, 0, 1, 0}, {0, 2, 1, 0}, {0, 1, 2, 0}, {1, 0, 2, 0},
 };
 
-/* What a traversal needs of a ray. */
+/* A ray, prepared for traversal. */
 struct walk_ray {
-    float8 scale[3], near[3], far[3]; /* t of a bound's code is code * scale + near, or + far */
+    float8 scale[3], near[3], far[3]; /* t of a bound is code * scale + near (or far) */
     float8 tmin, tbest;
-    size_t near_row[3], far_row[3]; /* where the nearer and the farther bounds are in a node */
+    size_t near_row[3], far_row[3]; /* offsets of the near and far bounds in a node */
     float16 o[3], shear[3];         /* woop */
     uint32_t axis[3];
-    float tlimit;      /* only hits with t below it are nearer */
-    uint32_t key_most; /* what waits on the stack with a larger key is farther */
+    float tlimit;      /* hits must have t below it */
+    uint32_t key_most; /* stack entries with larger keys are farther than the best hit */
 };
 
-/* The best hit; divided at the end. */
+/* The best hit; u and v are divided at the end. */
 struct walk_best {
     float v[8], w[8], det[8];
     float t;
-    const uint32_t *block; /* NULL: none */
+    const uint32_t *block; /* NULL: no hit */
     uint32_t vertices, lane;
 };
 
-/* What waits. A vector more than there can be entries: push writes whole ones. */
+/* The stack. It has room for one vector more, as push writes whole vectors. */
 struct walk_stack {
     uint32_t ref[FAST_STACK + FAST_WIDTH], key[FAST_STACK + FAST_WIDTH];
 };
 
-/* Where a traversal is; apart from the rest, so that it stays in registers. */
+/* The current place of a traversal, in a struct of its own so that it stays in registers. */
 struct walk_place {
     size_t depth;
-    uint32_t now; /* the reference to go on with */
+    uint32_t now; /* the reference to visit next */
 };
 
 INLINE float4 all4(float x)
@@ -63,7 +65,7 @@ INLINE float4 size4(float4 v)
     return (float4)((int4)v & 0x7FFFFFFF);
 }
 
-/* The largest of the first three lanes, in these three. */
+/* The largest of the first three lanes, copied to these three. */
 INLINE float4 most3(float4 v)
 {
     return max4(permute4(v, (int4){2, 0, 1, 0}), max4(permute4(v, (int4){1, 2, 0, 0}), v));
@@ -76,7 +78,7 @@ INLINE void narrow(struct walk_ray *r, float t)
     r->key_most = float_bits(t) | 7;
 }
 
-/* The nearest float above tmax, so that a first hit at tmax itself is below it. */
+/* The next float above tmax, so that a hit at exactly tmax is below it. */
 INLINE float above(float tmax)
 {
     uint32_t bits = float_bits(tmax);
@@ -98,9 +100,9 @@ INLINE void prepare_woop(struct walk_ray *r, float4 o, float4 d, uint32_t main, 
     }
 }
 
-/* Returns false if the ray is not for this kernel: NaN, infinite, or numbers that could overflow or
- * underflow below. A direction without extent in an axis gets one of 2^-60 of its largest: the
- * padding of that axis is then beyond any hit. */
+/* Returns false if the kernel cannot trace the ray: NaN, infinity, or numbers that could overflow
+ * or underflow below. Direction components below 2^-60 of the largest one are raised to that: the
+ * padding of such an axis is beyond any hit. */
 INLINE bool prepare(struct walk_ray *r, const struct fast_tree *tree, const struct ray *ray)
 {
     float4 o, d, lo, step, extent;
@@ -138,7 +140,8 @@ INLINE bool prepare(struct walk_ray *r, const struct fast_tree *tree, const stru
     return true;
 }
 
-/* Bits of the children that the ray meets in its range, and where. */
+/* Returns the bits of the children that the ray meets in its range, and sets their entry
+ * distances. */
 INLINE uint32_t test_node(const struct walk_ray *r, const struct fast_node *node, float8 *entry)
 {
     const uint16_t *row = node->bound[0][0];
@@ -152,7 +155,7 @@ INLINE uint32_t test_node(const struct walk_ray *r, const struct fast_node *node
     return not_above(*entry, min8(min8(fx, fy), min8(fz, r->tbest)));
 }
 
-/* The child to go on with; the others wait. `mask` is not 0. */
+/* Returns the nearest child and pushes the others on the stack. `mask` is not 0. */
 INLINE uint32_t choose(uint32_t *key, uint32_t *ref, size_t *depth, const struct fast_node *node,
                        uint32_t mask, float8 entry)
 {
@@ -172,7 +175,7 @@ INLINE uint32_t choose(uint32_t *key, uint32_t *ref, size_t *depth, const struct
     return ref[*depth];
 }
 
-/* Keeps the nearest of the triangles in `in`, whose t are in range. */
+/* Keeps the nearest of the triangles in `in`, all of which have t in range. */
 INLINE void keep(struct walk_best *best, uint32_t in, float8 t)
 {
     uint32_t lane = (uint32_t)__builtin_ctz(in);
@@ -186,8 +189,8 @@ INLINE void keep(struct walk_best *best, uint32_t in, float8 t)
     best->t = at[lane];
 }
 
-/* Woop's test of all triangles of a leaf, the operations of tri_woop; each vertex is moved and
- * sheared once. Returns true if one is hit nearer than the best. */
+/* Tests all triangles of a leaf with the operations of tri_woop; each vertex is translated and
+ * sheared once. Returns true if a triangle is hit nearer than the best hit. */
 INLINE bool test_leaf(const struct walk_ray *r, const struct fast_tree *tree, uint32_t leaf,
                       struct walk_best *best)
 {
@@ -234,7 +237,7 @@ INLINE void write_hit(const struct walk_best *best, struct hit *hit)
                             .prim = block_prim(best->block, best->vertices, lane)};
 }
 
-/* From a node to one of its children; returns false if none is met. */
+/* Moves from a node to one of its children; returns false if the ray meets none. */
 INLINE bool descend(const struct walk_ray *r, const struct fast_tree *tree, bool any,
                     struct walk_stack *stack, struct walk_place *at)
 {
@@ -252,7 +255,7 @@ INLINE bool descend(const struct walk_ray *r, const struct fast_tree *tree, bool
     return true;
 }
 
-/* Returns true if no other hit is needed. */
+/* Returns true if the traversal is finished. */
 INLINE bool visit_leaf(struct walk_ray *r, const struct fast_tree *tree, bool any,
                        struct walk_best *best, const struct walk_place *at)
 {
@@ -263,7 +266,7 @@ INLINE bool visit_leaf(struct walk_ray *r, const struct fast_tree *tree, bool an
     return any;
 }
 
-/* To what waits; returns false if nothing does. */
+/* Moves to the top of the stack; returns false if the stack is empty. */
 INLINE bool pop(const struct walk_ray *r, bool any, const struct walk_stack *stack,
                 struct walk_place *at)
 {
