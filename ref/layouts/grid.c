@@ -7,16 +7,16 @@
 
 #define SLOT_INNER 0x80u
 #define SLOT_EMPTY 0xFFu
-#define SLOT_ITEMS 5 /* where the bits of a leaf's number of items begin */
+#define SLOT_ITEMS 5 /* first bit of a leaf's number of items */
 
-/* What a member is. */
+/* Description of one layout of the family. */
 struct layouts_grid {
-    struct wide_form form; /* to read with */
+    struct wide_form form; /* for decoding */
     const struct number_format *format;
     uint32_t frame; /* ABI_FRAME_* */
 };
 
-/* Words of a record before its codes, and of the codes. */
+/* Words of a record before its codes, and words of the codes. */
 #define HEAD_WORDS(width, frame) (2 + ((width) + 3) / 4 + ((frame) == ABI_FRAME_NODE ? 4 : 0))
 #define CODE_WORDS(width, bits)  ((bits) == 10 ? 2 * (width) : (6 * (width) * (bits) + 31) / 32)
 
@@ -32,7 +32,7 @@ static const struct layouts_grid *grid_of(const struct layout *layout)
 
 /* --- words ------------------------------------------------------------------------------------ */
 
-/* Where code `index` of a record begins: word and bit. */
+/* Returns the position of code `index` of a record: word and bit. */
 static uint32_t code_place(const struct number_format *format, uint32_t index, uint32_t *bit)
 {
     if (format->bits == 10) {
@@ -91,10 +91,10 @@ struct packing {
     const struct layouts_grid *grid;
     const struct bvh *bvh;
     const struct wide_tree *tree;
-    struct number_frame frame;              /* of the scene, if there is one */
-    const struct number_frame *scene_frame; /* that one; NULL: none */
-    uint32_t before;                        /* records before the root's */
-    uint32_t item_count;                    /* items placed */
+    struct number_frame frame;              /* of the scene, if used */
+    const struct number_frame *scene_frame; /* &frame, or NULL if not used */
+    uint32_t before;                        /* records before the root */
+    uint32_t item_count;                    /* items written so far */
     struct packed *out;
 };
 
@@ -140,7 +140,7 @@ static enum status put_box(const struct layout *layout, const struct number_fram
     return STATUS_OK;
 }
 
-/* The boxes of a record's slots, and its frame. scene_frame: NULL, or that of the scene. */
+/* Writes the boxes of a record's slots, and its frame. scene_frame: the scene's frame, or NULL. */
 static enum status put_boxes(const struct layout *layout, const struct box *const box[WIDE_MAX],
                              const struct number_frame *scene_frame, uint32_t *word,
                              struct reason *reason)
@@ -164,7 +164,7 @@ static enum status put_boxes(const struct layout *layout, const struct box *cons
     return status;
 }
 
-/* The byte of a slot; a leaf's items are placed. */
+/* Returns the byte of a slot; writes the items of a leaf. */
 static uint32_t put_child(struct packing *p, const struct wide_child *child, uint32_t item_base,
                           uint32_t *inner)
 {
@@ -229,7 +229,7 @@ static enum status put_tree(struct packing *p, struct reason *reason)
 static enum status pack(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
                         struct packed *out, struct reason *reason)
 {
-    /* Testing a slot costs half of what testing a triangle does. */
+    /* A test of a slot costs half as much as a test of a triangle. */
     const struct wide_rule rule = {
         .width = self->width, .leaf_most = GRID_LEAF_MOST, .node_cost = (float)self->width / 2};
     struct wide_tree tree = {0};

@@ -1,16 +1,16 @@
-/* The grid family: layouts of slotted nodes that differ in how many children a node has (2, 4 or
- * 8), in the format of a bound's number and in the frame that it counts in. All of them are this
- * data and the same functions (grid.c), and one shader a width (shaders/grid.glsl).
+/* The grid family: layouts of slotted nodes that differ in the number of children of a node (2, 4
+ * or 8), in the number format of a bound and in the frame that scales it. All of them are data for
+ * the same functions (grid.c) and for one shader per width (shaders/grid.glsl).
  *
  * A record, in words:
  *   0     record of the first child that is inner; the others follow, in the order of slots
  *   1     first item of the first child that is a leaf; the others follow
- *   2 ..  a byte for each slot (4 a word): inner 128 + how many inner slots come before it; a leaf
- *         its items less 1 in bits 5 and 6, its first one less word 1 in bits 0-4; 255 empty
+ *   2 ..  a byte for each slot (4 per word): inner: 128 + number of inner slots before it; leaf:
+ *         its items minus 1 in bits 5 and 6, its first item minus word 1 in bits 0-4; 255 empty
  *   then, if each node has its frame: origin x, y, z, and the biased exponents of the scales in
  *         bits 0-7, 8-15, 16-23
- *   then, for each slot, lower x, upper x, lower y, upper y, lower z, upper z: codes one after the
- *         other from the lowest bit on, also over the end of a word; 10-bit ones three to a word
+ *   then, for each slot, lower x, upper x, lower y, upper y, lower z, upper z: consecutive codes
+ *         from the lowest bit on, also across the end of a word; 10-bit codes three per word
  *
  * If the scene has the frame, it is record 0 (words 0-3 as above), and the root is record 1. */
 #ifndef GRID_H
@@ -18,10 +18,10 @@
 
 #include "ref/layouts/grid_number.h"
 
-#define GRID_LEAF_MOST 4u /* items of a leaf */
+#define GRID_LEAF_MOST 4u /* most items of a leaf */
 
-/* Formats and frames, of which each width has all that make sense: integers need a frame, and
- * float32 needs none. Two children with float32 are layout f32 in other words. */
+/* Combinations of format and frame, for each width all that make sense: integers need a frame, and
+ * float32 needs none. Two children with float32 would be layout f32 in other words. */
 #define GRID_OF(X, width)                                                                          \
     X(width, f16, F16, world, WORLD)                                                               \
     X(width, f16, F16, scene, SCENE)                                                               \
@@ -37,7 +37,7 @@
     X(width, u16, U16, scene, SCENE)                                                               \
     X(width, u16, U16, node, NODE)
 
-/* All members: X(width, format, FORMAT, frame, FRAME) of each. */
+/* All layouts of the family: X(width, format, FORMAT, frame, FRAME) for each. */
 #define GRID_MEMBERS(X)                                                                            \
     GRID_OF(X, 2)                                                                                  \
     X(4, f32, F32, world, WORLD)                                                                   \
@@ -45,7 +45,7 @@
     X(8, f32, F32, world, WORLD)                                                                   \
     GRID_OF(X, 8)
 
-/* The struct layout of a member. */
+/* Name of the struct layout of one of them. */
 #define GRID_SYMBOL(width, format, frame) layout_bvh##width##_##format##_##frame
 
 #endif

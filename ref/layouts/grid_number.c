@@ -47,7 +47,7 @@ const struct number_format number_f32 =
     FLOATS(f32, F32, 32, 0x80000000u, 0x00800000u, 0x7F7FFFFFu, 127, 0, 0);
 const struct number_format number_f16 =
     FLOATS(f16, F16, 16, 0x8000u, 0x0400u, 0x7BFFu, 15, -112, 111);
-/* As wide a range as float32: a scale would only make things subnormal or infinite. */
+/* The range is that of float32: a scale would only make numbers subnormal or infinite. */
 const struct number_format number_bf16 =
     FLOATS(bf16, BF16, 16, 0x8000u, 0x0080u, 0x7F7Fu, 127, 0, 0);
 const struct number_format number_u8 = UNORM(8), number_u10 = UNORM(10);
@@ -96,8 +96,8 @@ static uint32_t code_of(const struct number_format *format, int64_t rank)
     return format->sign | ((uint32_t)(-rank - 1) + format->first);
 }
 
-/* Exactly the number at a rank: the sum of two doubles; the first is the rounded sum
- * (Knuth 1969, two-sum; nothing overflows). */
+/* The exact number at a rank as the sum of two doubles; the first is the rounded sum (Knuth 1969,
+ * two-sum; nothing overflows). */
 struct number_exact {
     double sum, rest;
 };
@@ -121,7 +121,7 @@ static bool is_at_least(struct number_exact value, double bound, bool equal_too)
     return equal_too ? value.rest >= 0 : value.rest > 0;
 }
 
-/* A rank near the bound, or any: only the time of the search depends on it. */
+/* Returns a rank, near the bound if possible: it only affects the time of the search. */
 static int64_t near_rank(const struct number_format *format, const struct number_frame *frame,
                          int axis, double bound)
 {
@@ -139,8 +139,8 @@ static int64_t near_rank(const struct number_format *format, const struct number
     return x < 0 ? -rank : rank;
 }
 
-/* The first rank that stands at `bound` or, unless `equal_too`, beyond it; most_rank + 1: none.
- * From a rank that is near, in steps that double, then by halves. */
+/* Finds the first rank whose number is at least `bound`, or above it unless `equal_too`; most_rank
+ * + 1: none. Searches from a nearby rank in steps that double, then by bisection. */
 static int64_t first_rank(const struct number_format *format, const struct number_frame *frame,
                           int axis, double bound, bool equal_too)
 {
@@ -176,8 +176,8 @@ bool number_encode(const struct number_format *format, const struct number_frame
 {
     double target = (double)bound;
     *code = 0;
-    /* A device may take a subnormal for 0, which is inward of one of both signs: at most twice the
-     * next bound outward is none. */
+    /* A device may flush a subnormal to 0, which is inward for one of the two signs. A subnormal is
+     * replaced by the next bound outward, at most twice. */
     for (;;) {
         int64_t rank = first_rank(format, frame, axis, target, up);
         rank -= up ? 0 : 1;
@@ -196,7 +196,7 @@ bool number_encode(const struct number_format *format, const struct number_frame
 
 /* --- frames ----------------------------------------------------------------------------------- */
 
-/* A bound that is no subnormal, outward; not -0. */
+/* Rounds a subnormal bound outward; never returns -0. */
 static float normal_bound(float bound, bool up)
 {
     if (!is_subnormal((double)bound))

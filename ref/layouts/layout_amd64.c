@@ -2,26 +2,26 @@
  * instruction set (RDNA 2 Shader ISA, image_bvh_intersect_ray) and the open sources of their
  * drivers (GPURT, Mesa's RADV). Records of 64 bytes: a node of four boxes in float16 takes one, a
  * node of four boxes in float32 two.
- *   words 0-3    a pointer for each child: bits 0-2 its type, bits 3-31 where
- *                  types 0-3   a leaf of 1 to 4 items; where: the slot of the first
- *                  type 4      a float16 node; where: its record
- *                  type 5      a float32 node; where: its first record
+ *   words 0-3    a pointer for each child: bits 0-2 its type, bits 3-31 its place
+ *                  types 0-3   a leaf of 1 to 4 items; place: the slot of the first
+ *                  type 4      a float16 node; place: its record
+ *                  type 5      a float32 node; place: its first record
  *                  all ones    no child
  *   words 4-15   float16: for each child min x, y, z, max x, y, z, the first in the low half
  *   words 4-27   float32: the same; words 28-31 are zero
- * As in GPURT's mixed mode a node is of float16 where that inflates its boxes little, and the root
- * is of float32.
+ * As in GPURT's mixed mode, a node is in float16 if that inflates its boxes little, and the root is
+ * in float32.
  *
- * Differences from the hardware: the area that decides is that of all boxes in the node; types 0-3
- * name a range of the item array, where the hardware has a triangle of a node of triangles; child
- * boxes are sorted by distance in software.
+ * Differences from the hardware: the decision uses the area of all boxes in the node; types 0-3
+ * name a range of the item array, while on the hardware they name a triangle of a triangle node;
+ * child boxes are sorted by distance in software.
  *
- * Box growth: the hardware grows boxes while it tests them, by a number of ulps of its descriptor
- * (at most 255) that makes up for what its test rounds. Here the tests have that in themselves
- * (ref/primitives/slab.h), and growth is of what is stored. The members amd64_g0 and amd64_g1 round
- * bounds to the nearest, as a plain conversion does, then move them outward by n ulp of the number
- * they are stored as: n = 0 loses hits and is not judged, from n = 1 on boxes are conservative,
- * since the neighbour of the nearest number lies beyond what was rounded. The others round outward.
+ * Box growth: the hardware grows boxes while it tests them, by a number of ulps in its descriptor
+ * (at most 255) that compensates for the rounding of its test. Here the tests allow for their own
+ * rounding (ref/primitives/slab.h), and the stored boxes are grown. The layouts amd64_g0 and
+ * amd64_g1 round bounds to nearest, as a plain conversion does, then move them outward by n ulp of
+ * the stored number: n = 0 loses hits and is not judged; from n = 1 on boxes are conservative,
+ * since the neighbour of the nearest number lies beyond the exact bound. The others round outward.
  */
 #include "ref/layouts/wide_nodes.h"
 
@@ -39,16 +39,17 @@
 #define TYPE_32   5u
 #define NO_CHILD  0xFFFFFFFFu
 
-/* A member: a node is of float16 if that makes its boxes' area at most `inflate` times as large. */
+/* Parameters of one layout: a node is in float16 if that makes its boxes' area at most `inflate`
+ * times as large. */
 struct amd {
     float inflate;
-    bool nearest;  /* rounds to nearest, not outward */
-    uint32_t grow; /* then moves outward by so many ulp */
+    bool nearest;  /* round to nearest, not outward */
+    uint32_t grow; /* then move outward by this many ulp */
 };
 
 /* --- bounds ----------------------------------------------------------------------------------- */
 
-/* `ulps` steps away from the box, of a half's or a float's bits, with the sign in bit `sign`. */
+/* Moves the bits of a half or a float `ulps` steps outward; bit `sign` is the sign. */
 static uint32_t step_outward(uint32_t bits, int sign, uint32_t ulps, bool up)
 {
     uint32_t mask = ((uint32_t)1 << sign) - 1;
@@ -74,7 +75,7 @@ static bool half_is_finite(struct half h)
     return (h.bits & 0x7C00u) != 0x7C00u;
 }
 
-/* The box as it is decoded. False if it is not finite. */
+/* Computes the box as decoded. False if it is not finite. */
 static bool stored_box(const struct amd *amd, bool f32, const struct box *box, struct box *out)
 {
     bool finite = true;
@@ -95,11 +96,11 @@ static bool stored_box(const struct amd *amd, bool f32, const struct box *box, s
 struct amd64_packing {
     const struct amd *amd;
     const struct wide_tree *tree;
-    uint32_t *pointer; /* of each node: its first record and type */
+    uint32_t *pointer; /* per node: its first record and type */
     uint32_t records;
 };
 
-/* Whether node `n` is of float32; *fits = false if it can be neither. */
+/* True if node `n` is stored in float32; *fits = false if it fits in neither format. */
 static bool wants_f32(const struct amd64_packing *p, uint32_t n, bool *fits)
 {
     const struct wide_node *node = &p->tree->node[n];
@@ -119,7 +120,7 @@ static bool wants_f32(const struct amd64_packing *p, uint32_t n, bool *fits)
     return f32;
 }
 
-/* Nodes follow each other in the order of the tree. */
+/* Assigns records to nodes in the order of the tree. */
 static enum status place_nodes(const char *name, struct amd64_packing *p, struct reason *reason)
 {
     for (uint32_t n = 0; n < p->tree->node_count; n++) {
@@ -189,7 +190,7 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
         status = layout_alloc(self->name, p.records, WORDS, 0, out, reason);
     if (!status) {
         out->ref_count = out->node_count * layout_refs(self);
-        out->root = out->node_count; /* record 0, of float32 */
+        out->root = out->node_count; /* record 0, in float32 */
         status = wide_nodes_items(self, bvh, scene, POINTERS, &tree, out, reason);
         for (uint32_t n = 0; n < tree.node_count && !status; n++)
             pack_node(&p, n, out->word);
@@ -201,8 +202,8 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
 
 /* --- references ------------------------------------------------------------------------------- */
 
-/* Record r is reference r as a node of float16 and node_count + r as one of float32; its slots are
- * references 2 node_count + 4 r + s, and 4 node_count more. */
+/* Record r is reference r as a float16 node and node_count + r as a float32 node. Its slots are
+ * references 2 node_count + 4 r + s, and 4 node_count more for float32. */
 struct amd64_place {
     uint32_t record;
     uint32_t slot; /* WIDTH: the node itself */

@@ -3,17 +3,17 @@
  *   words 0-2    the node's origin, float32
  *   word 3       bytes ex, ey, ez: exponents of the steps of its planes, plus 127; imask: bit s if
  *                child s is a node
- *   word 4       record of its first child that is a node; they follow each other
- *   word 5       item slot of its first leaf's first item; they follow each other
+ *   word 4       record of its first child that is a node; these records are adjacent
+ *   word 5       item slot of its first leaf's first item; the leaves' items are adjacent
  *   words 6-7    a byte for each child: 0 none; node: 001 and 24 + s; leaf: the number of its items
  *                in unary (001, 011, 111) and, in the lower five bits, where they begin
  *   words 8-19   lo x, lo y, lo z, hi x, hi y, hi z: two words each, a byte for each child; plane q
  *                lies at origin + q * 2^e
- * How we differ: children keep the tree's order and are visited by the distance of their boxes,
- * where the paper gives them places by octants and visits them in the order of the ray's; the item
- * array names triangles, where the paper has their vertices; a step is never so small that a plane
- * is not exactly a float32 (ref/layouts/wide_nodes.h), so far from the origin boxes are a little
- * larger. Its limits are kept: 3 items in a leaf, 24 in a node. */
+ * Differences from the paper: children keep the tree's order and are visited by the distance of
+ * their boxes, while the paper assigns slots by octants and visits them in the order of the ray's
+ * octant. The item array holds triangle numbers, while the paper stores vertices. A step is always
+ * large enough that every plane is exactly a float32 (ref/layouts/wide_nodes.h), so far from the
+ * origin boxes are a little larger. Its limits are kept: 3 items in a leaf, 24 in a node. */
 #include "ref/layouts/wide_nodes.h"
 
 #include <string.h>
@@ -43,7 +43,7 @@ static void put_planes(const struct node_axis *axis, uint32_t k, uint32_t s,
     put_byte(word + 14, WIDTH * k + s, hi);
 }
 
-/* The frame, and the planes of all children. */
+/* Writes the frame, and the planes of all children. */
 static void put_boxes(const struct box *const box[WIDTH], uint32_t *word)
 {
     struct node_axis axis[3];

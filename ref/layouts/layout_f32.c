@@ -1,4 +1,4 @@
-/* Layout `f32`: struct node_f32 in pre-order, 32 bytes, and the item array prim of the tree. The
+/* Layout `f32`: struct node_f32 in pre-order, 32 bytes, and the tree's item array prim. The
  * baseline: any leaf size, bounds unchanged. */
 #include "ref/layouts/common.h"
 #include "ref/store.h"

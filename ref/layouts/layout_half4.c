@@ -6,10 +6,10 @@
  *                slot of the first, or the record; 0 (the root, which is no node's child) for none
  * Bounds are rounded outward, and are neither subnormal nor -0; those of a missing child are empty.
  *
- * Differences from Jolt: the node comes before any of its children, offsets count records and item
- * slots, not words of one stream, and the item array names triangles, where Jolt has their vertices
- * in 21 bits. As there, coordinates end at 65504, leaves have up to 8 triangles, and children are
- * visited by distance. */
+ * Differences from Jolt: a node comes before all of its children, offsets count records and item
+ * slots, not words of one stream, and the item array holds triangle numbers, while Jolt stores
+ * vertices in 21 bits. As in Jolt, coordinates are at most 65504, leaves have up to 8 triangles,
+ * and children are visited by distance. */
 #include "ref/layouts/wide_nodes.h"
 
 #include <string.h>

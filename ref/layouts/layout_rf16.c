@@ -6,8 +6,8 @@
  *   leaf, record 0     tag        bit 31 set, bits 0-3 item count (1 to 8)
  *   leaf, record 1     items 0 to 7 as 16-bit triangle indices: bounds[0] low, bounds[0] high,
  *                      bounds[1], bounds[2], tag low, tag high; unused slots are 0
- * Child records are 15 bits because fst's field ends below bit 31, the leaf mark; snd keeps the
- * same limit so that one number describes the layout. Triangles can use all 16 bits: record 1 is
+ * Child records are 15 bits because fst's field ends below bit 31, the leaf mark; snd has the same
+ * limit so that one number describes the layout. Triangles can use all 16 bits: record 1 is
  * reached only through record 0, so its tag is never read as a tag, and the count in record 0 gives
  * the slots in use, so that triangle 0 needs no reserved value. */
 #include "ref/layouts/node_rf.h"
@@ -19,7 +19,7 @@
 #define MOST_RECORD   32767u
 #define MOST_TRIANGLE 65535u
 
-/* Refuses the largest leaf of all that are too large. */
+/* Rejects leaves that are too large; the reason names the largest. */
 static enum status check_leaves(const struct bvh *bvh, struct reason *reason)
 {
     uint32_t largest = 0;
@@ -34,7 +34,7 @@ static enum status check_leaves(const struct bvh *bvh, struct reason *reason)
     return STATUS_OK;
 }
 
-/* Refuses the largest child record index if it does not fit: the last node's. */
+/* Rejects a child record index that does not fit; the largest is the last node's. */
 static enum status check_records(const struct bvh *bvh, const uint32_t *before,
                                  struct reason *reason)
 {
@@ -48,7 +48,7 @@ static enum status check_records(const struct bvh *bvh, const uint32_t *before,
     return STATUS_OK;
 }
 
-/* Of node `i`, as the reason calls it. */
+/* Checks the box of node `i`, which the reason names. */
 static enum status check_box(const struct box *box, uint32_t i, struct reason *reason)
 {
     for (int k = 0; k < 3; k++) {

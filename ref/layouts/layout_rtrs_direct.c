@@ -1,7 +1,7 @@
-/* Layout `rtrs_direct`: RTRS's 48-byte node, as its shader sees it. RTRS reorders its
- * triangles after it has uploaded them (F3), behind a null triangle at index 0 (F2): the leaf of
- * items s .. s + c - 1 tests the scene's triangles s - 1 .. s + c - 2, not the tree's; slot
- * 0 is the null triangle, and the last triangle is never tested. So there is no item array. */
+/* Layout `rtrs_direct`: RTRS's 48-byte node, as its shader reads it. RTRS reorders its triangles
+ * after uploading them (F3), behind a null triangle at index 0 (F2). So the leaf of items s .. s +
+ * c - 1 tests the scene's triangles s - 1 .. s + c - 2, not the tree's; slot 0 is the null
+ * triangle, and the last triangle is never tested. Therefore there is no item array. */
 #include "ref/layouts/common.h"
 
 #include <string.h>

@@ -3,10 +3,10 @@
  *   inner tag   low half record of snd, high half record of fst, cut to 16 bits (F9): a record of
  *               fst from 32768 on sets bit 31, and the node reads as a leaf
  *   leaf tag    0x80000000; record 1 holds eight 16-bit items, cut (F10), unused 0, no count
- * The shader reads slots 0 to 5 (F7), skips 0, and takes item k for the scene's triangle k - 1
- * (F2): the last triangle is never tested. Two faults show while packing: the loop that turns node
- * indices into record indices also treats a leaf's record 1 as a node (F6), and a leaf of more than
- * 8 items ends RTRS (F8). */
+ * The shader reads slots 0 to 5 (F7), skips 0, and reads item k as the scene's triangle k - 1 (F2):
+ * the last triangle is never tested. Two faults occur while packing: the loop that turns node
+ * indices into record indices also treats a leaf's record 1 as a node (F6), and RTRS panics on a
+ * leaf of more than 8 items (F8). */
 #include "ref/layouts/node_rf.h"
 
 #include <stdlib.h>
@@ -14,8 +14,8 @@
 
 #define SLOTS_READ 6u
 
-/* The tag of a leaf's record 1 is items 6 and 7; without bit 31 the loop that numbers records
- * takes both for nodes, and where one is beyond the nodes it reads out of range. */
+/* The tag of a leaf's record 1 holds items 6 and 7. If its bit 31 is clear, the loop that numbers
+ * records takes both for nodes; if one of them is beyond the nodes, it reads out of range. */
 static bool item_beyond(const struct bvh *bvh, const struct bvh_node *leaf, uint32_t *item)
 {
     uint32_t last[2] = {0, 0};
@@ -50,7 +50,7 @@ static enum layout_end end(const struct bvh *bvh, struct reason *reason)
     return LAYOUT_GOES_ON;
 }
 
-/* Writes the records of node `i` as they are before the fix-up: children are node indices. */
+/* Writes the records of node `i` as they are before the fix-up, with node indices as children. */
 static void pack_node(const struct bvh *bvh, uint32_t i, const uint32_t *before, uint32_t *word)
 {
     (void)before;
@@ -65,8 +65,8 @@ static void pack_node(const struct bvh *bvh, uint32_t i, const uint32_t *before,
         word[NODE_RF_WORDS + s / 2] |= low_half(bvh->prim[node->item_first + s]) << (s % 2 * 16);
 }
 
-/* Adds to both halves of every tag without the leaf bit the leaves before that node, the tag of a
- * leaf's record 1 included. */
+/* Adds to both halves of every tag without the leaf bit the number of leaves before that node, also
+ * to the tag of a leaf's record 1. */
 static void fix_up(const uint32_t *before, struct packed *out)
 {
     for (uint32_t r = 0; r < out->node_count; r++) {
@@ -102,7 +102,7 @@ static void load(const struct packed *packed, uint32_t ref, struct wide *out)
     node_rf_load(packed, ref, SLOTS_READ, high_half(tag), low_half(tag), out);
 }
 
-/* 0 is the null triangle; what lies beyond the scene is the garbage of F9. */
+/* Item 0 is the null triangle; items beyond the scene result from F9. */
 static uint32_t item(const struct packed *packed, uint32_t slot)
 {
     if (slot / 2 >= packed->word_count)

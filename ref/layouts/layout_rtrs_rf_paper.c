@@ -1,6 +1,6 @@
-/* Layout `rtrs_rf_paper`: the 16-byte record as the paper's Listing 6 reads it; packed to be read
- * so, since the paper does not print how it is written.
- *   record 0    bounds as halves rounded to nearest, as RTRS's code has them
+/* Layout `rtrs_rf_paper`: the 16-byte record as the paper's Listing 6 reads it. The paper does not
+ * print the packing, so it is derived from the reading.
+ *   record 0    bounds as halves rounded to nearest, as in RTRS's code
  *   inner tag   bits 0-14 record of fst, bits 16-30 record of snd, both cut to 15 bits
  *   leaf tag    0x80000000; record 1: items[0] and [1] in the tag, cut to 15 bits, then items[2] to
  *               [7] in the halves of bounds[0] to bounds[2], cut to 16 bits; unused 0
@@ -14,7 +14,8 @@
 
 #define BITS_15 0x7FFFu
 
-/* Where slot `s` of a record lies among its eight 16-bit fields, the tag being the last two. */
+/* Returns the position of slot `s` of a record among its eight 16-bit fields; the tag is the last
+ * two. */
 static uint32_t field_of(uint32_t s)
 {
     return s < 2 ? s + 6 : s - 2;

@@ -1,14 +1,14 @@
-/* Layout `tiny8` and its family: 64 bytes, one line of a cache, for eight children; bounds of 6
- * bits in the frame of the node, as in cwbvh80 (ref/layouts/wide_nodes.h).
+/* Layout `tiny8` and its family: 64 bytes, one cache line, for eight children; bounds of 6 bits in
+ * the frame of the node, as in cwbvh80 (ref/layouts/wide_nodes.h).
  *   words 0-2   the node's origin, float32
  *   word 3      bytes ex, ey, ez: exponents of the steps of its planes, plus 127; the last byte 0
- *   word 4      record of its first child that is a node; they follow each other
- *   word 5      item slot of its first leaf's first item; they follow each other, leaf by leaf
+ *   word 4      record of its first child that is a node; these records are adjacent
+ *   word 5      item slot of its first leaf's first item; the leaves' items are adjacent
  *   word 6      four bits for each child: 0 none, 1 to 14 the items of a leaf, 15 a node
  *   words 7-14  for each child lo x, lo y, lo z, hi x, hi y, of 6 bits, and bits 0-1 of hi z
  *   word 15     bits 2-5 of hi z, four for each child
- * Members differ in the leaves that they want: the cost of a node in tests of a triangle sets how
- * many nodes are worth a smaller leaf. Smaller leaves: faster, and more nodes. */
+ * The layouts differ in leaf size: the cost of a node, in units of a triangle test, determines how
+ * many nodes a smaller leaf may cost. Smaller leaves are faster, with more nodes. */
 #include "ref/layouts/wide_nodes.h"
 
 #include <string.h>
@@ -30,7 +30,7 @@ static void put_box(const struct node_axis axis[3], const struct box *box, uint3
     word[15] |= hi[2] >> 2 << 4 * s;
 }
 
-/* The frame, and the planes of all children. */
+/* Writes the frame, and the planes of all children. */
 static void put_boxes(const struct box *const box[WIDTH], uint32_t *word)
 {
     struct node_axis axis[3];

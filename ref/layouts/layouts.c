@@ -20,12 +20,12 @@ GRID_MEMBERS(DECLARE)
     &layouts_amd64[0], &layouts_amd64[1], &layouts_amd64[2], &layouts_amd64[3], &layouts_amd64[4]
 #define TINY8 &layouts_tiny8[0], &layouts_tiny8[1], &layouts_tiny8[2]
 
-/* All of the program's own. */
+/* All built-in layouts. */
 #define POINT(width, format, FORMAT, frame, FRAME) &GRID_SYMBOL(width, format, frame),
 #define OWN                                        CORE, &layout_cwbvh80, &layout_half4, AMD64, TINY8, GRID_MEMBERS(POINT)
 
-/* What is not a file layout_NAME of its own: the grid family, which has a shader for each width;
- * and members of other families beside the first. */
+/* Layouts without a file layout_NAME of their own: the grid family, with one shader per width, and
+ * the members of other families besides the first. */
 #define ONE(width, format, FORMAT, frame, FRAME) +1
 #define GRID_COUNT                               (0 GRID_MEMBERS(ONE))
 #define GRID_SHADERS                             3

@@ -1,5 +1,5 @@
-/* How records of 16 bytes are read, struct node_rf: rf16, and RTRS's as published. A leaf is two of
- * them, whose second has eight slots. */
+/* Reading of 16-byte records, struct node_rf: rf16, and RTRS's as published. A leaf is two records;
+ * the second has eight slots. */
 #ifndef NODE_RF_H
 #define NODE_RF_H
 
@@ -14,8 +14,8 @@ static inline uint32_t node_rf_tag(const struct packed *packed, uint32_t ref)
     return packed->word[NODE_RF_WORDS * ref + 3];
 }
 
-/* Loads record `ref`: a leaf of `count` items, slot / 8 being its second record, or the children
- * `first` and `second`. */
+/* Loads record `ref`: either a leaf of `count` items, whose slot / 8 is its second record, or a
+ * node with the children `first` and `second`. */
 static inline void node_rf_load(const struct packed *packed, uint32_t ref, uint32_t count,
                                 uint32_t first, uint32_t second, struct wide *out)
 {
@@ -29,12 +29,12 @@ static inline void node_rf_load(const struct packed *packed, uint32_t ref, uint3
     layout_add_child(packed, second, out);
 }
 
-/* Writes the records of node `i` to `word`; before[n] are the leaves before node n. */
+/* Writes the records of node `i` to `word`; before[n] is the number of leaves before node n. */
 typedef void node_rf_write(const struct bvh *bvh, uint32_t i, const uint32_t *before,
                            uint32_t *word);
 
-/* Allocates one record for each inner node and two for each leaf, and has all of them written.
- * Errors: as layout_alloc. */
+/* Allocates one record per inner node and two per leaf, and calls `write` for each node. Errors: as
+ * layout_alloc. */
 static inline enum status node_rf_pack(const char *layout, const struct bvh *bvh,
                                        const uint32_t *before, node_rf_write *write,
                                        struct packed *out, struct reason *reason)

@@ -5,7 +5,7 @@
 #include <math.h>
 
 #define EXPONENT_LEAST (-100)
-#define ORIGIN_BITS    23 /* 2^23 steps: 255 more is an integer that float32 has */
+#define ORIGIN_BITS    23 /* 2^23 steps: with 255 more still an integer that float32 has */
 
 static enum status check_within(const struct layout *self, const struct box *box, uint32_t node,
                                 float largest, struct reason *reason)
@@ -53,7 +53,7 @@ enum status wide_nodes_items(const struct layout *self, const struct bvh *bvh,
     return status;
 }
 
-/* Whether a slot is a child of its node. */
+/* True if a slot is a child of its node. */
 static bool is_child(const struct wide_slot *slot, uint32_t inner_refs)
 {
     return slot->there && (slot->count > 0 || slot->first < inner_refs);
@@ -214,7 +214,7 @@ enum status wide_form_rebound(struct packed *packed, uint32_t ref, const struct 
 
 /* --- frames ----------------------------------------------------------------------------------- */
 
-/* 2^exponent. ldexp, which takes any exponent, is most of the time of a decoded node. */
+/* 2^exponent. ldexp, which accepts any exponent, would take most of the time of decoding a node. */
 static float step_of(int exponent)
 {
     return exponent < FLT_MIN_EXP - 1 || exponent >= FLT_MAX_EXP
@@ -222,7 +222,7 @@ static float step_of(int exponent)
                : float_from_bits((uint32_t)(exponent + FLT_MAX_EXP - 1) << (FLT_MANT_DIG - 1));
 }
 
-/* As far as x is from the origin, in steps; of an axis made here, so that nothing overflows. */
+/* Distance of x from the origin in steps. The axis was made here, so nothing overflows. */
 static double steps_to(const struct node_axis *axis, float x)
 {
     return ((double)x - (double)axis->origin) * (double)step_of(-axis->exponent);
@@ -233,7 +233,7 @@ float node_axis_plane(const struct node_axis *axis, uint32_t q)
     return axis->origin + (float)q * step_of(axis->exponent);
 }
 
-/* In doubles a step or so is lost where x and the origin lie far apart: hence the loops. */
+/* The loops correct an error in double of about one step when x and the origin are far apart. */
 uint32_t node_axis_down(const struct node_axis *axis, float x)
 {
     double steps = floor(steps_to(axis, x));

@@ -1,4 +1,4 @@
-/* Tables of box tests, triangle tests and queries: names, ids, promises. */
+/* Tables of box tests, triangle tests and queries: names, ids, guarantees. */
 #ifndef PRIMITIVES_H
 #define PRIMITIVES_H
 
@@ -17,7 +17,7 @@ struct box_test {
     const char *summary;
     uint32_t id;     /* ABI_BOX_* */
     bool faithful;   /* as published, faults included */
-    bool watertight; /* a watertight triangle test stays so on a tree */
+    bool watertight; /* keeps a watertight triangle test watertight on a tree */
 };
 
 struct tri_test {
@@ -27,7 +27,7 @@ struct tri_test {
     bool faithful;
     bool open;       /* accepts tmin < t < tmax instead of tmin <= t <= tmax */
     bool watertight; /* no ray passes between two triangles that share an edge */
-    bool core;       /* runs the hard cases by default */
+    bool core;       /* included in the hard cases by default */
 };
 
 /* A miss. */
@@ -43,15 +43,15 @@ extern const struct tri_test *const tri_tests[];
 const struct box_test *box_test_find(const char *name); /* or NULL */
 const struct tri_test *tri_test_find(const char *name); /* or NULL */
 
-/* "closest", "any" or "all". */
+/* Returns "closest", "any" or "all". */
 const char *query_name(enum query query);
 /* Returns false if `name` is none of them. */
 bool query_find(const char *name, enum query *out);
 
-/* True if the library answers for this ray: all numbers finite, 0 <= tmin <= tmax (tmax may be
- * infinite), direction not zero, no non-zero component below 2^-60 of the largest, the largest
- * in [2^-40, 2^40], origin at most 2^40 away. Other rays are traced without a promise and counted
- * as out of contract. */
+/* True if results are guaranteed for this ray: all numbers finite, 0 <= tmin <= tmax (tmax may be
+ * infinite), direction not zero, no non-zero component below 2^-60 of the largest, the largest in
+ * [2^-40, 2^40], origin at most 2^40 away. Other rays are traced without a guarantee and counted as
+ * out of contract. */
 bool ray_in_contract(const struct ray *ray);
 
 #endif

@@ -1,5 +1,5 @@
-/* Ray against axis-aligned box, f32. Static inline because they are the inner loop; the shader has
- * the same operations in the same order, written anew (shaders/slab.glsl). */
+/* Ray against axis-aligned box, f32. Static inline because they are the inner loop. The shader has
+ * the same operations in the same order, written separately (shaders/slab.glsl). */
 #ifndef SLAB_H
 #define SLAB_H
 
@@ -14,23 +14,23 @@
  * precision allows in (b - o) * (1 / d) twice; numerics of the proof in README, "Box tests". */
 #define SLAB_FAR 0x1.00002p0f
 
-/* What the watertight test takes off the near plane: a factor, and a share of how far the scene
- * reaches behind the origin. See slab_watertight. */
+/* Allowance of the watertight test on the near plane: a factor, and a fraction of the scene's
+ * extent behind the origin. See slab_watertight. */
 #define SLAB_NEAR   (1.0f - 0x1p-18f)
 #define SLAB_BEHIND 0x1p-19f
 
-/* Half width by which the published test widens a box, and its idea of infinity, 2^38. */
+/* Half width by which the published test widens a box, and its value for infinity, 2^38. */
 #define SLAB_RTRS_EPS 0.000002f
 #define SLAB_RTRS_INF 0x1p38f
 
-/* What the box tests need of a ray, made once per ray. */
+/* Ray data for the box tests, computed once per ray. */
 struct slab_ray {
     float o[3];
     float d[3];
     float inv[3]; /* 1 / d, 0 where parallel */
     bool parallel[3];
-    int main; /* the largest axis of |d|, the first of equal ones: the one that woop shears along */
-    float behind; /* slab_watertight: SLAB_BEHIND of the scene's reach behind the origin */
+    int main;     /* the largest axis of |d|, the first of equal ones: the axis of woop's shear */
+    float behind; /* for slab_watertight: SLAB_BEHIND times the scene's extent behind the origin */
     float tmin;
 };
 
@@ -54,9 +54,9 @@ static inline struct slab_ray slab_ray_make(const struct ray *ray)
     return r;
 }
 
-/* Conservative slab test: true whenever the exact ray meets the box at a t in [tmin, tbest], for
- * IEEE arithmetic and for every Vulkan rounding. *entry is the computed entry distance, >= tmin.
- * Parallel axes are decided by comparison, so no NaN or infinity takes part. */
+/* Conservative slab test: true if the exact ray meets the box at a t in [tmin, tbest], for IEEE
+ * arithmetic and for every Vulkan rounding. *entry is the computed entry distance, >= tmin.
+ * Parallel axes are decided by comparison, so no NaN or infinity is involved. */
 static inline bool slab_robust(const struct slab_ray *r, const struct box *box, float tbest,
                                float *entry)
 {
@@ -77,8 +77,8 @@ static inline bool slab_robust(const struct slab_ray *r, const struct box *box, 
     return ok && tn <= tf; /* flat boxes have tn == tf */
 }
 
-/* Tells a ray how far the scene reaches behind its origin, in t along its main axis; `bounds` holds
- * every vertex. Called once, before slab_watertight. */
+/* Sets r->behind from the scene's extent behind the ray's origin, in t along its main axis;
+ * `bounds` contains every vertex. Call it once, before slab_watertight. */
 static inline void slab_ray_place(struct slab_ray *r, const struct box *bounds)
 {
     int k = r->main;
@@ -87,13 +87,13 @@ static inline void slab_ray_place(struct slab_ray *r, const struct box *bounds)
     r->behind = t < 0.0f ? -t * SLAB_BEHIND : 0.0f;
 }
 
-/* The robust test for woop: also true if woop accepts a triangle in the box only because its own
- * rounding moved the triangle onto the ray. Woop is watertight over all triangles, but the one that
- * it accepts need not be one that the exact ray hits, and of a triangle that reaches behind the
- * origin the error does not shrink with the distance of the hit, so that no factor covers it. The
- * whole allowance stands on the near side, so that nothing is cut off behind the best hit for less.
- * Proof in CONTRIBUTING, "Where the constants come from". *entry can be below tmin, even negative.
- */
+/* The robust test for woop. It is also true if woop accepts a triangle in the box only because its
+ * own rounding moved the triangle onto the ray. Woop is watertight over all triangles, but the
+ * triangle that it accepts need not be one that the exact ray hits. If a triangle extends behind
+ * the origin, the error does not shrink with the distance of the hit, so no factor covers it. The
+ * best hit ends the range exactly, so the whole allowance is on the near side: otherwise the best
+ * hit would cull boxes with less allowance. Proof in CONTRIBUTING, "Where the constants come from".
+ * *entry can be below tmin, even negative. */
 static inline bool slab_watertight(const struct slab_ray *r, const struct box *box, float tbest,
                                    float *entry)
 {
@@ -113,9 +113,9 @@ static inline bool slab_watertight(const struct slab_ray *r, const struct box *b
     return ok && *entry <= tf;
 }
 
-/* The published test: widens by an absolute 2e-6, divides, and lets y and z take no part because
- * its two infinities are swapped (F1); `<` loses boxes flat in x (F14). Knows no t range: *entry is
- * what x gives. Kept bit for bit. */
+/* The published test: widens by an absolute 2e-6, divides, and ignores y and z because its two
+ * infinities are swapped (F1); `<` loses boxes flat in x (F14). It does not use the t range: *entry
+ * is the entry distance in x. Kept bit for bit. */
 static inline bool slab_rtrs(const struct slab_ray *r, const struct box *box, float *entry)
 {
     float t0[3], t1[3];

@@ -5,7 +5,7 @@
 #include "ref/primitives/slab.h"
 #include "ref/primitives/tri_baldwin_webber.h"
 
-/* True iff t lies in [tmin, tmax] of the ray, strictly inside for mt_rtrs. */
+/* True if t lies in [tmin, tmax] of the ray, strictly inside for mt_rtrs. */
 static inline bool tri_in_range(uint32_t id, const struct tri_ray *r, float t)
 {
     if (id == ABI_TRI_MT_RTRS)
@@ -13,8 +13,8 @@ static inline bool tri_in_range(uint32_t id, const struct tri_ray *r, float t)
     return t >= r->tmin && t <= r->tmax;
 }
 
-/* Runs the triangle test `id` (ABI_TRI_*) on one triangle: true iff it hits and its t lies in
- * [tmin, tmax] of the ray (strictly inside for mt_rtrs). On false *out is undefined. */
+/* Runs the triangle test `id` (ABI_TRI_*) on one triangle: true if it hits and its t lies in [tmin,
+ * tmax] of the ray (strictly inside for mt_rtrs). On false *out is undefined. */
 static inline bool tri_test_run(uint32_t id, const struct tri_ray *r, float v[3][3],
                                 struct hit *out)
 {
@@ -30,7 +30,7 @@ static inline bool tri_test_run(uint32_t id, const struct tri_ray *r, float v[3]
     return hit && tri_in_range(id, r, out->t);
 }
 
-/* Runs the box test `id` (ABI_BOX_*); slab_ray_place has been called. */
+/* Runs the box test `id` (ABI_BOX_*); call slab_ray_place first. */
 static inline bool box_test_run(uint32_t id, const struct slab_ray *r, const struct box *box,
                                 float tbest, float *entry)
 {

@@ -1,5 +1,5 @@
 /* Ray against triangle, f32, double-sided. The shader has the same operations in the same order,
- * written anew (shaders/tri.glsl); running-error twins are in ref/twin/twin.c. */
+ * written separately (shaders/tri.glsl). Running-error twins are in ref/twin/twin.c. */
 #ifndef TRI_H
 #define TRI_H
 
@@ -10,7 +10,7 @@
 /* mt_rtrs: |determinant| at or below this is a miss, whatever the scale (F16). */
 #define TRI_RTRS_EPS 1e-7f
 
-/* What the triangle tests need of a ray, made once per ray. The shear is used by woop only. */
+/* Ray data for the triangle tests, computed once per ray. Only woop uses the shear. */
 struct tri_ray {
     float o[3];
     float d[3];
@@ -44,8 +44,8 @@ static inline struct tri_ray tri_ray_make(const struct ray *ray)
 }
 
 /* Moeller and Trumbore 1997, undivided until the end, without culling. `eps` is the determinant's
- * threshold: 0 accepts everything but exact zero. Closed in u, v, w; t is not range-tested.
- * NaN anywhere is a miss. Of a vertex and the edges from it to 1 and 2. */
+ * threshold: 0 accepts everything but exact zero. Closed in u, v, w; t is not range-tested. NaN
+ * anywhere is a miss. Takes a vertex and the edges from it to vertices 1 and 2. */
 static inline bool tri_moeller_trumbore_edges(const struct tri_ray *r, const float v0[3],
                                               const float e1[3], const float e2[3], float eps,
                                               struct hit *out)
@@ -88,8 +88,8 @@ static inline bool tri_moeller_trumbore(const struct tri_ray *r, float v[3][3], 
 }
 
 /* Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection", without the fallback to
- * double: an edge function that rounds to zero counts as on the edge, which keeps it watertight
- * (the sign is never wrong, since rounding is monotone) as long as nothing is contracted. */
+ * double. An edge function that rounds to zero counts as on the edge. This keeps the test
+ * watertight if nothing is contracted: the sign is never wrong, since rounding is monotone. */
 static inline bool tri_woop(const struct tri_ray *r, float v[3][3], struct hit *out)
 {
     float x[3], y[3], z[3];

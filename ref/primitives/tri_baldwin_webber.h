@@ -7,17 +7,17 @@
 /* Baldwin and Weber 2016, "Fast Ray-Triangle Intersections by Coordinate Transformation" (JCGT
  * 5:3), section 3: the affine map that takes the vertices to (0,0,0), (1,0,0), (0,1,0) and one
  * coordinate axis to (0,0,1). That axis, c, is the one along which the normal is largest (the first
- * of equal ones), a and b are the next two in x y z x y; of the matrix the column of c is (0, 0,
- * 1), and the rows of u, v and height are
+ * of equal ones); a and b are the next two in x y z x y. The column of c in the matrix is
+ * (0, 0, 1), and the rows of u, v and height are
  *
  *   m[0] p[a] + m[1] p[b] + m[2],  m[3] p[a] + m[4] p[b] + m[5],  p[c] + m[6] p[a] + m[7] p[b] +
  * m[8]
  *
- * Returns c. These bits are what triangle storage keeps, so the order of operations is part of the
- * format; written anew in shaders/tri.glsl. We differ from the paper in its last column: m[2], m[5]
- * and m[8] are what takes vertex 0 to zero by the coefficients as rounded, not quotients of their
- * own, which err by |v|^2 / |n|. A triangle without area, or with NaN, gets rows that no point is
- * inside of: u = -1 everywhere. */
+ * Returns c. Triangle storage keeps these bits, so the order of operations is part of the format;
+ * written separately in shaders/tri.glsl. We differ from the paper in its last column: m[2], m[5]
+ * and m[8] are computed from the rounded coefficients so that they take vertex 0 to zero; separate
+ * quotients would err by |v|^2 / |n|. A triangle without area, or with NaN, gets rows that contain
+ * no point: u = -1 everywhere. */
 static inline int baldwin_webber_transform(float v[3][3], float m[9])
 {
     float e1[3], e2[3], n[3], size[3];
@@ -48,10 +48,10 @@ static inline int baldwin_webber_transform(float v[3][3], float m[9])
     return c;
 }
 
-/* The test with a transform that was made before: the ray's height over the plane at the origin and
- * per unit of t, then u and v of the point. Closed in u, v and 1 - u - v; a ray parallel to the
- * plane is a miss, NaN anywhere is one; t is not range-tested. The last column is as large as the
- * coordinates are, so the error grows with the distance of the triangle from the world's origin. */
+/* The test with a precomputed transform: the ray's height over the plane at the origin and per unit
+ * of t, then u and v of the point. Closed in u, v and 1 - u - v. A ray parallel to the plane is a
+ * miss, and so is NaN anywhere. t is not range-tested. The last column is as large as the
+ * coordinates, so the error grows with the triangle's distance from the world's origin. */
 static inline bool baldwin_webber_hit(const struct tri_ray *r, const float m[9], int c,
                                       struct hit *out)
 {

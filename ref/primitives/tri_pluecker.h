@@ -1,4 +1,4 @@
-/* Ray against triangle by Pluecker coordinates: the side on which the ray passes each edge. */
+/* Ray against triangle in Pluecker coordinates: on which side of each edge the ray passes. */
 #ifndef TRI_PLUECKER_H
 #define TRI_PLUECKER_H
 
@@ -16,23 +16,24 @@ static inline float tri_dot(const float a[3], const float b[3])
     return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
 }
 
-/* The edge from P to Q, both relative to the origin, is passed on the side that ((P + Q) x (Q - P))
- * . d tells: twice the signed volume of P, Q and d, as in Embree's robust test (kernels/geometry/
- * triangle_intersector_pluecker.h; the idea: Teller 1992, Amanatides and Choi 1997). We differ from
- * Embree: Q - P is of the vertices as stored, exact for neighbours, not of what is left of them
- * beside the origin, so that the error is of size |Q - P| |P|, not |P|^2; accepted is what has no
- * side of the other sign, without a band; the determinant's sign must be theirs.
+/* The edge from P to Q, both relative to the origin, is passed on the side given by the sign of ((P
+ * + Q) x (Q - P)) . d: twice the signed volume of P, Q and d, as in Embree's robust test
+ * (kernels/geometry/triangle_intersector_pluecker.h; the idea: Teller 1992, Amanatides and Choi
+ * 1997). We differ from Embree in three points. Q - P is computed from the vertices as stored,
+ * exact for neighbours, not from the vertices relative to the origin, so the error is of size |Q -
+ * P| |P|, not
+ * P|^2. A ray is accepted if no side has the other sign, without a band. The determinant must have
+ * the sign of the sides.
  *
  * Closed: a side of zero counts as inside. Miss: a determinant or a sum of sides that is zero (rays
  * in the plane, triangles without area), NaN anywhere. t is not range-tested.
  *
- * What is promised of shared edges: seen from the triangle at its other side, Q - P is negated and
- * P
- * + Q the same, so the side is the same number with the other sign, whatever is rounded to nearest:
- * never do both turn a ray away at the edge between them. But the sides of the edges around one
- * vertex are rounded each by itself, and need not fit any place of the vertex: all triangles of a
- * fan can turn a ray away that passes the vertex within rounding. So this test is not watertight
- * (README, "Triangle tests", has how often it leaks). */
+ * Guarantee for shared edges: for the triangle on the other side of the edge, Q - P is negated and
+ * P + Q is the same, so the side is the same number with the other sign, whatever is rounded to
+ * nearest. Two triangles never both reject a ray at the edge between them. But the sides of the
+ * edges around one vertex are rounded separately, and need not fit any position of the vertex: all
+ * triangles of a fan can reject a ray that passes the vertex within rounding. So this test is not
+ * watertight (README, "Triangle tests", has how often it leaks). */
 static inline bool tri_pluecker(const struct tri_ray *r, float v[3][3], struct hit *out)
 {
     float a[3][3], e[3][3], w[3], n[3];

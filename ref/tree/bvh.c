@@ -47,7 +47,7 @@ struct box *bvh_exact_bounds(const struct bvh *bvh, const struct scene *scene)
     return exact;
 }
 
-/* cover_check of a tree that is well formed. */
+/* Runs cover_check on a well-formed tree. */
 static enum status check_cover(const struct bvh *bvh, const struct scene *scene,
                                struct cover_faults *out)
 {
@@ -99,7 +99,7 @@ struct bvh_stats bvh_stats(const struct bvh *bvh, const struct scene *scene)
     return stats;
 }
 
-/* Checks the triangles of a leaf; seen[prim] is 0, or 1 plus the last leaf that had it. */
+/* Checks the triangles of a leaf; seen[prim] is 0, or 1 plus the last leaf that listed it. */
 static enum status check_leaf(const struct bvh *bvh, uint32_t leaf, uint32_t *seen,
                               struct reason *reason)
 {
@@ -116,7 +116,7 @@ static enum status check_leaf(const struct bvh *bvh, uint32_t leaf, uint32_t *se
     return STATUS_OK;
 }
 
-/* Checks the triangles of the leaves: consecutive ranges of prim, which has every triangle. */
+/* Checks the triangles of the leaves: consecutive ranges of prim, which contains every triangle. */
 static enum status check_items(const struct bvh *bvh, uint32_t *seen, struct reason *reason)
 {
     uint32_t emitted = 0;

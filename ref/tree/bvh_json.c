@@ -36,7 +36,7 @@ void bvh_json_write(const struct bvh *bvh, FILE *stream)
     fputs("]}", stream);
 }
 
-/* A file being read, and its current element, for reasons. */
+/* A file being read, and its current element for error messages. */
 struct reading {
     const char *name;
     const char *list; /* "uniforms" or "indices" */
@@ -60,8 +60,9 @@ static enum status get_u32(const struct reading *reading, const char *key, const
     return STATUS_OK;
 }
 
-/* The float that a number stands for. jansson gives the double nearest to the text; where that lies
- * halfway between two floats the text need not, so the float is taken whose own text reads so. */
+/* Returns the float for a number. jansson returns the double nearest to the text. That double may
+ * be halfway between two floats although the text is not, so the float is chosen whose own text
+ * reads as that double. */
 static float float_of(double number)
 {
     float nearest = (float)number;
@@ -85,7 +86,7 @@ static enum status get_float3(const struct reading *reading, const char *key, co
         if (!json_is_number(value))
             return refuse(reading, key, "must hold numbers only");
         double number = json_number_value(value);
-        /* From here on a double rounds to an infinite float. */
+        /* From this value on a double rounds to an infinite float. */
         if (!(fabs(number) < 0x1.ffffffp127))
             return refuse(reading, key, "is beyond the range of a 32-bit float");
         out[k] = number == (double)(float)number ? (float)number : float_of(number);
@@ -117,7 +118,7 @@ static enum status read_node(const struct reading *reading, const json_t *value,
     return status;
 }
 
-/* The list `key` and memory for one element of `size` bytes each. */
+/* Finds the list `key` and allocates `size` bytes per element. */
 static enum status get_list(const struct reading *reading, const json_t *file, const char *key,
                             size_t size, uint32_t *count, const json_t **list, void **memory)
 {
@@ -135,8 +136,8 @@ static enum status get_list(const struct reading *reading, const json_t *file, c
     return STATUS_OK;
 }
 
-/* The number of triangles of the tree. With more items than the scene has triangles some are
- * repeated, and the largest index determines the number. */
+/* Returns the number of triangles of the tree. With more items than the scene has triangles some
+ * are repeated, and the largest index determines the number. */
 static uint32_t count_triangles(const struct bvh *bvh, const struct scene *scene)
 {
     uint32_t count = 0;

@@ -9,14 +9,14 @@
 /* Writes the tree as one line of compact JSON, byte for byte as RTRS's tool would:
  *   {"uniforms":[{"fst":1,"snd":2,"item_idx":0,"item_count":0,"bounds":{"min":[0.0,0.0,0.0],
  *   "max":[1.0,1.0,0.5]}},...],"indices":[0,...]}      (without the line break)
- * Floats are the shortest text that reads back as the same float (see decimal_write_float); what is
- * not finite is null. Write errors are left to the stream's error flag. */
+ * Floats are the shortest text that reads back as the same float (see decimal_write_float); values
+ * that are not finite are null. Write errors set the stream's error flag only. */
 void bvh_json_write(const struct bvh *bvh, FILE *stream);
 
-/* Reads such a file, in any order of keys and with any white space, and checks it as
- * bvh_check_form: pre-order, acyclic, in range, and every triangle of `scene` in one leaf, or, if
- * there are more items than triangles, in one at least: a split tree. Boxes
- * may be too small for their triangles: RTRS's are (see bvh_check).
+/* Reads such a file, with keys in any order and any white space, and checks it as bvh_check_form:
+ * pre-order, acyclic, in range, and every triangle of `scene` in one leaf, or, if there are more
+ * items than triangles (a split tree), in at least one. Boxes may be too small for their triangles,
+ * as RTRS's are (see bvh_check).
  *   name   of the file, for reasons
  *   bytes  `size` bytes of text; borrowed
  * Errors: STATUS_INPUT "NAME: place: rule"; STATUS_MEMORY. On error *out is zero. */

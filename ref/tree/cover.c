@@ -7,7 +7,7 @@
 
 #define PARTS_MOST 65536u
 
-/* What is left of a triangle. */
+/* The uncovered parts of a triangle. */
 struct parts {
     struct cover_part *part;
     size_t count, capacity;
@@ -23,19 +23,20 @@ struct check {
     struct cover_faults *faults;
 };
 
-/* What `a` and `b` have in common. */
+/* Returns the intersection of `a` and `b`. */
 static struct box box_cut(const struct box *a, const struct box *b)
 {
     struct box cut;
     for (int k = 0; k < 3; k++) {
-        /* Odd comparisons, so that a NaN of either stays. */
+        /* Written so that a NaN of either box is kept. */
         cut.lo[k] = a->lo[k] >= b->lo[k] || a->lo[k] != a->lo[k] ? a->lo[k] : b->lo[k];
         cut.hi[k] = a->hi[k] <= b->hi[k] || a->hi[k] != a->hi[k] ? a->hi[k] : b->hi[k];
     }
     return cut;
 }
 
-/* What `part` and `box` have in common: a side is open where it is the part's and open. */
+/* Returns the intersection of `part` and `box`. A side is open if it is an open side of the
+ * part. */
 static struct cover_part part_cut(const struct cover_part *part, const struct box *box)
 {
     struct cover_part cut = {box_cut(&part->box, box), part->open};
@@ -48,7 +49,7 @@ static struct cover_part part_cut(const struct cover_part *part, const struct bo
     return cut;
 }
 
-/* Keeps a part if the triangle has something in it. */
+/* Keeps a part if the triangle has a point in it. */
 static enum status keep(float v[3][3], const struct cover_part *part, struct parts *to)
 {
     if (!cover_meets(v, part))
@@ -59,7 +60,7 @@ static enum status keep(float v[3][3], const struct cover_part *part, struct par
     return status;
 }
 
-/* Keeps what is left of `part` outside `box`, neither of them empty: cut off axis by axis. */
+/* Keeps the remainder of `part` outside `box`, neither of them empty, cut off axis by axis. */
 static enum status keep_outside(float v[3][3], struct cover_part part, const struct box *box,
                                 struct parts *to)
 {
@@ -85,7 +86,7 @@ static enum status keep_outside(float v[3][3], struct cover_part part, const str
     return status;
 }
 
-/* Takes `box` from what is left. */
+/* Subtracts `box` from the uncovered parts. */
 static enum status cut_off(struct check *check, float v[3][3], const struct box *box)
 {
     enum status status = STATUS_OK;
@@ -104,7 +105,8 @@ static enum status cut_off(struct check *check, float v[3][3], const struct box 
     return status;
 }
 
-/* The deepest node on the way to a leaf of `prim` that has some of the part. */
+/* Finds the deepest node, on any path to a leaf of `prim`, whose region still has some of the
+ * part. */
 static uint32_t find_node(const struct check *check, uint32_t prim, float v[3][3],
                           const struct cover_part *part)
 {
@@ -153,7 +155,7 @@ static enum status check_prim(struct check *check, uint32_t prim)
     return status;
 }
 
-/* Regions, and the leaves of each triangle. */
+/* Computes the regions, and lists the leaves of each triangle. */
 static enum status list_leaves(struct check *check)
 {
     const struct cover_tree *tree = check->tree;
@@ -175,7 +177,8 @@ static enum status list_leaves(struct check *check)
     if (!check->leaf)
         return STATUS_MEMORY;
     const uint32_t total = check->first[tri_count];
-    /* Each place is taken from the end of its triangle's, so that first[] ends as it was. */
+    /* Each triangle's range is filled from its end, so that first[] has the starts again
+     * afterwards. */
     for (uint32_t i = tree->node_count; i-- > 0;)
         for (uint32_t k = 0; k < tree->node[i].item_count; k++) {
             uint32_t prim = tree->item[tree->node[i].item_first + k];

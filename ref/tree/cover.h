@@ -1,16 +1,17 @@
-/* Whether a tree finds every point of every triangle, exactly. In a split tree a node's box need
- * not contain its triangles. What must hold: each point of a triangle lies in every box on the way
- * from the root to some leaf that lists the triangle. So the triangle must be covered by the union,
- * over the leaves that list it, of their regions: what all boxes on the way have in common.
+/* Checks exactly that a tree finds every point of every triangle. In a split tree a node's box need
+ * not contain its triangles. Instead, each point of a triangle must lie in every box on the path
+ * from the root to some leaf that lists the triangle. A leaf's region is the intersection of all
+ * boxes on its path. So the regions of the leaves that list a triangle must together cover the
+ * triangle.
  *
- * What regions leave of a triangle's bounds falls apart into half-open boxes; each is tested
- * against the triangle (ref/tree/cover_exact.h). No tolerance: a box one ulp too small is found. */
+ * The uncovered rest of a triangle's bounds is divided into half-open boxes; each is tested against
+ * the triangle (ref/tree/cover_exact.h). No tolerance: a box one ulp too small is found. */
 #ifndef COVER_H
 #define COVER_H
 
 #include "ref/scene/scene.h"
 
-/* A node of any tree; an inner one has no items. Children come after their parent, whose index is
+/* A node of any tree; inner nodes have no items. Children come after their parent, whose index is
  * `parent`; node 0 is the root. */
 struct cover_node {
     struct box box;
@@ -21,21 +22,21 @@ struct cover_node {
 struct cover_tree {
     const struct cover_node *node;
     const uint32_t
-        *item; /* triangles of the scene, in any order; what is out of range is skipped */
+        *item; /* triangles of the scene, in any order; out-of-range numbers are skipped */
     uint32_t node_count;
 };
 
-/* What was found. */
+/* Result of a check. */
 struct cover_faults {
-    uint32_t prims; /* triangles that lose a part */
-    uint32_t prim;  /* the first of them, and the deepest node whose region has some of the part */
+    uint32_t prims; /* triangles with an uncovered part */
+    uint32_t prim;  /* the first of them, and the deepest node whose region still has some of the
+                       part */
     uint32_t node;
 };
 
-/* Checks every triangle that some leaf lists; those in no leaf are ignored. A NaN bound is a
- * box without anything in it. Takes memory for a copy of the items and 24 bytes a node. What is
- * left of a triangle in more than 2^16 parts counts as lost: no tree that was built comes near.
- * Errors: STATUS_MEMORY. */
+/* Checks every triangle that some leaf lists; those in no leaf are ignored. A box with a NaN bound
+ * is empty. Needs memory for a copy of the items and 24 bytes per node. A triangle whose uncovered
+ * rest exceeds 2^16 parts counts as uncovered; no built tree comes near. Errors: STATUS_MEMORY. */
 enum status cover_check(const struct cover_tree *tree, const struct scene *scene,
                         struct cover_faults *out) MUST_USE;
 

@@ -7,9 +7,8 @@
 
 /* With e = 2^-53: differences of floats, products and sums of them have a relative error of at most
  * e each and neither over- nor underflow in double (floats are multiples of 2^-149 below 2^128). A
- * term of a 2x2 determinant goes through 2 + 1 + 1 roundings, one of a 3x3 determinant through 3 +
- * 2
- * + 3, and the sum of magnitudes through as many: 6 e and 17 e of the computed sum are enough. */
+ * term of a 2x2 determinant has 2 + 1 + 1 roundings, one of a 3x3 determinant 3 + 2 + 3, and the
+ * sum of magnitudes as many: 6 e and 17 e of the computed sum are enough. */
 #define ERROR_2 0x1p-50
 #define ERROR_3 0x1p-48
 
@@ -20,7 +19,7 @@ unsigned long long cover_integers(void)
     return integers;
 }
 
-/* A difference of coordinates, to be computed. */
+/* A difference of coordinates, not yet computed. */
 struct diff {
     float to, from;
 };
@@ -30,7 +29,7 @@ static double diff_double(struct diff d)
     return (double)d.to - (double)d.from;
 }
 
-/* x times 2^149, which is whole for every finite float. */
+/* x times 2^149, an integer for every finite float. */
 static void float_wide(float x, struct oracle_wide *out)
 {
     uint32_t bits = float_bits(x), exponent = bits >> 23 & 0xFFu;
@@ -72,7 +71,7 @@ static int sign_minor(struct diff a, struct diff b, struct diff c, struct diff d
     double left = diff_double(a) * diff_double(b), right = diff_double(c) * diff_double(d);
     if (fabs(left - right) > ERROR_2 * (fabs(left) + fabs(right)))
         return sign_of(left - right);
-    if (left == 0 && right == 0) /* products of floats' differences do not underflow */
+    if (left == 0 && right == 0) /* products of differences of floats do not underflow */
         return 0;
     struct oracle_wide exact;
     integers++;
@@ -108,8 +107,8 @@ static int sign_triple(const struct diff x[3], const struct diff y[3], const str
     return exact.sign;
 }
 
-/* The corner of `part` that is least along an axis (or greatest), of which the components' signs
- * are known; *inner: it is on an open side that moves along the axis. */
+/* Finds the least (or greatest) corner of `part` along an axis, given by the signs of its
+ * components. *inner: the corner is on an open side that moves it along the axis. */
 static void corner_along(const struct cover_part *part, const int sign[3], bool greatest,
                          float corner[3], bool *inner)
 {
@@ -163,8 +162,8 @@ static bool apart_on_normal(float v[3][3], const struct cover_part *part)
     return false;
 }
 
-/* The axis across unit vector `axis` and the edge from vertex `from`; along it the triangle reaches
- * from that edge to the opposite vertex. */
+/* Tests the cross product of unit vector `axis` and the edge from vertex `from`. Along it the
+ * triangle extends from that edge to the opposite vertex. */
 static bool apart_on_cross(float v[3][3], const struct cover_part *part, int axis, int from)
 {
     int i = (axis + 1) % 3, j = (axis + 2) % 3;

@@ -1,13 +1,13 @@
 /* Whether a triangle meets a box, exactly: by the separating axis theorem (Gottschalk, Lin, Manocha
- * 1996) on the 13 axes of a box and a triangle, with signs that are decided in double where a bound
- * of the rounding errors allows it, else in integers.
+ * 1996) on the 13 axes of a box and a triangle. Signs are decided in double if a bound of the
+ * rounding errors allows it, else in integers.
  *
  * Sides of a box may be open. A half-open box meets a convex set exactly if, for all small enough e
- * > 0, the closed box does whose open sides are moved inward by e; all axes but the box's own are
- * linear in the corners, so a corner that lies on the separating plane is beyond it as soon as it
- * is moved, that is if it is on an open side across which the axis has a component. The theorem
- * holds for boxes without thickness and triangles without area, too: a box grown by e on all sides
- * meets a compact set for all e > 0 only if the box itself does, and it has the same axes. */
+ * > 0, the closed box meets it whose open sides are moved inward by e. All axes but the box's own
+ * are linear in the corners. So a corner on the separating plane is beyond it as soon as it is
+ * moved, that is, if it is on an open side across which the axis has a component. The theorem also
+ * holds for boxes without thickness and triangles without area: a box grown by e on all sides meets
+ * a compact set for all e > 0 only if the box itself does, and it has the same axes. */
 #ifndef COVER_EXACT_H
 #define COVER_EXACT_H
 
@@ -22,14 +22,14 @@ struct cover_part {
 #define COVER_OPEN_LO(k) (1u << (k))
 #define COVER_OPEN_HI(k) (8u << (k))
 
-/* True if nothing is in it; a NaN bound makes it empty. */
+/* True if the part is empty; a NaN bound makes it empty. */
 bool cover_part_empty(const struct cover_part *part);
 
-/* Whether the triangle `v`, its edges and vertices included, has a point in `part`. All numbers
+/* True if the triangle `v`, including its edges and vertices, has a point in `part`. All numbers
  * must be finite, and the rounding mode to nearest. */
 bool cover_meets(float v[3][3], const struct cover_part *part);
 
-/* How often integers were needed so far in this thread; for tests. */
+/* Number of times integers were needed so far in this thread; for tests. */
 unsigned long long cover_integers(void);
 
 #endif

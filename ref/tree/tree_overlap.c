@@ -1,14 +1,15 @@
-/* End-point overlap: triangles are cut by the boxes of nodes that are not theirs. */
+/* End-point overlap: cuts triangles by the boxes of nodes that are not theirs. */
 #include "ref/tree/tree_quality.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Triangles of one partial sum. Sums are added in order: threads do not change the result. */
+/* Triangles per partial sum. Sums are added in a fixed order, so the number of threads does not
+ * change the result. */
 #define BLOCK 256u
 
-/* A triangle cut by up to six planes of a box. */
+/* Most corners of a triangle cut by the six planes of a box. */
 #define CORNERS_MOST 9
 
 struct polygon {
@@ -16,7 +17,7 @@ struct polygon {
     int count;
 };
 
-/* Keeps what lies on the side sign * x[axis] <= sign * plane. */
+/* Keeps the part on the side sign * x[axis] <= sign * plane. */
 static void cut(const struct polygon *in, int axis, double plane, double sign, struct polygon *out)
 {
     out->count = 0;
@@ -35,7 +36,7 @@ static void cut(const struct polygon *in, int axis, double plane, double sign, s
     }
 }
 
-/* The part of a polygon in a closed box. */
+/* Returns the part of a polygon in a closed box. */
 static void cut_box(const struct polygon *in, const struct box *box, struct polygon *out)
 {
     struct polygon half;
@@ -59,12 +60,12 @@ static double area_of(const struct polygon *polygon)
     return sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) / 2;
 }
 
-/* A tree, where its subtrees' items end, and one of the places of each triangle's reference. */
+/* A tree, the ends of its subtrees' items, and the references of each triangle. */
 struct overlap {
     const struct bvh *bvh;
     const struct scene *scene;
     const uint32_t *end;   /* items of node i: item_first .. end[i] - 1 */
-    const uint32_t *place; /* of triangle i: first of its references in `of` */
+    const uint32_t *place; /* index in `of` of the first reference of triangle i */
     const uint32_t *of;    /* items by triangle, ascending */
 };
 
@@ -77,7 +78,8 @@ static bool owns(const struct overlap *o, uint32_t node, uint32_t prim)
     return false;
 }
 
-/* Area times cost of one triangle's parts below a node, in nodes that are not its own. */
+/* Area times cost of one triangle's parts below a node, in nodes that do not contain the
+ * triangle. */
 static double overlap_below(const struct overlap *o, uint32_t index, uint32_t prim,
                             const struct polygon *part)
 {
@@ -125,7 +127,7 @@ static void index_make(const struct bvh *bvh, uint32_t *end, uint32_t *place, ui
         place[bvh->prim[i] + 1]++;
     for (uint32_t i = 0; i < bvh->tri_count; i++)
         place[i + 1] += place[i];
-    /* Backwards, so that place ends as it began: the first of each. */
+    /* Each range is filled from its end, so that place has the starts again afterwards. */
     for (uint32_t i = bvh->prim_count; i-- > 0;)
         of[--place[bvh->prim[i] + 1]] = i;
     memmove(place, place + 1, bvh->tri_count * sizeof *place);

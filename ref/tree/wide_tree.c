@@ -6,12 +6,12 @@
 #define ITEMS_MOST ((uint32_t)1 << 30)
 #define LEAST_AREA 0x1p-20f /* of the root's */
 
-/* A node of the binary tree, taken apart to single items; in pre-order. */
+/* A node of the binary tree whose leaves are divided into single items; in pre-order. */
 struct tree_part {
     struct box bounds;
-    uint32_t snd; /* fst is the next one */
+    uint32_t snd; /* fst is the next part */
     uint32_t first, count;
-    bool leaf; /* is cheapest as a leaf, if it is one root */
+    bool leaf; /* cheapest as a leaf, if it becomes one root */
 };
 
 struct collapse {
@@ -20,13 +20,13 @@ struct collapse {
     const struct wide_rule *rule;
     struct tree_part *part;
     uint32_t part_count;
-    float *cost; /* rule->width for each part: as at most 1, 2 .. roots */
+    float *cost; /* rule->width values per part: its cost as at most 1, 2 .. roots */
     uint32_t *todo;
     size_t todo_count, todo_capacity;
     size_t node_capacity, child_capacity;
 };
 
-/* A subtree that shall become at most `budget` roots. */
+/* A subtree that is to become at most `budget` roots. */
 struct share {
     uint32_t part, budget;
 };
@@ -49,7 +49,7 @@ static struct box within(const struct box *a, const struct box *b)
         out.lo[k] = a->lo[k] > b->lo[k] ? a->lo[k] : b->lo[k];
         out.hi[k] = a->hi[k] < b->hi[k] ? a->hi[k] : b->hi[k];
         if (out.lo[k] > out.hi[k])
-            return *b; /* a box that does not hold what it should: nothing is made worse */
+            return *b; /* the leaf's box is too small for its triangles: keep it */
     }
     return out;
 }
@@ -66,8 +66,8 @@ static struct box items_bounds(const struct collapse *c, uint32_t first, uint32_
     return all;
 }
 
-/* Appends the subtree of a range of a leaf, 2 count - 1 parts, and returns how many. The depth is
- * the logarithm of the range. */
+/* Appends the subtree of a range of a leaf, 2 count - 1 parts, and returns their number. The depth
+ * is the logarithm of the range. */
 static uint32_t halve(struct collapse *c, uint32_t first, uint32_t count, const struct box *leaf,
                       bool whole)
 {
@@ -117,10 +117,11 @@ static enum status take_apart(struct collapse *c)
 
 static const float *cost_of(const struct collapse *c, uint32_t part)
 {
-    return c->cost + (size_t)part * c->rule->width - 1; /* counted from 1 */
+    return c->cost + (size_t)part * c->rule->width - 1; /* budgets count from 1 */
 }
 
-/* The cheapest way to give `budget` roots to the two children, and how many go to the first. */
+/* Finds the cheapest way to divide `budget` roots between the two children, and the share of the
+ * first. */
 static float divide(const struct collapse *c, uint32_t at, uint32_t budget, uint32_t *to_fst)
 {
     const float *fst = cost_of(c, at + 1);
@@ -160,7 +161,7 @@ static void find_costs(struct collapse *c)
         part->leaf = true;
         if (part->count > 1) {
             float inner = divide(c, at, width, &to_fst) + c->rule->node_cost * area;
-            /* Decoded boxes may be so much larger than the root's that both are infinite. */
+            /* Decoded boxes may be so much larger than the root's that both costs are infinite. */
             part->leaf = own < INFINITY && cost[1] <= inner;
             cost[1] = part->leaf ? cost[1] : inner;
         }
@@ -173,7 +174,7 @@ static void find_costs(struct collapse *c)
 
 /* --- the wide tree ---------------------------------------------------------------------------- */
 
-/* The roots that the children of `at` become with a whole node for them, in order. */
+/* Finds the roots that the children of `at` become if they have a whole node, in order. */
 static uint32_t find_roots(const struct collapse *c, uint32_t at, uint32_t root[WIDE_TREE_MOST])
 {
     struct share todo[WIDE_TREE_MOST + 1];
@@ -207,7 +208,7 @@ static enum status add_node(struct collapse *c, struct wide_tree *tree, uint32_t
     return status;
 }
 
-/* Fills in node `index`, which stands for the part `at`, and puts off its children. */
+/* Fills in node `index` from the part `at`, and queues its children. */
 static enum status add_children(struct collapse *c, struct wide_tree *tree, uint32_t index,
                                 uint32_t at, uint32_t waiting)
 {
