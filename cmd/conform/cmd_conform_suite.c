@@ -53,8 +53,7 @@ enum status suite_add(struct suite *suite, const struct trial *trial)
     return status;
 }
 
-/* --- members that take part -----------------------------------------------------------------------------
- */
+/* --- members that take part ------------------------------------------------------------------- */
 
 /* Matches a layout field, which is a name that may be followed by a storage. */
 static bool layout_matches(const char *field, const char *name)
@@ -142,8 +141,7 @@ static bool takes_part(const struct suite *suite, enum table table, size_t i)
     if (list->count > 0)
         return list_has(list, i);
     return table != TABLE_ENGINES || suite->kind == SUITE_PATTERN ||
-           engines[i] !=
-               engine_reference(false); /* the reference is what the others are compared with */
+           engines[i] != engine_reference(false); /* others are compared with the reference */
 }
 
 struct list suite_members(const struct suite *suite, enum table table, bool tree)
@@ -156,8 +154,7 @@ struct list suite_members(const struct suite *suite, enum table table, bool tree
     return list;
 }
 
-/* --- the three kinds ----------------------------------------------------------------------------
- */
+/* --- the three kinds -------------------------------------------------------------------------- */
 
 static enum status add_covering(struct suite *suite, bool tree, struct reason *reason)
 {

@@ -1,4 +1,4 @@
-/* raydiff render: pictures of a scene by any engine; RTRS's load. */
+/* raydiff render: draws pictures of a scene with any engine; RTRS's workload. */
 #include "cmd/render/cmd_render.h"
 
 #include "cmd/common/cmd_use.h"
@@ -12,16 +12,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What else can be done with the same options; NULL-terminated. */
+/* Modes that share the picture options; NULL-terminated. */
 extern const struct render_mode render_mode_show, render_mode_benchmark, render_mode_window;
 static const struct render_mode *const modes[] = {&render_mode_show, &render_mode_benchmark,
                                                   &render_mode_window, NULL};
 
 #define FRAMES_MOST 100000u
-/* Segments are kept to be counted up to that many bytes; --paths keeps them in any case. */
+/* Segments are kept for counting up to this many bytes; --paths always keeps them. */
 #define SEGMENT_BYTES ((size_t)256 << 20)
 
-/* The command. */
+/* The settings of the command. */
 struct render {
     struct render_settings settings;
     const char *paths;
@@ -96,10 +96,10 @@ static const struct option_set set = {
                "render --profile rtrs --handler-bvh-rf --engine vulkan --frames 40",
 };
 
-/* What pictures are drawn into. */
+/* The buffers that pictures are drawn into. */
 struct render_canvas {
     struct image image;
-    struct segment *segment; /* or NULL */
+    struct segment *segment; /* NULL: not kept */
     struct frame frame;
 };
 
@@ -172,7 +172,7 @@ static void print_one(const struct render_stage *stage, const struct frame_recor
     puts("");
 }
 
-/* *done counts the pictures that are whole. */
+/* Draws all pictures. *done counts the finished ones. */
 static enum status draw_all(const struct render *r, const struct render_stage *stage,
                             struct renderer *renderer, struct render_canvas *canvas,
                             struct paths_out *paths, struct frame_record *record, uint32_t *done,
@@ -207,7 +207,7 @@ static enum status draw_all(const struct render *r, const struct render_stage *s
     return status;
 }
 
-/* Everything is open. */
+/* Draws and writes everything, with stage and renderer open. */
 static enum status render(const struct render *r, const struct render_stage *stage,
                           struct renderer *renderer, struct reason *reason)
 {
@@ -233,7 +233,7 @@ static enum status render(const struct render *r, const struct render_stage *sta
     return status;
 }
 
-/* What can be wrong before anything is opened. */
+/* Reports output errors before anything is opened. */
 static enum status check_outputs(const struct render *r, struct reason *reason)
 {
     char path[512];
@@ -266,7 +266,7 @@ static enum status run(const struct render *r, struct reason *reason)
     return status;
 }
 
-/* After the options: a scene may stand alone. */
+/* Finishes the settings after the options were read: the scene may also be an argument. */
 static int finish_options(struct render *r, int argc, char **argv, int first, struct reason *reason)
 {
     if (first < argc && r->settings.scene)
@@ -281,7 +281,8 @@ static int finish_options(struct render *r, int argc, char **argv, int first, st
     return -1;
 }
 
-/* Refuses what the mode, or a picture without one, does not use: options of other modes, too. */
+/* Rejects options that the mode, or plain pictures without one, does not use, including options of
+ * other modes. */
 static enum status check_use(const struct render *r, struct reason *reason)
 {
     char by[40], never[600];

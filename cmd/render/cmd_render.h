@@ -1,5 +1,5 @@
-/* What commands that show pictures share: their options, and how a scene, its tree and a view of it
- * are opened by them. For commands only.
+/* Shared by commands that show pictures: their options, and opening a scene, its tree and a view.
+ * Commands only.
  *   settings = render_settings_default(); options_read(...); render_settings_finish(...);
  *   render_stage_open(...); renderer_open(settings.engine, &settings.engine_options, ...);
  *   renderer_prepare(renderer, &stage.job, ...); view = render_stage_view(&stage, angle); ... */
@@ -12,13 +12,13 @@
 #include "scenes/render/render.h"
 #include "scenes/render/show_picture.h"
 
-#define RENDER_SCENE_DEFAULT "rtrs" /* RTRS's own */
+#define RENDER_SCENE_DEFAULT "rtrs" /* the scene RTRS shows by default */
 #define RENDER_WINDOW_WIDTH  800u   /* if only a workgroup size is given */
 #define RENDER_WINDOW_HEIGHT 600u
 
-/* What RTRS calls an intersection handler: members of our tables, for either profile. */
+/* An intersection handler of RTRS, as members of our tables for each profile. */
 struct render_handler {
-    const char *name; /* as in --handler; --handler-NAME is RTRS's spelling */
+    const char *name; /* as in --handler; RTRS spells it --handler-NAME */
     struct {
         const char *builder, *layout, *box, *tri;
         uint32_t leaf;
@@ -27,108 +27,108 @@ struct render_handler {
 
 extern const struct render_handler render_handlers[]; /* ends with a NULL name */
 
-/* What the options set. What render_settings_finish fills in is NULL or 0
- * before unless the user named it. */
+/* Settings from options. Fields marked "filled in" are NULL or 0 before render_settings_finish
+ * unless the user set them. */
 struct render_settings {
     char *scene;   /* NULL: RENDER_SCENE_DEFAULT */
-    uint64_t seed; /* of generators */
+    uint64_t seed; /* for generators */
     struct look look;
     enum { RENDER_AS_SCENE, RENDER_FIXED, RENDER_ORBIT } turn;
     uint32_t width, height, tile;         /* filled in: all above 0 */
     const struct render_handler *handler; /* filled in */
     const struct engine *engine;          /* filled in */
     struct engine_options engine_options;
-    bool waves;                    /* through engine.trace, even if the engine has a renderer */
+    bool waves;                    /* use engine.trace, even if the engine has a renderer */
     const char *bvh;               /* a tree from a file, or NULL */
-    const struct builder *builder; /* filled in, as all members below */
+    const struct builder *builder; /* filled in, as are all members below */
     struct build_options build;
-    const struct layout *layout; /* NULL: the first that fits, if layout_auto, else the
-                                    file's of --bvh or, of JSON, the handler's */
+    /* NULL: the first that fits, if layout_auto; else that of a packed --bvh file; else the
+     * handler's. */
+    const struct layout *layout;
     bool layout_auto;
-    const struct layout *versus; /* the second of --layout A,B, for modes of two_layouts; or NULL */
+    const struct layout *versus; /* second of --layout A,B in modes with two_layouts; or NULL */
     const struct box_test *box;
     const struct tri_test *tri;
     enum frame_plan plan;
     bool general;
-    bool resizable;   /* filled in: no size was named, so a picture can follow its window */
-    const char *out;  /* where the picture goes */
+    bool resizable;   /* filled in: no size was given, so the picture follows its window */
+    const char *out;  /* path of the picture */
     const char *json; /* or NULL */
     struct {
         const char *csv;
         struct show_range range;
-    } show; /* of --show */
+    } show; /* for --show */
     struct {
         uint64_t frames, turns, warm_up;
         const char *base;
-    } benchmark; /* of --benchmark */
+    } benchmark; /* for --benchmark */
     struct {
-        float seconds; /* 0: for ever */
+        float seconds; /* 0: no limit */
         uint64_t pictures;
         const char *log;
         float fps;
-    } window; /* of --window */
+    } window; /* for --window */
 };
 
 struct render_settings render_settings_default(void);
 
-/* Options of pictures, and those that follow an engine of them, of struct render_settings. */
+/* Options of struct render_settings: those of all pictures, and those of each mode. */
 extern const struct option_row render_rows[], render_show_rows[], render_benchmark_rows[],
     render_window_rows[];
 
-/* Fills in what was not named: the resolution by RTRS's three forms, and the members of the
- * profile's handler. `command` prefixes notes on stderr.
- * Errors: STATUS_INPUT options that contradict each other. */
+/* Fills in what was not given: the resolution by RTRS's three forms, and the members of the
+ * profile's handler. `command` prefixes notes on stderr. Errors: STATUS_INPUT contradicting
+ * options. */
 enum status render_settings_finish(const char *command, struct render_settings *settings,
                                    struct reason *reason) MUST_USE;
 
-/* Refuses options of members that nothing of `engine` uses. After
- * render_settings_finish. Errors: STATUS_INPUT. */
+/* Rejects options of members that no engine in `engine` uses. Call after render_settings_finish.
+ * Errors: STATUS_INPUT. */
 enum status render_options_check(const struct render_settings *settings, const struct list *engine,
                                  struct reason *reason) MUST_USE;
 
-/* The engine that stands for `engine` with the settings' handler: naive means every triangle.
- * Errors: STATUS_INPUT it has none. */
+/* The engine to use instead of `engine` with the settings' handler: naive tests every triangle.
+ * Errors: STATUS_INPUT there is none. */
 enum status render_engine(const struct render_settings *settings, const struct engine *engine,
                           const struct engine **out, struct reason *reason) MUST_USE;
 
-/* A scene with its tree, ready for pictures; owns everything. Do not move it: the job points into
+/* A scene with its tree, ready for pictures. Owns everything. Do not move it: the job points into
  * it. */
 struct render_stage {
     const char *name;      /* of the scene; borrowed */
-    uint32_t tri_count;    /* of the scene as it was read; handler blank shows none of them */
-    struct scene scene;    /* what is shown */
-    struct camera camera;  /* `orbit`: of the options, else of the scene */
-    struct tree_file file; /* of --bvh */
+    uint32_t tri_count;    /* of the scene as read; handler blank shows none of them */
+    struct scene scene;    /* the scene shown */
+    struct camera camera;  /* `orbit`: set by the options, else by the scene */
+    struct tree_file file; /* from --bvh */
     struct bvh bvh;        /* empty if the file is packed */
-    struct packed packed;  /* of settings->layout; empty if the engine needs none */
+    struct packed packed;  /* in settings->layout; empty if the engine needs none */
     struct shading shading;
     struct frame_job job;
 };
 
-/* Opens all of it; warnings and notes go to stderr as "raydiff COMMAND: ...".
- * Errors, of which *out is zero: as scene_open, tree_open, shading_make and packed_make (with a
- * hint at --layout auto); STATUS_INPUT a camera that is not finite. */
+/* Opens everything. Warnings and notes go to stderr as "raydiff COMMAND: ...". Errors, after which
+ * *out is zero: those of scene_open, tree_open, shading_make and packed_make (with a hint at
+ * --layout auto); STATUS_INPUT a camera that is not finite. */
 enum status render_stage_open(const char *command, const struct render_settings *settings,
                               struct render_stage *out, struct reason *reason) MUST_USE;
 
-/* Packs the stage's tree in another layout and makes it the job's. Errors: as packed_make and
- * tree_file_pack; then the stage has no packed tree. */
+/* Packs the stage's tree in another layout and sets it in the job. Errors: those of packed_make and
+ * tree_file_pack; the stage then has no packed tree. */
 enum status render_stage_pack(struct render_stage *stage, const struct layout *layout,
                               struct reason *reason) MUST_USE;
 
-/* The view after the camera was turned by so many radians (see camera_orbit), for the job's size.
- */
+/* The view for the job's size after turning the camera by `angle` radians (see camera_orbit). */
 struct view render_stage_view(const struct render_stage *stage, double angle);
 
-void render_stage_close(struct render_stage *stage); /* a zero one is fine */
+void render_stage_close(struct render_stage *stage); /* a zeroed one is fine */
 
-/* Something else to do with the settings than to write pictures: `raydiff render --NAME`. */
+/* What `raydiff render --NAME` does with the settings instead of writing pictures. */
 struct render_mode {
-    const char *name;             /* of the option that chooses it */
-    const struct option_row *row; /* its own options, of struct render_settings */
-    const char *never;            /* options of render that it does not use, blanks between */
-    bool two_layouts;             /* --layout may name two: settings->versus */
-    /* Settings are finished. Returns the exit code. `value` is the option's, or NULL. */
+    const char *name;             /* the option that selects it */
+    const struct option_row *row; /* its own options, for struct render_settings */
+    const char *never;            /* options of render it does not use, separated by blanks */
+    bool two_layouts;             /* --layout may name two; the second is settings->versus */
+    /* Runs with finished settings. Returns the exit code. `value` is the option's, or NULL. */
     int (*run)(const struct render_settings *settings, const char *value);
 };
 

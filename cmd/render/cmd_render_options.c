@@ -38,8 +38,8 @@ static enum status take_handler(const char *name, struct render_settings *out,
     return fail(reason, STATUS_INPUT, "--handler: '%s' is not naive, bvh, bvh-rf or blank", name);
 }
 
-/* --handler NAME, or --handler-NAME as in RTRS. What follows is a box size if it reads as a
- * number, whatever files there are; else a tree's file. */
+/* Reads --handler NAME, or --handler-NAME as in RTRS. A value after it is a box size if it parses
+ * as a number, even if a file has that name; else the path of a tree file. */
 static enum status take_handlers(void *options, const struct option_value *given,
                                  struct reason *reason)
 {
@@ -54,7 +54,7 @@ static enum status take_handlers(void *options, const struct option_value *given
     return take_handler(dash ? dash + 1 : given->text, out, reason);
 }
 
-/* One, or two for a mode that compares. */
+/* Reads one layout, or two for a mode that compares. */
 static enum status take_layouts(void *options, const struct option_value *given,
                                 struct reason *reason)
 {
@@ -151,8 +151,9 @@ static uint32_t common_divisor(uint32_t a, uint32_t b)
     return a;
 }
 
-/* RTRS's three forms: a workgroup size alone is a window's size, a picture's size alone gives
- * the workgroup's, or both. A workgroup of more than 256 invocations becomes one of 16 x 16. */
+/* RTRS has three forms: a workgroup size alone draws at the window's size, a picture size alone
+ * sets the workgroup size, or both are given. A workgroup of more than 256 invocations becomes 16 x
+ * 16. */
 static enum status finish_size(const char *command, struct render_settings *s,
                                struct reason *reason)
 {

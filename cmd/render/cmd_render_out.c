@@ -91,7 +91,7 @@ enum status paths_open(const char *path, const struct render_stage *stage,
     return STATUS_OK;
 }
 
-/* Of a ray that hit nothing t and prim are empty. */
+/* Adds a segment. t and prim are empty if its ray hit nothing. */
 static void add_segment(struct paths_out *out, uint32_t frame, size_t x, size_t y, uint32_t index,
                         const struct segment *segment)
 {

@@ -1,4 +1,4 @@
-/* raydiff render --show: what a picture is made of, in false colours. */
+/* raydiff render --show: shows what determines a picture in false colours. */
 #include "cmd/render/cmd_render_show.h"
 
 #include "ref/base/command.h"
@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Pixels that are traced at a time: so many that it takes about this long, since a published box
- * test can take a thousand times as long as another. */
+/* Number of pixels traced at a time, adapted so that this takes about PART_NS: a published box test
+ * can take a thousand times as long as another. */
 #define PART_FIRST ((size_t)1 << 11)
 #define PART_LEAST ((size_t)1 << 6)
 #define PART_MOST  ((size_t)1 << 20)
@@ -46,11 +46,11 @@ const struct option_row render_show_rows[] = {
     {0},
 };
 
-/* An engine at work on a stage, and what is needed beside it. */
+/* An engine opened on a stage, and what is needed to judge it. */
 struct witness {
     void *self;
     struct numbers *numbers;
-    struct oracle *oracle; /* of the scene: for all layers */
+    struct oracle *oracle; /* of the scene; used for all layers */
     struct judge *judge;
     bool unknown;
 };
@@ -64,7 +64,7 @@ static void witness_close(const struct showing *showing, struct witness *witness
         showing->engine->close(witness->self);
 }
 
-/* Of the stage's packed tree as it is now. */
+/* Prepares the engine for the stage's current packed tree. */
 static enum status witness_prepare(const struct showing *showing, const struct render_stage *stage,
                                    struct witness *witness, struct reason *reason)
 {
@@ -90,7 +90,7 @@ static enum status witness_prepare(const struct showing *showing, const struct r
     return status;
 }
 
-/* Sums and percentiles of one plane, and how often each verdict was given. */
+/* Computes sum and percentiles of one plane, and counts each verdict. */
 static enum status measure(const struct showing *showing, bool names, struct show_layer *layer,
                            struct reason *reason)
 {
@@ -106,7 +106,7 @@ static enum status measure(const struct showing *showing, bool names, struct sho
     return STATUS_OK;
 }
 
-/* The pixels must add up to what the engine counted for the same rays. */
+/* Checks that the pixels add up to the engine's own counters for the same rays. */
 static enum status check_sum(const struct showing *showing, const struct show_layer *layer,
                              struct reason *reason)
 {
@@ -165,7 +165,7 @@ static enum status show_layer(const struct showing *showing, const struct render
     return status;
 }
 
-/* One layer a layout. */
+/* Makes one layer per layout. */
 static enum status show_layers(struct showing *showing, struct render_stage *stage,
                                struct reason *reason)
 {
@@ -219,7 +219,7 @@ static enum status draw(struct showing *showing, const struct render_stage *stag
                         stage->job.height, &showing->range, showing->title, image, &place, reason);
 }
 
-/* Everything but the options. */
+/* Makes the picture and its statistics. */
 static enum status show(struct showing *showing, struct render_stage *stage, struct reason *reason)
 {
     const struct render_settings *settings = showing->settings;
@@ -279,7 +279,7 @@ static bool any_wrong(const struct showing *showing)
     return showing->judged && wrong > 0;
 }
 
-/* The walk is C's, whatever the engine. */
+/* Values taken from the walk always use the C engine, whatever was selected. */
 static void choose_engine(struct showing *showing, struct render_settings *settings)
 {
     if (showing->show && showing->show->from == SHOW_FROM_WALK) {
@@ -308,7 +308,7 @@ static int run(const struct render_settings *given, const char *name)
     if (showing.engine->needs_packed)
         showing.judged = (settings.bvh || !settings.builder->faithful) && !settings.box->faithful;
     enum status status = try_outputs(&showing, &reason);
-    /* Light changes no value. Some light avoids the warning that there is none. */
+    /* Light does not change the values; a little avoids the warning about missing light. */
     if (settings.look.profile == PROFILE_REPAIRED)
         settings.look.ambience = 1;
     else

@@ -37,7 +37,7 @@ static void print_verdicts(const struct showing *showing)
     }
 }
 
-/* Where to look closer. */
+/* Number of places listed for a closer look. */
 #define PLACES_MOST 5
 
 static void print_places(const struct showing *showing, const double *value, double plain,
@@ -59,7 +59,7 @@ static void print_places(const struct showing *showing, const double *value, dou
         puts(found == PLACES_MOST ? ", ..." : "");
 }
 
-/* Pixels above and below 0. */
+/* Counts the pixels above and below 0. */
 static void count_sides(const struct showing *showing, size_t *more, size_t *less)
 {
     *more = *less = 0;
@@ -120,7 +120,7 @@ void showing_print(const struct showing *showing, const struct image *image)
     printf("%s: %u x %u\n", showing->settings->out, image->width, image->height);
 }
 
-/* "f32" or, of a normal, "f32_x,f32_y,f32_z". */
+/* Prints "f32" or, for a normal, "f32_x,f32_y,f32_z". */
 static void csv_names(FILE *stream, const struct show *show, const char *name)
 {
     if (show->planes == 1)

@@ -1,4 +1,4 @@
-/* A scene with its tree, made ready for pictures. */
+/* A scene with its tree, ready for pictures. */
 #include "cmd/render/cmd_render.h"
 
 #include "scenes/scenes.h"
@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A file can hold any camera. */
+/* Opens the scene and checks its camera: a file can hold any. */
 static enum status open_scene(const struct render_settings *settings, struct render_stage *stage,
                               struct reason *reason)
 {
@@ -24,7 +24,7 @@ static enum status open_scene(const struct render_settings *settings, struct ren
     return STATUS_OK;
 }
 
-/* Whether there is any light in a picture. */
+/* Returns whether a picture has any light. */
 static bool is_lit(const struct look *look, const struct scene *scene)
 {
     bool lit = look->camera_light > 0 || (look->ambience > 0 && look->profile == PROFILE_REPAIRED);
@@ -33,7 +33,8 @@ static bool is_lit(const struct look *look, const struct scene *scene)
     return lit;
 }
 
-/* A scene without light is black; repaired, the eye then brings one. */
+/* Adds a light at the camera if the scene has none, unless the user set its strength. The published
+ * profile stays black. */
 static struct look look_with_light(const struct render_settings *settings,
                                    const struct scene *scene)
 {
@@ -84,7 +85,7 @@ enum status render_stage_pack(struct render_stage *stage, const struct layout *l
     return status;
 }
 
-/* From --bvh, which is checked for all engines, or by the builder, if an engine needs a tree. */
+/* Makes the tree if the engine needs one. A tree of --bvh is checked for all engines. */
 static enum status make_tree(const char *command, const struct render_settings *settings,
                              struct render_stage *stage, struct reason *reason)
 {

@@ -1,4 +1,4 @@
-/* raydiff render --window: the picture on the screen, turned by RTRS's keys. */
+/* raydiff render --window: shows the picture in a window; RTRS's keys turn it. */
 #include "bench/frames/pacing.h"
 #include "ref/base/command.h"
 #include "cmd/common/cmd_process.h"
@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-/* At most so long the window is not looked at. */
+/* Longest time between two checks of the window. */
 #define LOOK_MS 250u
 
 #define ROWS_OF struct render_settings
@@ -24,25 +24,25 @@ const struct option_row render_window_rows[] = {
     {0},
 };
 
-/* What is on the screen. */
+/* State of the window and its picture. */
 struct window_showing {
     const struct render_settings *settings;
     struct render_stage stage;
     struct renderer *renderer;
-    struct window *window; /* NULL: there is no display */
+    struct window *window; /* NULL: no display */
     struct image image;
     struct pacing pacing;
     double angle;                    /* of the camera, radians */
-    double turn_ms;                  /* keys held and not yet turned by */
-    uint64_t start_ns, pictures, ns; /* ns: of all pictures */
+    double turn_ms;                  /* time that keys were held, not applied yet */
+    uint64_t start_ns, pictures, ns; /* ns: total over all pictures */
     struct file_out log;
 };
 
-/* Signals close the window, as its button does. SDL would do that too, but only between pictures.
- */
+/* Signals close the window, as its button does. SDL handles signals too, but only between
+ * pictures. */
 static volatile sig_atomic_t caught;
 
-/* Draws the picture as seen now, at its size. */
+/* Draws the picture with the current view and size. */
 static enum status draw(struct window_showing *s, struct reason *reason)
 {
     struct view view = render_stage_view(&s->stage, s->angle);
@@ -67,7 +67,7 @@ static enum status draw(struct window_showing *s, struct reason *reason)
     return window_show(s->window, &s->image, reason);
 }
 
-/* Makes the picture that large. */
+/* Changes the picture's size. */
 static enum status resize(struct window_showing *s, uint32_t width, uint32_t height,
                           struct reason *reason)
 {
@@ -81,7 +81,7 @@ static enum status resize(struct window_showing *s, uint32_t width, uint32_t hei
     return status;
 }
 
-/* Turns by the keys that were held since the last tick. A stall counts as one frame. */
+/* Turns the camera by the keys held since the last tick. A stall counts as one frame. */
 static void turn(struct window_showing *s, double moved_ms)
 {
     if (moved_ms <= 0 || s->turn_ms == 0)
@@ -101,7 +101,7 @@ static bool is_over(const struct window_showing *s)
            (s->settings->window.seconds > 0 && seconds >= (double)s->settings->window.seconds);
 }
 
-/* How long to wait for something to happen. */
+/* How long to wait for an event, in milliseconds. */
 static unsigned wait_ms(const struct window_showing *s, bool turning)
 {
     if (!turning && s->turn_ms == 0 && !s->pacing.stale)
@@ -133,7 +133,7 @@ static enum status loop(struct window_showing *s, struct reason *reason)
     return status;
 }
 
-/* Everything but the window. */
+/* Opens everything except the window. */
 static enum status open_all(struct window_showing *s, struct reason *reason)
 {
     const struct render_settings *settings = s->settings;
@@ -154,7 +154,7 @@ static enum status open_all(struct window_showing *s, struct reason *reason)
     return status;
 }
 
-/* Without a display --out still gets its picture. */
+/* Opens the window. Without a display, --out still gets its picture. */
 static enum status open_window(struct window_showing *s, struct reason *reason)
 {
     struct reason why;
