@@ -1,4 +1,4 @@
-/* raydiff report: one HTML file of the results of check, bench, replay and doctor. */
+/* raydiff report: one HTML file with the results of check, bench, replay and doctor. */
 #define _POSIX_C_SOURCE 200809L /* gmtime_r */
 #include "cmd/report/cmd_report_parts.h"
 
@@ -15,7 +15,7 @@
 
 /* --- options ------------------------------------------------------------------------------ */
 
-/* Keeps an option that other commands read, after it was tried here. */
+/* Keeps an option to pass to other commands. It was validated here first. */
 static enum status take_passed(void *options, const struct option_value *given,
                                struct reason *reason)
 {
@@ -280,7 +280,7 @@ static int make_and_write(const struct report_options *o, struct runner *runner,
     return code;
 }
 
-/* The scenes that are played if none is named and nothing is given. */
+/* The scenes used if none is named and no results are given. */
 static char *own_scenes[] = {REPORT_DEFAULT_SCENES};
 
 static int check_options(struct report_options *o)

@@ -1,4 +1,4 @@
-/* What the parts of raydiff report share: commands run as children. For commands only. */
+/* Shared by the files of raydiff report: commands run as child processes. Commands only. */
 #ifndef CMD_REPORT_H
 #define CMD_REPORT_H
 
@@ -9,44 +9,44 @@
 #define LINE_TEXT_BYTES 4096
 #define RUN_SAID_MOST   600
 
-/* A command line: as its child gets it, and as a person would type it. */
+/* A command line: argv for the child, and text as a person would type it. */
 struct line {
     char *argv[LINE_WORDS]; /* owned copies */
     int argc;
     char text[LINE_TEXT_BYTES];
 };
 
-/* Where children write to, and how long they may take. */
+/* Where children write, and how long they may run. */
 struct runner {
     char *folder; /* temporary; owned */
-    int held;     /* its descriptor: as long as it is open the folder is in use */
+    int held;     /* descriptor of the folder; while it is open the folder is in use */
     struct progress progress;
-    unsigned seconds; /* that a child may take */
-    size_t parts;     /* begun so far */
+    unsigned seconds; /* time limit of a child */
+    size_t parts;     /* started so far */
 };
 
-/* How a child ended. */
+/* The result of a child. */
 struct run {
     int code;     /* its exit code; EXIT_ENGINE if it was killed or took too long */
-    bool stopped; /* by a signal to the report: it ends */
-    bool dead;    /* it did not end by itself, or crashed */
+    bool stopped; /* a signal ended the report */
+    bool dead;    /* it crashed or was ended */
     double seconds;
-    char said[RUN_SAID_MOST]; /* lines of its standard error, but progress; or how it died */
-    struct reason unread;     /* of runner_make: why its result cannot be read */
+    char said[RUN_SAID_MOST]; /* lines of its standard error without progress, or how it ended */
+    struct reason unread;     /* from runner_make: why its result cannot be read */
 };
 
 /* Starts a line with the sub-command's name. */
 void line_begin(struct line *line, const char *command);
 void line_word(struct line *line, const char *word);
-/* A file in the runner's folder, which a person's line has without the folder. */
+/* Adds a file in the runner's folder; the text shows it without the folder. */
 void line_file(struct line *line, const struct runner *runner, const char *name);
 void line_free(struct line *line);
 
-/* Makes the folder and takes over SIGINT, SIGTERM and SIGHUP. Errors: STATUS_INPUT it cannot be
- * made; STATUS_MEMORY. */
+/* Creates the folder and catches SIGINT, SIGTERM and SIGHUP. Errors: STATUS_INPUT it cannot be
+ * created; STATUS_MEMORY. */
 enum status runner_open(struct runner *runner, struct reason *reason) MUST_USE;
 
-/* Removes the folder with all that is in it; prints why if it cannot. */
+/* Removes the folder and its content. Prints why if it cannot. */
 void runner_close(struct runner *runner);
 
 /* The signal that stops the report, or 0. */
@@ -57,14 +57,14 @@ void runner_path(const struct runner *runner, const char *name, char *path, size
 
 typedef int command_fn(int argc, char **argv);
 
-/* Runs a sub-command in a child process, its standard output in the folder's file "out". Errors:
- * STATUS_DEVICE no process to be had. */
+/* Runs a sub-command in a child process. Its standard output goes to the folder's file "out".
+ * Errors: STATUS_DEVICE no process can be created. */
 enum status runner_run(struct runner *runner, command_fn *command, const struct line *line,
                        struct run *run, struct reason *reason) MUST_USE;
 
-/* Runs the line with "--json" and the folder's file `name` behind it, and frees it. Reads that
- * file, the result, into part->json, and sets code, state, seconds and why (which is borrowed from
- * `run`) of the part; none of them if the run was stopped. Errors: as runner_run. */
+/* Runs the line followed by "--json" and the folder's file `name`, and frees it. Reads that file,
+ * the result, into part->json. Sets code, state, seconds and why (borrowed from `run`) of the part,
+ * unless the run was stopped. Errors: those of runner_run. */
 enum status runner_make(struct runner *runner, command_fn *command, struct line *line,
                         const char *name, struct run *run, struct report_part *part,
                         struct reason *reason) MUST_USE;

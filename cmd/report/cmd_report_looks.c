@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is shown, of one layout or as the second's difference to the first. */
+/* The values shown, of one layout or as the difference of the second to the first. */
 static const struct {
     const char *what, *title;
     bool both;
@@ -19,7 +19,7 @@ static const struct {
              {"error", "error of t over its proven bound", false},
              {"class", "verdict of the judge", false}};
 
-/* "mean 13.5, most 23", or the verdicts that there are. */
+/* Writes a caption such as "mean 13.5, most 23", or the counts of verdicts. */
 static void show_caption(const json_t *json, char *caption, size_t caption_bytes)
 {
     const json_t *layer = json_array_get(json_object_get(json, "layers"), 0);
@@ -43,7 +43,7 @@ static void show_caption(const json_t *json, char *caption, size_t caption_bytes
     }
 }
 
-/* Of our own child. */
+/* Reads the JSON file written by our own child. */
 static enum status read_statistics(const char *path, json_t **json, struct reason *reason)
 {
     char *bytes;
@@ -57,7 +57,8 @@ static enum status read_statistics(const char *path, json_t **json, struct reaso
     return *json ? STATUS_OK : fail(reason, STATUS_INPUT, "%s: is no JSON", file_label(path));
 }
 
-/* Draws look `i` of a pair "A" or "A,B". A layout that the user did not name may refuse the scene. */
+/* Draws look `i` of "A" or a pair "A,B". A refusal by a layout that the user did not name is not
+ * counted as a failure. */
 static enum status look_at(struct gallery *gallery, size_t i, const char *pair,
                            struct reason *reason)
 {
@@ -97,7 +98,7 @@ static enum status look_at(struct gallery *gallery, size_t i, const char *pair,
     return STATUS_OK;
 }
 
-/* The first two layouts that the user named, or the baseline and the small one. */
+/* Chooses the first two layouts that the user named, by default f32 and rf16. */
 static void choose_layouts(const struct report_options *options, char first[LAYOUT_BYTES],
                            char second[LAYOUT_BYTES])
 {

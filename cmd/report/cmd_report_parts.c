@@ -1,4 +1,4 @@
-/* Which commands make the parts of a report. */
+/* Runs the commands that produce the parts of a report. */
 #define _GNU_SOURCE /* AT_FDCWD */
 #include "cmd/report/cmd_report_parts.h"
 
@@ -72,7 +72,7 @@ static enum status run_part(struct report *report, struct runner *runner, comman
 
 /* --- check, bench, doctor ------------------------------------------------------------------- */
 
-/* Adds a value of the part's own for an option that the line uses and the user did not set. */
+/* Adds the part's own value for an option that the line uses and the user did not set. */
 static void own_option(struct line *line, const struct report_options *options, unsigned to,
                        const char *flag, const char *value)
 {
@@ -96,13 +96,13 @@ static enum status make_check(const struct report_options *options, struct runne
         own_option(&line, options, to, "--box", "robust,watertight");
     }
     number(&line, "--count", options->count ? options->count : options->quick ? 2000 : 10000);
-    number(&line, "--repeat", 1); /* speed is measured by bench */
+    number(&line, "--repeat", 1); /* bench measures speed */
     number(&line, "--brute", options->quick ? 1000000 : 10000000);
     report_pass_on(&line, options, to);
     return run_part(report, runner, cmd_check, &line, "check.json", &part, reason);
 }
 
-/* All names of scenes in one word, with ';' between them. */
+/* Joins all scene names in one string, separated by ';'. */
 static char *joined_scenes(const struct report_options *options)
 {
     size_t bytes = 1;
@@ -151,7 +151,7 @@ static enum status make_machine(const struct report_options *options, struct run
 
 /* --- findings ----------------------------------------------------------------------------- */
 
-/* What the child printed, as much as a page should have; the caller frees it. */
+/* Reads what the child printed, up to PRINTED_MOST bytes. The caller frees it. */
 static enum status printed(const struct runner *runner, char **text, struct reason *reason)
 {
     char path[4096];
@@ -179,7 +179,7 @@ static enum status printed(const struct runner *runner, char **text, struct reas
     return status;
 }
 
-/* The baseline's answer for a finding, as in raydiff fuzz. */
+/* Looks up a finding in the baseline, as raydiff fuzz does. */
 static enum status ask_baseline(const struct report_options *options,
                                 const struct findings *findings, const struct findings_entry *entry,
                                 struct baseline_answer *answer, struct reason *reason)
@@ -219,7 +219,7 @@ static enum status make_finding(const struct report_options *options, struct run
         report_layout(&line, plugin_path(entry->signature.layout));
     report_pass_on(&line, options, TO_OTHERS);
     char command[LINE_TEXT_BYTES];
-    snprintf(command, sizeof command, "%s", line.text); /* without --json */
+    snprintf(command, sizeof command, "%s", line.text); /* copied before --json is added */
     part.command = command;
     status = runner_make(runner, cmd_replay, &line, "finding.json", &run, &part, reason);
     if (status || run.stopped)
@@ -281,7 +281,7 @@ static enum status take_files(const struct report_options *options, struct repor
     if (options->doctor && !status)
         status = take_file(report, REPORT_MACHINE, "--doctor", options->doctor, reason);
     for (size_t i = 0; i < options->picture_count && !status; i++) {
-        char *equals = strchr(options->picture[i], '='); /* was looked for */
+        char *equals = strchr(options->picture[i], '='); /* its presence was checked before */
         *equals = '\0';
         status =
             report_add_picture(report, "", options->picture[i], equals + 1, equals + 1, reason);

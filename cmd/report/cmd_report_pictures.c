@@ -1,5 +1,5 @@
-/* The pictures of a report: a scene drawn by several engines, and how each differs from the first.
- */
+/* The pictures of a report: a scene drawn by several engines, and the differences of each to the
+ * first. */
 #define _POSIX_C_SOURCE 200809L /* strtok_r */
 #include "cmd/report/cmd_report_gallery.h"
 
@@ -65,7 +65,7 @@ void gallery_show(struct gallery *gallery, const char *title, const char *captio
         gallery_unread(gallery, title, said, status, &why);
 }
 
-/* The first of each kind of member that the user named, for commands that take one. */
+/* Passes the first of each kind of member that the user named, for commands that take one. */
 static void pass_members(struct line *line, const struct report_options *options, bool layout)
 {
     for (size_t i = 0; i < options->passed_count; i++) {
@@ -114,7 +114,7 @@ enum status gallery_run(struct gallery *gallery, command_fn *command, struct lin
     return status;
 }
 
-/* Draws the scene. *there: there is a picture. */
+/* Draws the scene. *there is set if there is a picture. */
 static enum status draw(struct gallery *gallery, const char *engine, bool *there,
                         struct reason *reason)
 {
@@ -131,7 +131,7 @@ static enum status draw(struct gallery *gallery, const char *engine, bool *there
         return status;
     if (how.code == EXIT_SKIPPED && !gallery->named) {
         gallery_complain(gallery, engine,
-                         how.said); /* as in check: an engine that was not named may be missing */
+                         how.said); /* as in check: unnamed engines may be missing */
         return STATUS_OK;
     }
     gallery->code = exit_worse(gallery->code, how.code);
@@ -143,7 +143,8 @@ static enum status draw(struct gallery *gallery, const char *engine, bool *there
     return STATUS_OK;
 }
 
-/* "126 of 49152 pixels differ, at most by 255; every difference is explained" */
+/* Writes a caption such as "126 of 49152 pixels differ, at most by 255; every difference is
+ * explained". */
 static void caption_of(const json_t *pair, char *caption, size_t caption_bytes)
 {
     size_t different = value_count(pair, "values_different");
@@ -157,7 +158,7 @@ static void caption_of(const json_t *pair, char *caption, size_t caption_bytes)
                                             : "NOT every difference is allowed");
 }
 
-/* Adds the heat maps of raydiff diff: one for each engine but the first. */
+/* Adds the heat maps of raydiff diff, one for each engine except the first. */
 static void show_maps(struct gallery *gallery, const json_t *pairs, const char *said)
 {
     char name[NAME_BYTES], title[2 * NAME_BYTES], caption[200];
@@ -172,7 +173,7 @@ static void show_maps(struct gallery *gallery, const json_t *pairs, const char *
     }
 }
 
-/* Compares what the engines draw, path by path. */
+/* Compares the engines' pictures path by path. */
 static enum status compare(struct gallery *gallery, const char *const *engine, size_t count,
                            struct reason *reason)
 {
@@ -203,7 +204,8 @@ static enum status compare(struct gallery *gallery, const char *const *engine, s
 
 /* --- all ---------------------------------------------------------------------------------- */
 
-/* The engines that draw: those of --engine, or the reference and what is independent of it. */
+/* Chooses the engines that draw: those of --engine, or the reference and engines independent of
+ * it. */
 static size_t choose_engines(const struct report_options *options, char *text, size_t text_bytes,
                              const char *engine[ENGINES_MOST])
 {
@@ -217,7 +219,8 @@ static size_t choose_engines(const struct report_options *options, char *text, s
     return count;
 }
 
-/* First what each engine draws, then how each differs from the first that could. */
+/* Adds the picture of each engine, then the differences of each to the first one that could
+ * draw. */
 static enum status make_scene(struct gallery *gallery, const char *const *engine, size_t count,
                               struct reason *reason)
 {

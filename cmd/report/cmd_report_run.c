@@ -1,5 +1,5 @@
-/* The children of raydiff report: each is a sub-command in a process of its own, so that one that
- * crashes or hangs is a line in the report, and what it prints goes to a file. */
+/* The child processes of raydiff report. Each runs a sub-command, so that one that crashes or hangs
+ * only adds a line to the report; its output goes to a file. */
 #define _GNU_SOURCE /* strsignal */
 #include "cmd/report/cmd_report.h"
 
@@ -15,8 +15,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#define LOOK_MS   200u  /* between looks at progress and signals */
-#define END_MS    5000u /* that a child which has answered may take to end */
+#define LOOK_MS   200u  /* time between checks of progress and signals */
+#define END_MS    5000u /* time for a child to exit after it answered */
 #define PATH_MOST 4096
 
 static volatile sig_atomic_t stop_signal;
@@ -110,7 +110,7 @@ struct run_order {
     char out[PATH_MOST], err[PATH_MOST];
 };
 
-/* A standard file becomes the file at `path`. */
+/* Redirects a standard stream to the file at `path`. */
 static bool stand_in(const char *path, int flags, int standard)
 {
     int code = -1, file = file_open_again(AT_FDCWD, path, flags);
@@ -140,10 +140,10 @@ static void obey(struct child *parent, void *user)
     }
     fflush(NULL);
     if (!child_send(parent, &code, sizeof code, CHILD_FOREVER))
-        _exit(EXIT_INTERNAL); /* there is no output left to report it */
+        _exit(EXIT_INTERNAL); /* no output is left to report this */
 }
 
-/* Lines of the child's standard error without those of progress, "raydiff check: 10 s: ...". */
+/* Reads the child's standard error without progress lines such as "raydiff check: 10 s: ...". */
 static void read_said(const char *path, struct run *run)
 {
     char line[RUN_SAID_MOST];
@@ -162,7 +162,7 @@ static void read_said(const char *path, struct run *run)
         run->said[used - 1] = '\0';
 }
 
-/* Waits until it answers, ends, takes too long, or we are to stop. */
+/* Waits until the child answers, ends or takes too long, or a signal stops the report. */
 static void attend(struct runner *runner, struct child *child, const struct line *line,
                    struct run *run)
 {

@@ -1,4 +1,4 @@
-/* Which of the options that raydiff report was given its parts use. */
+/* Decides which of the options of raydiff report its parts use. */
 #include "cmd/report/cmd_report_parts.h"
 
 #include "cmd/bench/cmd_bench.h"
@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-/* What takes part in a part. */
+/* The members and options that a part uses. */
 struct part_use {
     struct option_use use;
     struct list engine, layout, rays;
@@ -20,7 +20,8 @@ static const char *value_of(const struct line *line, const char *flag)
     return NULL;
 }
 
-/* Those that were named, were read before, and are names of the table. */
+/* The members in `named`, else in `or_else`, else the whole table. The text was parsed before; text
+ * that cannot be parsed gives an empty list. */
 static struct list list_of(enum table table, const char *named, const char *or_else)
 {
     struct list list = {.count = 0};
@@ -87,7 +88,7 @@ int report_check_use(const struct report_options *options)
         {options->findings, " baseline"},
         {options->findings, machine},
     };
-    for (size_t i = 0; options->findings && i < engine.count; i++) /* which it brings to them */
+    for (size_t i = 0; options->findings && i < engine.count; i++) /* replay gets peers from here */
         if (engine_is_peer(engines[engine.index[i]]))
             strcat(only, " engine");
     for (size_t i = 0; options->findings && i < layout.count; i++)
