@@ -1,4 +1,5 @@
-/* raydiff explain: one ray, one engine; what is right, what was answered, and why it is wrong. */
+/* raydiff explain: for one ray and one engine, shows the right answer, the given answer and why it
+ * is wrong. */
 #include "cmd/explain/cmd_explain_inner.h"
 
 #include "fuzz/play/player.h"
@@ -67,18 +68,18 @@ static const struct option_set set = {
     .example = "explain soup:n=300 --rays vertices --layout rtrs_rf_paper",
 };
 
-/* What one run holds. */
+/* State of a run. */
 struct explaining {
     struct explain_options *options;
-    struct finding_file file; /* if that is what is explained */
+    struct finding_file file; /* if a finding's file is explained */
     struct scene scene;
     struct oracle *oracle;
-    struct tree_file tree; /* of --bvh */
+    struct tree_file tree; /* from --bvh */
     struct bvh bvh;
     struct packed packed;
     struct pool pool;
     struct explain_decode decode;
-    struct fuzz_player *player; /* of the file's trial, once it is played at another scale */
+    struct fuzz_player *player; /* plays the file's trial at another scale; opened on first use */
     struct ray *ray;
     size_t ray_count; /* 1 with --ray */
 };
@@ -130,7 +131,8 @@ static enum status make_tree(struct explaining *e, struct reason *reason)
     return status;
 }
 
-/* Explains a ray; that of a file as the campaign did that wrote it. */
+/* Explains a ray. A ray of a finding's file is explained in the same way as in the campaign that
+ * wrote it. */
 static enum status explain_ray(struct explaining *e, struct judged *judged, size_t index,
                                struct judged_ray *out, struct reason *reason)
 {
@@ -149,8 +151,8 @@ static enum status explain_ray(struct explaining *e, struct judged *judged, size
     return status;
 }
 
-/* Explains the ray of --ray or --index, or the first wrong one (with the cause looked for). *index is the
- * number of rays if there is none. */
+/* Explains the ray of --ray or --index, or the first wrong one (with the requested cause). *index
+ * is the number of rays if there is none. */
 static enum status choose(struct explaining *e, struct judged *judged, struct judged_ray *out,
                           size_t *index, struct reason *reason)
 {
@@ -169,7 +171,7 @@ static enum status choose(struct explaining *e, struct judged *judged, struct ju
     }
 }
 
-/* *code: the exit code. */
+/* Explains the chosen ray and prints its page. *code: the exit code. */
 static enum status explain_one(struct explaining *e, struct judged *judged, int *code,
                                struct reason *reason)
 {
@@ -273,7 +275,7 @@ int cmd_explain(int argc, char **argv)
     code = explain_check_use(&options, argv + first);
     if (code >= 0)
         return finding_file_free(&e.file), code;
-    /* What the file holds is the run's; freed there. */
+    /* The run takes over the file's scene and rays and frees them below. */
     e.scene = e.file.trial.scene, e.ray = e.file.trial.ray, e.ray_count = e.file.trial.ray_count;
     code = EXIT_AGREE;
     enum status status = options.about_tree

@@ -1,5 +1,4 @@
-/* raydiff explain of a layout from outside: what its C and its GLSL decode, held against each
- * other. */
+/* raydiff explain of an external layout: compares what its C and its GLSL decode. */
 #include "cmd/explain/cmd_explain_inner.h"
 
 #include "ref/outside/plugin_shader.h"

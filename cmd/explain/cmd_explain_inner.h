@@ -1,4 +1,4 @@
-/* What the parts of raydiff explain share. For commands only. */
+/* Shared by the files of raydiff explain. Commands only. */
 #ifndef CMD_EXPLAIN_INNER_H
 #define CMD_EXPLAIN_INNER_H
 
@@ -17,58 +17,59 @@ struct explain_options {
     uint64_t count, index;
     bool has_index, has_cause, has_engine;
     bool has_file;    /* scene, rays and test come from a finding's file */
-    bool about_tree;  /* of a finding that is on no ray */
+    bool about_tree;  /* the finding has no ray */
     bool has_trial;   /* all of them come from a trial's name */
-    enum cause cause; /* looked for, if has_cause */
+    enum cause cause; /* the requested cause, if has_cause */
     struct engine_options engines;
 };
 
-/* Takes what is to be explained: a scene, the name of a trial of raydiff conform, or a finding's
- * file, which is then read into *file. Errors: STATUS_INPUT; as finding_file_read. */
+/* Reads the subject: a scene, the name of a trial of raydiff conform, or a finding's file, which is
+ * read into *file. Errors: STATUS_INPUT; those of finding_file_read. */
 enum status explain_take_subject(struct explain_options *options, const char *text,
                                  struct finding_file *file, struct reason *reason) MUST_USE;
 
-/* What explain_decode found. */
+/* The result of explain_decode. */
 struct explain_decode {
-    bool asked;    /* the layout is from outside and has a shader */
-    bool compared; /* else `why` not */
+    bool asked;    /* the layout is external and has a shader */
+    bool compared; /* false: `why` holds the reason */
     struct decoded decoded;
     struct reason why;
 };
 
-/* Compares what C and GLSL of a layout from outside decode. Errors: as decode_compare, but that it
- * cannot be done here. */
+/* Compares what C and GLSL of an external layout decode. Errors: those of decode_compare, except
+ * that it cannot run here. */
 enum status explain_decode(const struct explain_options *o, const struct packed *packed,
                            struct explain_decode *out, struct reason *reason) MUST_USE;
 
-/* EXIT_AGREE, EXIT_MISMATCH or, if it is asked and cannot run here, EXIT_SKIPPED. */
+/* EXIT_AGREE, EXIT_MISMATCH, or EXIT_SKIPPED if `asked` but it cannot run here. */
 int explain_decode_code(const struct explain_decode *decode);
 
-/* Prints it, if `asked`. */
+/* Prints the result if `asked`. */
 void explain_decode_print(const struct explain_decode *decode);
 
-/* The same as JSON; null unless `asked`. The caller owns it. */
+/* The result as JSON; null unless `asked`. The caller owns it. */
 json_t *explain_decode_json(const struct explain_decode *decode);
 
-/* Writes o->json, if there is one, where no answer of `count` rays is wrong. Errors: as
+/* Writes o->json, if set, when no answer of `count` rays is wrong. Errors: those of
  * explain_write_json. */
 enum status explain_write_none(const struct explain_options *o, size_t count,
                                const struct explain_decode *decode, int exit_code,
                                struct reason *reason) MUST_USE;
 
 /* Explains a finding about a tree: prints which record, slot and bound are at fault, and writes
- * o->json. *code: the exit code. Errors: as fuzz_play and fuzz_trial_tree; STATUS_INPUT cannot
- * write. */
+ * o->json. *code: the exit code. Errors: those of fuzz_play and fuzz_trial_tree; STATUS_INPUT
+ * cannot write. */
 enum status explain_tree_finding(const struct explain_options *o, const struct finding_file *file,
                                  int *code, struct reason *reason) MUST_USE;
 
-/* Writes the command that explains ray `index` of the finding's file again; NULL if there is no
- * file. */
+/* Writes the command that explains ray `index` of the finding's file again. Returns NULL if there
+ * is no file. */
 const char *explain_again(const struct explain_options *options, size_t index,
                           char text[EXPLAIN_COMMAND_MOST]);
 
-/* Refuses options that this ray does not use, in one line. A trial's name and a finding's file decide
- * all but how they are played. Returns -1 if there are none, else the exit code. */
+/* Rejects options that this ray does not use, in one line. A trial's name and a finding's file
+ * decide everything except how they are played. Returns -1 if there are none, else the exit
+ * code. */
 int explain_check_use(const struct explain_options *options, char *const *spec);
 
 #endif

@@ -1,4 +1,5 @@
-/* The page of raydiff explain as JSON. Floats stand as bit patterns beside the readable number. */
+/* The page of raydiff explain as JSON. Floats are written as bit patterns and as readable
+ * numbers. */
 #include "cmd/explain/cmd_explain_inner.h"
 
 #include "ref/explain/outside.h"
@@ -59,7 +60,7 @@ static json_t *tried_json(const struct explanation *why)
     return out;
 }
 
-/* Repairs that help only together. */
+/* Lists the repairs that only help together. */
 static json_t *needed_json(const struct explanation *why)
 {
     json_t *out = json_array();

@@ -1,4 +1,4 @@
-/* The page of raydiff explain, for a person. */
+/* The page of raydiff explain as text. */
 #include "cmd/explain/cmd_explain.h"
 
 #include "cmd/common/cmd_tables.h"
@@ -141,7 +141,7 @@ static void print_bound(const char *name, const struct explain_bound *bound)
            (double)bound->decoded);
 }
 
-/* The node where the way ended: words, bounds, slabs. */
+/* Prints the node where the traversal ended: words, bounds, slabs. */
 static void print_node(const struct explain_step *step)
 {
     static const char *const names[] = {"x lo", "x hi", "y lo", "y hi", "z lo", "z hi"};
@@ -199,7 +199,7 @@ static void print_end(const struct explain_page *page)
     }
 }
 
-/* What is exact about one triangle, and what the engine's formula can tell. */
+/* Prints the exact result for one triangle, and what the engine's formula can decide. */
 static void print_triangle(const struct explain_page *page, uint32_t prim)
 {
     const struct judged *judged = page->judged;
@@ -249,8 +249,8 @@ static void print_defect(const struct explain_imitation *one)
         printf(" (%u)", one->parameter);
 }
 
-/* How a defect failed to predict the engine; of several parameters that of the one which went the
- * farthest. */
+/* Prints how a defect failed to predict the engine. With several parameters, the one that got
+ * farthest is printed. */
 static void print_failed(const struct explanation *why, enum defect defect)
 {
     const struct explain_imitation *most = NULL;
@@ -295,7 +295,8 @@ static void print_imitated(const struct explanation *why)
         print_failed(why, defect);
 }
 
-/* An engine whose tree is not seen lost what is exactly hit, whether that is allowed or not. */
+/* Prints hints if an engine with an unknown tree missed a triangle that is hit exactly, whether or
+ * not the miss is allowed. */
 static void print_hints(const struct explain_page *page)
 {
     const struct judged_ray *ray = page->ray;
@@ -309,7 +310,7 @@ static void print_hints(const struct explain_page *page)
                cause_name(hint[i].cause));
 }
 
-/* The other faults of a ray that has several. */
+/* Prints the other faults of a ray that has several. */
 static void print_needed(const struct explanation *why)
 {
     bool first = true;

@@ -1,4 +1,4 @@
-/* The subject of raydiff explain: a scene, a trial's name, a finding's file. */
+/* The subject of raydiff explain: a scene, a trial's name or a finding's file. */
 #include "cmd/explain/cmd_explain_inner.h"
 
 #include "ref/outside/plugin_shader.h"
@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A trial's name stands for its options; what begins like one is one. */
+/* True if the text begins like a trial's name, with a query and a dot. */
 static bool is_trial(const char *text)
 {
     for (enum query query = 0; query < QUERY_COUNT; query++) {
@@ -23,7 +23,7 @@ static bool is_trial(const char *text)
 
 static enum status take_trial(struct explain_options *o, const char *text, struct reason *reason)
 {
-    static struct trial trial; /* its scene is borrowed */
+    static struct trial trial; /* static: the options point to its scene */
     enum status status = trial_parse(text, &trial, reason);
     if (!status && trial.query == QUERY_ALL)
         status = fail(reason, STATUS_INPUT, "trial: closest or any can be explained, not all");
@@ -55,7 +55,7 @@ static bool is_file(const char *text)
     return length > least && strcmp(text + length - least, ending) == 0;
 }
 
-/* The engine of a signature, unless the user names another. */
+/* Uses the signature's engine, unless the user named another. */
 static enum status take_engine(struct explain_options *o, const struct fuzz_signature *signature,
                                struct reason *reason)
 {
@@ -67,8 +67,8 @@ static enum status take_engine(struct explain_options *o, const struct fuzz_sign
     return STATUS_OK;
 }
 
-/* The file decides everything but engine and layout. Without --index and --cause its own cause is
- * looked for, where it has one. */
+/* The file decides everything except engine and layout. Without --index and --cause, its own cause
+ * is searched for, if it has one. */
 static enum status take_file(struct explain_options *o, const char *path, struct finding_file *file,
                              struct reason *reason)
 {

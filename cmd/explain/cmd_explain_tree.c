@@ -1,5 +1,5 @@
-/* raydiff explain of a finding about a tree: which record, slot and bound of it are at fault, and
- * by which rule. It is on no ray, and any engine that takes trees will do. */
+/* raydiff explain of a finding about a tree: shows which record, slot and bound are at fault, and
+ * by which rule. Such a finding has no ray, and any engine that takes trees can be used. */
 #include "cmd/explain/cmd_explain_inner.h"
 
 #include "fuzz/play/player.h"
@@ -11,8 +11,8 @@
 
 #include <stdio.h>
 
-/* The finding of raydiff fuzz and replay about the trial's tree: *finding is of FUZZ_KIND_TREE, or
- * of FUZZ_KIND_COUNT if nothing is at fault. */
+/* Plays the trial and finds the fault of its tree, as raydiff fuzz and replay do. The kind of
+ * *finding is FUZZ_KIND_TREE, or FUZZ_KIND_COUNT if nothing is at fault. */
 static enum status find_fault(const struct explain_options *o, const struct fuzz_trial *trial,
                               struct fuzz_finding *finding, struct reason *reason)
 {
@@ -33,8 +33,8 @@ static enum status find_fault(const struct explain_options *o, const struct fuzz
     return status;
 }
 
-/* A layout that cannot hold the tree, or does not survive packing it, is no fault of the tree; of
- * one that can C and GLSL are compared. */
+/* Packs the tree and compares what C and GLSL decode. A layout that cannot hold the tree or fails
+ * to pack it is an error, not a fault of the tree. */
 static enum status try_packing(const struct explain_options *o, const struct fuzz_trial *trial,
                                struct explain_decode *decode, struct reason *reason)
 {
