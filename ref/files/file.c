@@ -17,13 +17,13 @@ const char *file_label(const char *path)
     return length > LABEL_LENGTH ? path + length - LABEL_LENGTH : path;
 }
 
-/* A growing array of bytes, always with room for the 0 after the last. */
+/* A growing array of bytes, with room for a 0 after the last. */
 struct buffer {
     char *bytes;
     size_t size, capacity;
 };
 
-/* A file being read: its name, for reasons, and how many bytes it may have. */
+/* A file being read: its name for reasons, and its largest size in bytes. */
 struct source {
     const char *label;
     size_t most;
@@ -39,7 +39,7 @@ static enum status too_large(const struct source *source, size_t most, struct re
                 source->label, source->most);
 }
 
-/* Makes room for `more` bytes and the 0. */
+/* Makes room for `more` bytes and the 0 after them. */
 static enum status buffer_reserve(struct buffer *buffer, size_t more, struct reason *reason)
 {
     enum status status =
@@ -49,7 +49,7 @@ static enum status buffer_reserve(struct buffer *buffer, size_t more, struct rea
     return STATUS_OK;
 }
 
-/* Reads until there is no more; `expected` bytes are a guess. */
+/* Reads to the end of the file. `expected` is an estimate of its size. */
 static enum status read_all(const struct source *source, int file, size_t expected,
                             struct buffer *buffer, struct reason *reason)
 {
@@ -98,15 +98,16 @@ static bool is_gzip(const char *bytes, size_t size)
     return size >= 2 && (unsigned char)bytes[0] == 0x1F && (unsigned char)bytes[1] == 0x8B;
 }
 
-/* Unzipped bytes that a file may have. Real meshes are unzipped to 2 to 25 times their size, zeros
- * to 1000 times. */
+/* The largest size that a gzip file of `packed` bytes may unzip to. Real meshes unzip to 2 to 25
+ * times their size, zeros to 1000 times. */
 static size_t unzipped_most(size_t packed)
 {
     return FILE_UNZIPPED_TIMES * packed + FILE_UNZIPPED_FIXED;
 }
 
-/* Makes room for at least one byte and the 0; never for more than `most` + 2. What is beyond half
- * of that is taken at once: old and new array together are then at most one and a half times it. */
+/* Makes room for at least one byte and the 0, and for at most `most` + 2 bytes. Beyond half of
+ * `most` all of it is allocated at once, so that the old and the new array together never exceed
+ * one and a half times that. */
 static enum status unzip_reserve(struct buffer *out, size_t most, struct reason *reason)
 {
     if (out->capacity >= out->size + 2)
@@ -121,13 +122,13 @@ static enum status unzip_reserve(struct buffer *out, size_t most, struct reason 
     return STATUS_OK;
 }
 
-/* Unzips one member, the gzip data that begin at packed[*at], and moves *at behind it. */
+/* Unzips one gzip member, which begins at packed->bytes[*at], and moves *at behind it. */
 static enum status gunzip_member(const struct source *source, const struct buffer *packed,
                                  size_t *at, struct buffer *out, struct reason *reason)
 {
     z_stream zip = {.next_in = (Bytef *)packed->bytes + *at,
                     .avail_in = (uInt)(packed->size - *at)};
-    if (inflateInit2(&zip, 15 + 16) != Z_OK) /* the largest window, gzip header only */
+    if (inflateInit2(&zip, 15 + 16) != Z_OK) /* largest window, gzip header only */
         return fail(reason, STATUS_MEMORY, "%s: no memory to unzip", source->label);
     size_t most = unzipped_most(packed->size);
     most = most < source->most ? most : source->most;

@@ -1,4 +1,4 @@
-/* Files that appear whole or not at all. */
+/* Writes files atomically: each appears whole or not at all. */
 #define _GNU_SOURCE /* realpath, fopencookie */
 #include "ref/files/file.h"
 
@@ -12,18 +12,18 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Names of the temporary files that process `owner` has open, for file_out_abandon, and the folders
- * that they are in. More than there are slots for are not known to it. */
+/* For file_out_abandon: names and folders of the temporary files that process `owner` has open.
+ * Files beyond the last slot are not recorded. */
 static _Atomic(const char *) open_name[16];
 static atomic_int open_folder[16];
 static atomic_long owner;
-static const char taken[] = ""; /* of a slot that is being filled */
+static const char taken[] = ""; /* marks a slot that is being filled */
 
 static void name_know(int folder, const char *name)
 {
     bool mine = atomic_exchange(&owner, (long)getpid()) == (long)getpid();
     for (size_t i = 0; i < ARRAY_COUNT(open_name) && !mine; i++)
-        atomic_store(&open_name[i], NULL); /* of the process that this one was forked from */
+        atomic_store(&open_name[i], NULL); /* inherited from the parent process */
     for (size_t i = 0; i < ARRAY_COUNT(open_name); i++) {
         const char *none = NULL;
         if (atomic_compare_exchange_strong(&open_name[i], &none, taken)) {
@@ -53,7 +53,7 @@ void file_out_abandon(void)
     }
 }
 
-/* Writes of a stream: all of it, also where the system takes a part, or is interrupted. */
+/* The write function of a stream: writes all bytes, also after partial and interrupted writes. */
 static ssize_t put_all(void *cookie, const char *bytes, size_t size)
 {
     const int file = (int)(intptr_t)cookie;
@@ -69,20 +69,20 @@ static ssize_t put_all(void *cookie, const char *bytes, size_t size)
     return (ssize_t)size;
 }
 
-/* Closes it and leaves errno as `why`. */
+/* Closes `file` and sets errno to `why`. */
 static void close_for(int file, int why)
 {
     close(file);
     errno = why;
 }
 
-/* Linux has closed the file even if close() returns EINTR. */
+/* EINTR is no error: Linux has then closed the file. */
 static int put_close(void *cookie)
 {
     return close((int)(intptr_t)cookie) == 0 || errno == EINTR ? 0 : -1;
 }
 
-/* The stream of a descriptor, which it then owns; closed without memory. */
+/* Makes a stream that owns the descriptor. On error the descriptor is closed. */
 static FILE *stream_of(int file)
 {
     const cookie_io_functions_t how = {.write = put_all, .close = put_close};
@@ -92,7 +92,7 @@ static FILE *stream_of(int file)
     return stream;
 }
 
-/* Opens what is to become `name`: without a name where that can be, else under a temporary one. */
+/* Opens the file that will become `name`: nameless if possible, else under a temporary name. */
 static void open_temporary(int folder, const char *name, struct file_out *out)
 {
     temporary_sweep(folder, name);
@@ -171,13 +171,13 @@ static void forget_temporary(struct file_out *out)
     out->temporary = NULL;
 }
 
-/* The name that it has under its goal's folder. */
+/* The goal's name, relative to the folder. */
 static const char *goal_of(const struct file_out *out)
 {
     return out->within ? strrchr(out->path, '/') + 1 : out->path;
 }
 
-/* Gives it its goal's name; of a folder that is open the name is then on the disk, too. */
+/* Renames or links the file to its goal. If it was opened in a folder, syncs the folder, too. */
 static bool take_goal(struct file_out *out)
 {
     int folder = out->within ? out->folder : AT_FDCWD;
@@ -195,7 +195,7 @@ enum status file_out_commit(struct file_out *out, struct reason *reason)
 {
     errno = 0;
     bool good = fflush(out->stream) == 0 && !ferror(out->stream);
-    /* So that after a crash of the machine the new name never stands for an empty file. */
+    /* Sync first, so that after a crash of the machine the goal is never an empty file. */
     if (good && out->held && !out->unsynced)
         good = file_sync(out->file) == 0;
     int why = errno;

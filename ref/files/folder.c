@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* A named pipe is not waited for, a terminal does not become ours; both are refused once open. */
+/* Opening must not wait for a named pipe or acquire a terminal; check_file rejects both. */
 #define CAREFULLY  (O_NOFOLLOW | O_NONBLOCK | O_NOCTTY)
 #define STAT_FLAGS AT_SYMLINK_NOFOLLOW
 
@@ -26,7 +26,7 @@ void folder_path(const struct folder *folder, const char *name, char *path, size
     snprintf(path, path_bytes, "%s/%s", folder->path, name);
 }
 
-/* The path of a name in reasons. */
+/* Buffer for the path of a name, for reasons. */
 struct place {
     char path[FOLDER_PATH_MOST];
 };
@@ -47,7 +47,8 @@ static const char *kind_name(mode_t mode)
                             : "a device";
 }
 
-/* What is there of that name, without opening it: a regular file, or a folder, or nothing. */
+/* Looks up a name without opening it. Sets *there if it exists; fails if it is not of kind
+ * `want`. */
 static enum status look(const struct folder *folder, const char *name, mode_t want, bool *there,
                         struct reason *reason)
 {
@@ -75,7 +76,7 @@ enum status folder_has_folder(const struct folder *folder, const char *name, boo
     return look(folder, name, S_IFDIR, there, reason);
 }
 
-/* Takes the descriptor, -1 if there is none. */
+/* Makes a folder of an open descriptor, or fails with errno if it is -1. */
 static enum status become(int file, const char *path, struct folder *out, struct reason *reason)
 {
     if (file < 0)
@@ -121,7 +122,7 @@ void folder_close(struct folder *folder)
     *folder = (struct folder){0};
 }
 
-/* What was opened is what was looked at, or was put there since. */
+/* Checks an open file: it may have been replaced since its name was looked up. */
 static enum status check_file(int file, const char *path, bool append, struct reason *reason)
 {
     struct stat about;
@@ -227,6 +228,6 @@ static enum status remove_temporary(void *user, const char *name, struct reason 
 
 enum status folder_clean(const struct folder *folder, struct reason *reason)
 {
-    struct folder copy = *folder; /* borrowed, for `user` is not const */
+    struct folder copy = *folder; /* `user` is not const */
     return folder_list(folder, remove_temporary, &copy, reason);
 }

@@ -35,7 +35,7 @@ static bool is_line_end(char c)
     return c == '\n' || c == '\r';
 }
 
-/* Steps over the line end at the cursor. */
+/* Skips the line end at the cursor. */
 static void step_line(struct scan *scan)
 {
     bool pair = scan->at[0] == '\r' && scan->at[1] == '\n';
@@ -43,7 +43,7 @@ static void step_line(struct scan *scan)
     scan->line++;
 }
 
-/* At a backslash that joins two lines. */
+/* Returns true at a backslash that joins two lines. */
 static bool at_join(const struct scan *scan)
 {
     return scan->joins && scan->at[0] == '\\' && scan->at + 1 < scan->end &&

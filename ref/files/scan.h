@@ -1,4 +1,4 @@
-/* A cursor over the text of a mesh file that counts lines, for the text formats. */
+/* A cursor over the text of a mesh file, which counts lines. For all text formats. */
 #ifndef SCAN_H
 #define SCAN_H
 
@@ -8,14 +8,14 @@
 struct scan {
     const char *name; /* of the file, for reasons */
     const char *start, *at;
-    const char *end; /* *end is 0, so that no number runs past it */
-    uint64_t line;   /* of `at`, from 1 */
-    bool binary;     /* reasons name the byte, not the line */
-    bool joins;      /* a backslash right before the end of a line joins it with the next */
-    char comment;    /* starts a comment where a word could begin; 0: none */
+    const char *end; /* *end is 0, so that no number is read beyond it */
+    uint64_t line;   /* line number of `at`, from 1 */
+    bool binary;     /* reasons print the byte instead of the line */
+    bool joins;      /* a backslash before a line end joins two lines */
+    char comment;    /* starts a comment at the beginning of a word; 0: none */
 };
 
-/* A cursor at the start of `bytes`, where bytes[size] is 0; borrowed. */
+/* Returns a cursor at the start of `bytes`, which is borrowed; bytes[size] must be 0. */
 struct scan scan_make(const char *name, const char *bytes, size_t size);
 
 /* Writes "NAME:LINE: " or "NAME: byte N: " and the formatted rule; returns STATUS_INPUT. */
@@ -25,24 +25,25 @@ enum status scan_fail(const struct scan *scan, struct reason *reason, const char
 /* Skips spaces and tabs, and joined line ends. */
 void scan_blanks(struct scan *scan);
 
-/* True at the end of the line's words: line end, comment or end of file. After scan_blanks. */
+/* Returns true at a line end, a comment or the end of the file. Call after scan_blanks. */
 bool scan_line_done(const struct scan *scan);
 
-/* Goes to the start of the next line. A comment is never joined with the line after it. */
+/* Moves to the start of the next line. A comment is never joined with the line after it. */
 void scan_next_line(struct scan *scan);
 
-/* True at a byte that ends a word: blank, line end, end of file. */
+/* Returns true at a blank, a line end or the end of the file. */
 bool scan_word_done(const struct scan *scan);
 
-/* Skips blanks and then one word, which is *word with the length returned; 0 at the line's end. */
+/* Skips blanks and one word. Sets *word to it and returns its length, 0 at the end of the line. */
 size_t scan_word(struct scan *scan, const char **word);
 
 #define SCAN_SHOWN 32
 
-/* The word at the cursor (or "end of line"), cut and with unprintable bytes as '?', for reasons. */
+/* Returns the word at the cursor, or "end of line" or "end of file", for reasons. Long words are
+ * cut, and unprintable bytes are '?'. */
 const char *scan_show(const struct scan *scan, char shown[SCAN_SHOWN]);
 
-/* Skips blanks and reads a word that is a decimal within the range of a float; `what` names it in
+/* Skips blanks and reads a word that is a decimal within the range of a float. `what` is printed in
  * the reason. Errors: STATUS_INPUT. */
 enum status scan_float(struct scan *scan, const char *what, float *out,
                        struct reason *reason) MUST_USE;
@@ -51,8 +52,8 @@ enum status scan_float(struct scan *scan, const char *what, float *out,
 enum status scan_whole(struct scan *scan, const char *what, int64_t *out,
                        struct reason *reason) MUST_USE;
 
-/* Reads [+-]digits at the cursor, without blanks and without looking at what follows.
- * False, the cursor unmoved, if there are none or more than 18. */
+/* Reads [+-]digits at the cursor, without skipping blanks or checking what follows. Returns false
+ * and does not move if there are no digits or more than 18. */
 bool scan_digits(struct scan *scan, int64_t *out);
 
 #endif

@@ -23,8 +23,8 @@ static char *name_of(const char *goal, unsigned number)
     return asprintf(&name, "%s" MARK "%u" END, goal, number) < 0 ? NULL : name;
 }
 
-/* Takes the lock. False: another process, which removes what is left behind, was faster. Without
- * locks nothing is removed. */
+/* Locks a new file. Returns false if another process took it for a leftover and removed it. On a
+ * file system without locks nothing is removed. */
 static bool hold(int file)
 {
     struct stat about;
@@ -33,8 +33,8 @@ static bool hold(int file)
     return fstat(file, &about) != 0 || about.st_nlink > 0;
 }
 
-/* Opens what lies at `name` and takes its lock, if a killed process of this user left it there:
- * as long as the lock is held no other may come to lie there. -1: it is to stay. */
+/* Opens `name` and locks it, if a killed process of this user left it. While it is locked, no other
+ * process replaces it. Returns -1 if it must not be removed. */
 static int take_left(int folder, const char *name, mode_t kind)
 {
     struct stat about, open;
@@ -111,7 +111,7 @@ bool temporary_link(int file, int folder, const char *name, char **temporary)
     return false;
 }
 
-/* Of several writers at once each has one of the first names: two that are free end the search. */
+/* Several writers at once use the first numbers, so two free ones in a row end the search. */
 void temporary_sweep(int folder, const char *name)
 {
     struct stat about;
@@ -128,7 +128,7 @@ void temporary_sweep(int folder, const char *name)
     }
 }
 
-/* Drops the digits at the end and the point before them. False: there are none. */
+/* Removes a point and digits from the end. Returns false if there are none. */
 static bool drop_number(const char *name, size_t *length)
 {
     size_t end = *length;
@@ -140,7 +140,7 @@ static bool drop_number(const char *name, size_t *length)
     return true;
 }
 
-/* NAME.raydiff.N.tmp, and NAME.PID.N.tmp of earlier versions. */
+/* NAME.raydiff.N.tmp, or NAME.PID.N.tmp of earlier versions. */
 bool temporary_is_name(const char *name)
 {
     const size_t mark = sizeof MARK - 2; /* without its second point */

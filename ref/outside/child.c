@@ -17,10 +17,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* Highest file number that is closed where the kernel has no close_range. */
+/* File descriptors below this are closed one by one if the kernel has no close_range. */
 #define FILES_MOST 4096
 
-/* What a message begins with. */
+/* Header of a message. */
 struct child_head {
     uint64_t size;
 };
@@ -43,9 +43,10 @@ static _Noreturn void live(child_fn *run, void *user, int file, pid_t parent)
     struct child end = {.file = file};
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent)
-        _exit(0); /* it was gone before that took effect */
+        _exit(0); /* the parent ended before the call took effect */
     setrlimit(RLIMIT_CORE, &none);
-    child_close_files(3, file); /* ends of siblings, which would never see their parent end */
+    child_close_files(3, file); /* including the ends of siblings, which would else never see their
+                                 * parent end */
     run(&end, user);
     fflush(stdout);
     _exit(0);
@@ -57,7 +58,7 @@ enum status child_start(child_fn *run, void *user, struct child *out, struct rea
     *out = (struct child){0};
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, file) != 0)
         return fail(reason, STATUS_DEVICE, "no socket: %s", strerror(errno));
-    fflush(NULL); /* or the child would have it to print, too */
+    fflush(NULL); /* else the child would print it, too */
     pid_t parent = getpid(), pid = fork();
     if (pid == 0)
         live(run, user, file[1], parent);
@@ -71,7 +72,8 @@ enum status child_start(child_fn *run, void *user, struct child *out, struct rea
     return STATUS_OK;
 }
 
-/* Sleeps until the file is ready for `what` or the time is over; false then. */
+/* Waits until the file is ready for `what`, at most 1 s. Returns false once `ms` since `start` have
+ * passed. */
 static bool wait_for(int file, short what, uint32_t ms, uint64_t start)
 {
     struct pollfd wait = {.fd = file, .events = what};
@@ -83,14 +85,15 @@ static bool wait_for(int file, short what, uint32_t ms, uint64_t start)
     return true;
 }
 
-/* Also what the system lacks memory for may be had later; the other end is still there. */
+/* Returns true if the call can be repeated later. That includes a lack of system memory. */
 static bool would_block(void)
 {
     return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR || errno == ENOMEM ||
            errno == ENOBUFS;
 }
 
-/* Head and body in one go where that is possible: a small message is seen whole or not at all. */
+/* Sends header and body with one call if possible, so that a small message arrives whole or not at
+ * all. */
 bool child_send(struct child *end, const void *bytes, size_t size, uint32_t ms)
 {
     struct child_head head = {size};
@@ -102,7 +105,7 @@ bool child_send(struct child *end, const void *bytes, size_t size, uint32_t ms)
         const struct msghdr message = {.msg_iov = part, .msg_iovlen = 2};
         ssize_t sent = sendmsg(end->file, &message, MSG_NOSIGNAL);
         if (sent < 0 && (!would_block() || !wait_for(end->file, POLLOUT, ms, start))) {
-            shutdown(end->file, SHUT_WR); /* half a message is followed by nothing */
+            shutdown(end->file, SHUT_WR); /* nothing may follow half a message */
             return false;
         }
         done += sent > 0 ? (size_t)sent : 0;
@@ -110,7 +113,7 @@ bool child_send(struct child *end, const void *bytes, size_t size, uint32_t ms)
     return true;
 }
 
-/* Takes what is there, up to `want` bytes in all. CHILD_GOT: all of them are. */
+/* Receives what has arrived, up to `want` bytes in all. Returns CHILD_GOT if all of them have. */
 static enum child_got take(struct child *end, size_t want)
 {
     while (end->got < want) {
@@ -124,7 +127,7 @@ static enum child_got take(struct child *end, size_t want)
     return CHILD_GOT;
 }
 
-/* The same for a whole message: first its head, which has the size of the rest. */
+/* As take for a whole message: first the header, which has the size of the rest. */
 static enum child_got take_message(struct child *end, size_t most, size_t *size)
 {
     struct child_head head;
@@ -178,7 +181,7 @@ void child_wait(struct child *const *child, size_t count, uint32_t ms)
     (void)poll(wait, used, ms > INT32_MAX ? -1 : (int)ms);
 }
 
-/* Waits up to `ms` for it to end; false if it did not. */
+/* Waits up to `ms` for the process to end; returns false if it did not. */
 static bool reap(pid_t pid, uint32_t ms, int *status)
 {
     uint64_t start = time_ns();
@@ -227,7 +230,7 @@ void child_end(struct child *child, uint32_t ms, struct child_fate *fate)
         *fate = how;
 }
 
-/* The letter of a state in such a file: R, S, T, t, Z ...; '?' if it cannot be read. */
+/* Returns the state letter of a /proc stat file: R, S, T, t, Z ...; '?' if it cannot be read. */
 static char state_of(const char *path)
 {
     char text[512];
@@ -247,7 +250,7 @@ bool child_is_stopped(const struct child *child, bool *debugged)
     return state == 'T' || *debugged;
 }
 
-/* Of one thread; `task` is its folder. */
+/* Time that one thread has waited for a processor; `task` is its /proc folder. */
 static uint64_t waited_ns(const char *task)
 {
     char path[400];

@@ -15,8 +15,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#define STOP_MS  3000u  /* that we wait for it */
-#define KILL_MS  60000u /* that it tries */
+#define STOP_MS  3000u  /* limit of guardian_stop */
+#define KILL_MS  60000u /* limit of the guardian's end_all */
 #define START_MS 5000
 
 /* --- the guardian: no locks, no memory ------------------------------------------------------- */
@@ -26,7 +26,7 @@ static void on_child(int number)
     (void)number;
 }
 
-/* The parent of a process, from "PID (NAME) STATE PARENT ..."; 0: not known. */
+/* Returns the parent of a process, from "PID (NAME) STATE PARENT ..."; 0: not known. */
 static long parent_of(int folder, const char *name)
 {
     char path[32], text[512];
@@ -42,11 +42,12 @@ static long parent_of(int folder, const char *name)
     if (size <= 0)
         return 0;
     text[size] = '\0';
-    const char *after = strrchr(text, ')'); /* a name may hold anything */
+    const char *after = strrchr(text, ')'); /* a name may contain any character */
     return after && strlen(after) > 4 ? strtol(after + 4, NULL, 10) : 0;
 }
 
-/* Kills our children. Their children become ours then: we are the nearest subreaper. */
+/* Kills the guardian's children. Their children then become its own: it is the nearest
+ * subreaper. */
 static void kill_children(void)
 {
     char bytes[16384];
@@ -65,7 +66,8 @@ static void kill_children(void)
         close(folder);
 }
 
-/* Takes the ended ones; false: there are no more children. */
+/* Reaps ended children and reports the command's status. Returns false if there are no more
+ * children. */
 static bool reap(pid_t command, bool *ended, int line)
 {
     int status;
@@ -81,7 +83,7 @@ static bool reap(pid_t command, bool *ended, int line)
 static void end_all(pid_t command, bool ended, int line)
 {
     const uint64_t start = time_ns();
-    if (!ended) /* its number is still its own */
+    if (!ended) /* the process number is not yet reused */
         kill(-command, SIGKILL);
     while (reap(command, &ended, line) && (time_ns() - start) / 1000000u < KILL_MS) {
         kill_children();
@@ -89,7 +91,7 @@ static void end_all(pid_t command, bool ended, int line)
     }
 }
 
-/* Until nothing is at the other end of the line, children are reaped. */
+/* Reaps children until the other end of the socket is closed, then ends all. */
 static void keep_watch(pid_t command, int line)
 {
     struct pollfd wait = {.fd = line, .events = POLLIN};
@@ -124,7 +126,7 @@ static _Noreturn void guard(guardian_fn *run, const void *user, int line)
 {
     const struct sigaction wake = {.sa_handler = on_child};
     sigset_t all;
-    setpgid(0, 0); /* Ctrl-C is not for us */
+    setpgid(0, 0); /* not ended by Ctrl-C */
     sigfillset(&all);
     sigprocmask(SIG_SETMASK, &all, NULL);
     sigaction(SIGCHLD, &wake, NULL);
@@ -136,7 +138,7 @@ static _Noreturn void guard(guardian_fn *run, const void *user, int line)
     child_close_files(0, line);
     bool told = send(line, &why, sizeof why, MSG_NOSIGNAL) == sizeof why;
     if (pid > 0) {
-        setpgid(pid, pid); /* both sides do it: it must be done before the group is killed */
+        setpgid(pid, pid); /* in both processes, since it must precede the group's kill */
         if (told)
             keep_watch(pid, line);
         else
@@ -147,7 +149,7 @@ static _Noreturn void guard(guardian_fn *run, const void *user, int line)
 
 /* --- our side -------------------------------------------------------------------------------- */
 
-/* A number from the line, if it comes in time. */
+/* Receives a number from the guardian within `ms`; returns false if none came. */
 static bool hear(const struct guardian *guardian, int ms, int *number)
 {
     struct pollfd wait = {.fd = guardian->line, .events = POLLIN};

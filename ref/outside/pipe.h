@@ -1,5 +1,5 @@
 /* Any tracer can join: an engine "pipe:COMMAND" is a child process that reads requests and writes
- * answers. The protocol, binary, 32-bit little-endian words, version 1:
+ * answers. The protocol, version 1, is binary, in 32-bit little-endian words:
  *
  *   request  "RDRQ", version, query, vertices, triangles, rays, same, 0
  *            then, unless `same` is 1 (the scene is that of the request before), per vertex x y z
@@ -8,18 +8,18 @@
  *            then per ray t u v triangle; a miss is triangle 0xFFFFFFFF, whatever t u v
  *            refused 1: count bytes of text instead, why this scene is rejected
  *
- * The peer answers requests until its input ends, each when it has read all of it. Query 0 asks for
- * the nearest hit, 1 for any; tmin <= t <= tmax; t counts in multiples of the direction; u weighs
- * the triangle's second vertex, v its third. A request may have no rays, or no triangles; the first
- * has neither; its reply describes the peer:
+ * The peer answers requests until its input ends. It reads a whole request before it answers.
+ * Query 0 is the nearest hit, 1 any hit, with tmin <= t <= tmax. t is in multiples of the
+ * direction; u is the weight of the triangle's second vertex, v of its third. A request may have no
+ * rays or no triangles. The first has neither, and its answer describes the peer's arithmetic:
  *
  *   formula   0 unknown, 1 mt, 2 woop, 3 Embree's default, 4 Embree's robust, 5 pluecker,
  *             6 baldwin_webber (ref/twin/twin.h)
  *   rounding  0 IEEE, 1 IEEE with subnormals flushed, 2 Vulkan, 3 Vulkan with RTE, 4 Embree
  *   flags     1: tmin < t < tmax; 2: watertight; 4: any-hits do not name their triangle
  *
- * All 0 is always right: the judge then computes by how much vertices must move to make an
- * answer right (ref/judge/judge.h). README, "Any tracer can join", has the rules for the process. */
+ * All 0 is always valid: the judge then computes how far vertices must move to make an answer right
+ * (ref/judge/judge.h). README, "Any tracer can join", has the rules for the process. */
 #ifndef FUZZ_PIPE_H
 #define FUZZ_PIPE_H
 
@@ -29,7 +29,7 @@
 #define PIPE_NAME_MOST 160 /* of "pipe:COMMAND" with its terminator */
 
 #define PIPE_VERSION 1u
-#define PIPE_WORDS   8u /* of each head */
+#define PIPE_WORDS   8u /* of each header */
 
 struct pipe_request {
     char magic[4];
@@ -41,22 +41,23 @@ struct pipe_answer {
     uint32_t version, refused, count, formula, rounding, flags, zero;
 };
 
-#define PIPE_REFUSED_MOST    256u /* bytes of its text */
+#define PIPE_REFUSED_MOST    256u /* bytes of the text of a refusal */
 #define PIPE_FLAG_OPEN       1u
 #define PIPE_FLAG_WATERTIGHT 2u
 #define PIPE_FLAG_UNNAMED    4u
 
-/* Turns what a peer says of itself into a model. Errors: STATUS_INPUT an unknown number. */
+/* Converts a peer's description of its arithmetic to a model. Errors: STATUS_INPUT an unknown
+ * number. */
 enum status pipe_model(uint32_t formula, uint32_t rounding, uint32_t flags, struct model *out,
                        struct reason *reason) MUST_USE;
 
-/* The words for it, as the text form has them: "mt", "ieee"; NULL past the end. */
+/* Names of formulas and roundings in the text form, such as "mt" and "ieee"; NULL past the end. */
 const char *pipe_formula_name(uint32_t formula);
 const char *pipe_rounding_name(uint32_t rounding);
 
-/* Gives the engine of the name "pipe:COMMAND", from the table of engines or new in it. The command
- * is not run before the engine is opened. Errors: STATUS_INPUT no such name, or too long;
- * STATUS_LIMIT as engine_add. */
+/* Finds the engine "pipe:COMMAND" in the table of engines, or adds it. The command is not run
+ * before the engine is opened. Errors: STATUS_INPUT not such a name, or too long; STATUS_LIMIT as
+ * engine_add. */
 enum status pipe_engine(const char *name, const struct engine **out,
                         struct reason *reason) MUST_USE;
 

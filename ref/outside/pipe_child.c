@@ -14,17 +14,18 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Standard error beyond this is no message: the pipe is left to fill. */
+/* Standard error is not read beyond this many bytes, so the pipe fills up. */
 #define SAID_LIMIT ((size_t)1 << 20)
 
-/* The command, and what becomes its standard files. */
+/* The command, and its standard files. */
 struct order {
     const char *command;
     int end[3];
     uint32_t megabytes;
 };
 
-/* In the child: nothing here may take a lock, since other threads of ours may hold any. */
+/* Runs in the child. Nothing here may take a lock, since other threads of the parent may hold
+ * any. */
 static void become(const void *user)
 {
     const struct order *order = user;
@@ -48,8 +49,8 @@ static void close_all(int end[6])
             close(end[i]);
 }
 
-/* Three pipes, all ends above the standard ones so that dup2 in the child overwrites none: its
- * input is end[0], end[1]; its output end[2], end[3]; its standard error end[4], end[5]. */
+/* Opens three pipes, all ends above the standard files, so that dup2 in the child overwrites none.
+ * Ends 0 and 1 are the child's input, 2 and 3 its output, 4 and 5 its standard error. */
 static bool open_pipes(int end[6])
 {
     for (int i = 0; i < 6; i++)
@@ -124,14 +125,14 @@ void pipe_child_listen(struct pipe_child *child)
         child->said_length += (size_t)got;
     }
     child->mute = child->mute || child->said_length >= SAID_LIMIT;
-    for (size_t i = 0; i < PIPE_SAID_MOST; i++) /* its first line, printable */
+    for (size_t i = 0; i < PIPE_SAID_MOST; i++) /* keep the first line, printable */
         if (child->said[i] == '\n' || child->said[i] == '\r')
             child->said[i] = '\0';
         else if (child->said[i] && (child->said[i] < ' ' || child->said[i] > '~'))
             child->said[i] = '?';
 }
 
-/* write() without a SIGPIPE: the library does not change what signals do. */
+/* write() without a SIGPIPE: the library does not change the process's signal handling. */
 static ssize_t write_quietly(int to, const void *bytes, size_t size)
 {
     sigset_t pipe_signal, before, pending;
@@ -176,7 +177,8 @@ static void send_some(struct pipe_talk *talk)
     }
 }
 
-/* Receives what is there, with one byte of room for what should not be. False: the end. */
+/* Receives what has arrived; if `last`, with room for one byte too many, which sets *more. Returns
+ * false at the end of the output. */
 static bool receive_some(struct pipe_talk *talk, char *bytes, size_t size, bool last, bool *more)
 {
     char spare;
@@ -191,7 +193,8 @@ static bool receive_some(struct pipe_talk *talk, char *bytes, size_t size, bool 
     return true;
 }
 
-/* Sleeps until something can be done or the deadline has passed; false then. */
+/* Waits until something can be sent or received, at most 1 s. Returns false if the deadline has
+ * passed. */
 static bool wait_for_peer(struct pipe_talk *talk)
 {
     uint64_t now = time_ns();
@@ -210,7 +213,7 @@ static bool wait_for_peer(struct pipe_talk *talk)
     if (wait[2].revents & POLLIN)
         pipe_child_listen(talk->child);
     else if (wait[2].revents)
-        talk->child->mute = true; /* closed: it would wake us without end */
+        talk->child->mute = true; /* closed: poll would return at once every time */
     return true;
 }
 
@@ -226,7 +229,7 @@ enum pipe_end pipe_talk(struct pipe_talk *talk, void *bytes, size_t size, bool l
     bool more = false;
     talk->got = 0;
     send_some(talk);
-    if (size == 0) /* nothing to wait for, but something may be there */
+    if (size == 0) /* nothing to wait for, but a byte may have arrived */
         return last && read(talk->child->from, &spare, 1) > 0 ? PIPE_LONG : PIPE_GOT;
     while (talk->got < size) {
         if (!wait_for_peer(talk))

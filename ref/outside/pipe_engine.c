@@ -11,26 +11,26 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "floats are sent as th
 _Static_assert(sizeof(struct pipe_request) == 4 * PIPE_WORDS, "request");
 _Static_assert(sizeof(struct pipe_answer) == 4 * PIPE_WORDS, "answer");
 
-/* Rays of one request: what its time limit is for. */
+/* Rays of one request at most. The time limit is for one request. */
 #define RAYS_MOST ((size_t)1 << 18)
-/* How long an ended output may wait for its process to end. */
+/* How long to wait for a process to end after it closed its output. */
 #define FATE_MS 500u
 
 struct peer {
     const char *name; /* "pipe:COMMAND" */
     struct engine_options options;
     struct pipe_child child; /* zero: not running */
-    bool has_scene;          /* it was sent job's */
+    bool has_scene;          /* the peer has the scene of `job` */
     struct job job;
-    struct pipe_answer head; /* of its first answer: what it declares of its arithmetic */
+    struct pipe_answer head; /* of its first answer: describes its arithmetic */
     struct model model;
     enum engine_fault fault; /* of the last call */
     size_t fault_ray;
 };
 
-/* One request, for its messages. */
+/* One request, for messages about it. */
 struct asked {
-    size_t first; /* index of its first ray */
+    size_t first; /* index of the first ray */
     size_t rays;
 };
 
@@ -40,7 +40,7 @@ static void end_peer(struct peer *peer)
     peer->has_scene = false;
 }
 
-/* Ends the peer. The reason has its name, what it did and its standard error. */
+/* Ends the peer. The reason contains its name, `what` and its standard error. */
 static enum status blame(struct peer *peer, enum status status, struct reason *reason,
                          const char *what)
 {
@@ -52,7 +52,7 @@ static enum status blame(struct peer *peer, enum status status, struct reason *r
     return fail(reason, status, "%.80s: %s%s", peer->name, what, said);
 }
 
-/* Where the answers end: "after ray 17". */
+/* Describes where the answers end: "after the answer to ray 17". */
 static void place(const struct asked *asked, size_t bytes, char text[64])
 {
     size_t done = bytes / sizeof(struct hit);
@@ -64,7 +64,8 @@ static void place(const struct asked *asked, size_t bytes, char text[64])
         snprintf(text, 64, "after the answer to ray %zu", asked->first + done - 1);
 }
 
-/* What went wrong while `bytes` of answers had come, as a status. */
+/* Ends the peer after an exchange failed with `bytes` of answers received, and returns the
+ * error. */
 static enum status blame_end(struct peer *peer, enum pipe_end end, const struct asked *asked,
                              size_t bytes, struct reason *reason)
 {
@@ -92,7 +93,7 @@ static enum status blame_end(struct peer *peer, enum pipe_end end, const struct 
     return blame(peer, missing ? STATUS_UNSUPPORTED : STATUS_DEVICE, reason, what);
 }
 
-/* Text that is shown to people. */
+/* Replaces unprintable characters with '?'. */
 static void make_printable(char *text)
 {
     for (; *text; text++)
@@ -114,7 +115,7 @@ static enum status read_refusal(struct peer *peer, struct pipe_talk *talk, uint3
     return fail(reason, STATUS_REFUSED, "%.80s refused: %s", peer->name, text);
 }
 
-/* Checks the head of an answer. When opening, makes peer->model of it. */
+/* Checks the header of an answer. When opening, sets peer->model from it. */
 static enum status check_head(struct peer *peer, const struct pipe_answer *head,
                               const struct asked *asked, bool opening, struct reason *reason)
 {
@@ -147,8 +148,8 @@ static enum status check_head(struct peer *peer, const struct pipe_answer *head,
     return blame(peer, STATUS_DEVICE, reason, what);
 }
 
-/* Triangles must be in the scene; an answer with any other number is not judged. t, u and v may be
- * anything: the judge finds wrong ones. */
+/* Checks that all triangles are in the scene; an answer with another number is not judged. t, u and
+ * v may be anything: the judge finds wrong ones. */
 static enum status check_hits(struct peer *peer, const struct asked *asked, struct hit *hit,
                               struct reason *reason)
 {
@@ -193,9 +194,10 @@ static enum status ask(struct peer *peer, const struct asked *asked, const struc
                              .part_count = ARRAY_COUNT(part),
                              .deadline_ns = time_ns() + (uint64_t)peer->options.peer_ms * 1000000u};
     struct pipe_answer head;
-    peer->fault = ENGINE_NONSENSE; /* unless set below */
+    peer->fault = ENGINE_NONSENSE; /* unless it is set below */
     peer->fault_ray = asked->first;
-    if (!opening && pipe_child_is_early(&peer->child)) /* when opening, the answer is shown */
+    if (!opening && pipe_child_is_early(&peer->child)) /* when opening, the error is about the
+                                                        * answer */
         return blame(peer, STATUS_DEVICE, reason, "wrote more than the answer before was long");
     enum pipe_end end = pipe_talk(&talk, &head, sizeof head, false);
     if (end != PIPE_GOT)
@@ -217,7 +219,7 @@ static enum status ask(struct peer *peer, const struct asked *asked, const struc
     return check_hits(peer, asked, hit, reason);
 }
 
-/* Starts the process if there is none, and reads what it declares of itself. */
+/* Starts the process if it is not running, and reads the description of its arithmetic. */
 static enum status need_peer(struct peer *peer, struct reason *reason)
 {
     if (pipe_child_runs(&peer->child))
@@ -229,8 +231,8 @@ static enum status need_peer(struct peer *peer, struct reason *reason)
         return fail(reason, status, "%.80s: %s", peer->name, why.text);
     peer->has_scene = false;
     status = ask(peer, &(struct asked){0, 0}, NULL, NULL, true, reason);
-    peer->has_scene = false;                              /* that was none */
-    return status == STATUS_REFUSED ? STATUS_OK : status; /* it may take another scene */
+    peer->has_scene = false;                              /* the request had no scene */
+    return status == STATUS_REFUSED ? STATUS_OK : status; /* it may accept another scene */
 }
 
 static void peer_close(void *self)
@@ -261,8 +263,8 @@ static enum status peer_open(const char *name, const struct engine_options *opti
     return status;
 }
 
-/* The scene goes first with a request of no rays, so that a peer builds its tree outside of what is
- * timed, and can refuse. */
+/* Sends the scene with a request of no rays, so that the peer builds its tree outside the timed
+ * calls, and can refuse the scene. */
 static enum status peer_prepare(void *self, const struct job *job, struct reason *reason)
 {
     struct peer *peer = self;
@@ -282,7 +284,7 @@ static enum status peer_trace(void *self, const struct ray *ray, size_t ray_coun
     for (size_t first = 0; first < ray_count; first += RAYS_MOST) {
         size_t rest = ray_count - first;
         struct asked asked = {first, rest < RAYS_MOST ? rest : RAYS_MOST};
-        enum status status = need_peer(peer, reason); /* anew, if it was ended */
+        enum status status = need_peer(peer, reason); /* restarts it if it was ended */
         if (!status && !peer->has_scene)
             status = ask(peer, &(struct asked){0, 0}, NULL, NULL, false, reason);
         uint64_t start = time_ns();
@@ -308,7 +310,7 @@ static struct model peer_model(void *self, const struct tri_test *tri)
     return ((const struct peer *)self)->model;
 }
 
-/* Engines are constant tables of functions; a name is bound to one by its place here. */
+/* Engines are constant tables of functions, so each name is bound to one by its index here. */
 static char name_of[ENGINES_ADDED_MOST][PIPE_NAME_MOST];
 static size_t name_count;
 

@@ -1,4 +1,4 @@
-/* The arithmetic that a peer declares. */
+/* The arithmetic that a peer reports. */
 #include "ref/outside/pipe.h"
 #include "ref/primitives/test_run.h"
 #include "ref/twin/model.h"

@@ -141,7 +141,7 @@ static bool word_is(const char *word, size_t length, const char *name)
     return strlen(name) == length && memcmp(word, name, length) == 0;
 }
 
-/* The next word is one of a table; else its index is the table's length. */
+/* Reads the next word and returns its index in a table, or the table's length. */
 static uint32_t read_word(struct pipe_reading *r, const char *(*name)(uint32_t))
 {
     const char *word;
@@ -186,7 +186,7 @@ static enum status read_flags(struct pipe_reading *r)
     return STATUS_OK;
 }
 
-/* The rest of the line, without what follows its last word. */
+/* Reads the rest of the line, without blanks at its end. */
 static void read_rest(struct pipe_reading *r, char *text, size_t text_bytes)
 {
     scan_blanks(&r->scan);

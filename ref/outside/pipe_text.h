@@ -1,20 +1,20 @@
 /* The text form of requests and answers, for shells, awk and tracers that cannot be run here. Words
- * are separated by blanks, '#' begins a comment; numbers are hexadecimal floats (0x1.8p+1),
+ * are separated by blanks; '#' begins a comment. Numbers are hexadecimal floats (0x1.8p+1),
  * decimals, inf or nan.
  *
- *   request   raydiff 1                 version; may be left out
- *             from ...                  where it comes from; copy it to the answer
+ *   request   raydiff 1                 version; optional
+ *             from ...                  its origin; copy it to the answer
  *             query closest             or any
  *             v X Y Z                   a vertex
  *             t A B C                   a triangle of vertices before it, numbered from 0
  *             r OX OY OZ TMIN DX DY DZ TMAX
  *             end                       nothing follows
- *   answer    formula mt ieee           words of ref/outside/pipe.h; may be left out: unknown ieee
+ *   answer    formula mt ieee           names of ref/outside/pipe.h; default unknown ieee
  *             flags open watertight unnamed      those that hold
- *             h T U V TRIANGLE          a line per ray, in their order: what it hits,
- *             m                         or nothing
- *             refused TEXT              instead of them
- *             end                       may be left out */
+ *             h T U V TRIANGLE          one line per ray, in order: a hit,
+ *             m                         or a miss
+ *             refused TEXT              instead of these lines
+ *             end                       optional */
 #ifndef FUZZ_PIPE_TEXT_H
 #define FUZZ_PIPE_TEXT_H
 
@@ -26,15 +26,15 @@
 
 #define PIPE_SPEC_MOST 256
 
-/* How scene and rays were made, so that they can be made again. */
+/* How scene and rays were generated, to generate them again. */
 struct pipe_from {
     uint64_t hash; /* pipe_hash */
     uint64_t seed, count;
     char rays[32];             /* ray set */
-    char spec[PIPE_SPEC_MOST]; /* scene; empty: there is no such line */
+    char spec[PIPE_SPEC_MOST]; /* scene; empty: no such line */
 };
 
-/* All that a file holds, request or answer. Owns its arrays (pipe_text_free). */
+/* The content of a file, request or answer. Owns its arrays (pipe_text_free). */
 struct pipe_text {
     struct pipe_from from;
     enum query query;
@@ -42,30 +42,30 @@ struct pipe_text {
     struct ray *ray;
     struct hit *hit;
     size_t ray_count, hit_count;
-    uint64_t last_line;                /* of the file */
+    uint64_t last_line;                /* number of the last line */
     uint32_t formula, rounding, flags; /* of the answer */
-    char refused[128];                 /* empty: not */
+    char refused[128];                 /* empty: not refused */
 };
 
-/* What answers are held to while they are read. */
+/* Limits that answers are checked against. */
 struct pipe_limits {
     size_t rays;        /* hits expected; SIZE_MAX: not known */
     uint32_t triangles; /* UINT32_MAX: not known */
 };
 
-/* Reads bytes, where bytes[size] is 0; `name` is for messages. Errors: STATUS_INPUT
- * "NAME:LINE: rule"; STATUS_MEMORY. */
+/* Parses `bytes`, where bytes[size] is 0; `name` is for messages. Errors: STATUS_INPUT "NAME:LINE:
+ * rule"; STATUS_MEMORY. */
 enum status pipe_text_parse(const char *name, const char *bytes, size_t size,
                             const struct pipe_limits *limits, struct pipe_text *out,
                             struct reason *reason) MUST_USE;
-void pipe_text_free(struct pipe_text *text); /* a zero one is fine */
+void pipe_text_free(struct pipe_text *text); /* does nothing if zero */
 
 /* A hash of scene, rays and query: FNV-1a, 64 bits. */
 uint64_t pipe_hash(const struct scene *scene, const struct ray *ray, size_t ray_count,
                    enum query query);
 
-/* Writes a request; `from` may be NULL: there is no such line. Decimals are the shortest that read
- * back as the same bits. The caller checks the stream for errors. */
+/* Writes a request. `from` may be NULL: no such line. `decimal`: writes the shortest decimals that
+ * read back as the same bits. The caller checks the stream for errors. */
 void pipe_text_write(FILE *stream, const struct pipe_from *from, const struct scene *scene,
                      const struct ray *ray, size_t ray_count, enum query query, bool decimal);
 

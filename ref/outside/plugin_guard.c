@@ -20,7 +20,7 @@
 #define FATE_MS   1000u
 #define EXIT_HUNG 3 /* EXIT_ENGINE */
 
-static bool hung; /* the last that was blamed */
+static bool hung; /* of the last failed child */
 static uint32_t limit_ms = PLUGIN_MS, limit_mb = PLUGIN_MB;
 
 static struct {
@@ -38,7 +38,8 @@ void plugin_limits(uint32_t ms, uint32_t megabytes)
 
 /* --- the child's side ------------------------------------------------------------------------ */
 
-/* So much more than the process has now, which is its parent's. */
+/* Limits the address space to limit_mb more than now; what the process has is a copy of its
+ * parent's. */
 static void limit_memory(void)
 {
     unsigned long long pages = 0;
@@ -53,7 +54,7 @@ static void limit_memory(void)
         setrlimit(RLIMIT_AS, &memory);
 }
 
-/* The first message: how it went; after STATUS_OK of a packing the words and the items follow. */
+/* The first message: the result. After a successful packing the words and items follow. */
 struct told {
     enum status status;
     struct reason reason;
@@ -88,7 +89,7 @@ static void pack_in_child(struct child *parent, void *user)
     packed_free(&packed);
 }
 
-/* The plugin of an opened object; NULL with a reason. */
+/* Returns the plugin of an opened object; NULL with a reason on error. */
 static const struct raydiff_plugin *ask(void *handle, const char *path, struct reason *reason)
 {
     union {
@@ -103,7 +104,8 @@ static const struct raydiff_plugin *ask(void *handle, const char *path, struct r
     return plugin_check(path, plugin, reason) ? NULL : plugin;
 }
 
-/* A path without a slash would be looked for in the system's folders. */
+/* Opens a shared object. A path without a slash gets "./", else the loader would search the
+ * system's folders. */
 static void *open_object(const char *path, struct reason *reason)
 {
     char here[PATH_MOST + 2];
@@ -112,7 +114,7 @@ static void *open_object(const char *path, struct reason *reason)
     if (handle)
         return handle;
     const char *why = dlerror();
-    size_t named = strlen(here); /* the loader begins with the path, too */
+    size_t named = strlen(here); /* dlerror() begins with the path, too */
     if (strncmp(why, here, named) == 0 && strncmp(why + named, ": ", 2) == 0)
         why += named + 2;
     (void)fail(reason, STATUS_INPUT, "%.120s: not a shared object to be had: %.150s", path, why);
@@ -132,7 +134,7 @@ static void open_in_child(struct child *parent, void *user)
 
 /* --- the parent's side ----------------------------------------------------------------------- */
 
-/* What a child that sent no answer did; it is ended. */
+/* Ends a child that sent no answer; the reason tells how it failed. */
 static enum status blame_after(const char *name, const char *doing, struct child *child,
                                uint64_t start, uint32_t most, struct reason *reason)
 {
@@ -213,7 +215,7 @@ static uint32_t open_ms(void)
     return limit_ms < PLUGIN_OPEN_MS ? limit_ms : PLUGIN_OPEN_MS;
 }
 
-/* The loader would wait for a writer to a FIFO, and reads a device. */
+/* The loader would wait for a writer to a FIFO, and would read a device. */
 static enum status check_file(const char *path, struct reason *reason)
 {
     struct stat what;
@@ -222,8 +224,8 @@ static enum status check_file(const char *path, struct reason *reason)
     return STATUS_OK;
 }
 
-/* A constructor runs in this process, too, and may hang in it alone: then nothing but ending the
- * process helps. */
+/* Opens the object in this process, too, where its constructor may hang. Then nothing helps but
+ * ending the process. */
 struct opening {
     const char *path;
     pthread_mutex_t mutex;

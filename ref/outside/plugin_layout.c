@@ -4,7 +4,7 @@
 #include <ctype.h>
 #include <string.h>
 
-#define NAME_MOST 15 /* of packed trees in files (ref/packed/packed_file.h) */
+#define NAME_MOST 15 /* limit in files of packed trees (ref/packed/packed_file.h) */
 
 _Static_assert(WIDE_MAX >= RAYDIFF_WIDE_MOST, "a plugin's nodes fit into ours");
 _Static_assert(sizeof(struct box) == sizeof(struct raydiff_box), "boxes are the same");
@@ -25,7 +25,7 @@ struct raydiff_packed plugin_view(const struct packed *packed)
                                    .root = packed->root};
 }
 
-/* Checks all of `from`: a node that breaks a rule becomes one without children and
+/* Checks all that the plugin returns. A node that breaks a rule becomes one without children and
  * items, which packed_walk_make counts as a bad reference. */
 static void load(const struct packed *packed, uint32_t ref, struct wide *out)
 {
@@ -49,7 +49,7 @@ static void load(const struct packed *packed, uint32_t ref, struct wide *out)
     }
 }
 
-/* The box of a child slot, as its record has it. */
+/* Returns the box of a child slot from its record. */
 static struct box slot_box(const struct packed *packed, uint32_t ref)
 {
     struct wide record;

@@ -1,4 +1,4 @@
-/* Packing by a plugin, and the check of what came out. */
+/* Packing by a plugin, and the check of its result. */
 #include "ref/outside/plugin_layout.h"
 
 #include "ref/packed/packed_walk.h"
@@ -15,9 +15,9 @@ _Static_assert(sizeof(struct raydiff_node) == sizeof(struct bvh_node) &&
                        offsetof(struct bvh_node, item_count),
                "a plugin sees our nodes as they are");
 
-/* What a plugin is given to fill, and what it was really given. */
+/* What a plugin fills, and a copy of what it was given. */
 struct pack_packing {
-    struct raydiff_out out; /* first: a plugin hands it back */
+    struct raydiff_out out; /* first: a plugin passes its address to give() */
     struct raydiff_packed given;
     uint32_t node_words;
     bool asked, no_memory;
@@ -49,7 +49,7 @@ static bool give(struct raydiff_out *out, uint32_t records, uint32_t items)
     return true;
 }
 
-/* What the plugin left in place of what it was given. */
+/* Checks that the plugin has not replaced the arrays and counts that it was given. */
 static enum status check_given(const char *name, const struct pack_packing *p,
                                struct reason *reason)
 {
@@ -65,7 +65,7 @@ static enum status check_given(const char *name, const struct pack_packing *p,
     return STATUS_OK;
 }
 
-/* Calls the plugin. *out has all that it packed, unless the result is an error. */
+/* Calls the plugin. The caller frees *out, also on error. */
 static enum status call(const struct layout *layout, const struct bvh *bvh,
                         const struct scene *scene, struct packed *out, struct reason *reason)
 {
@@ -114,7 +114,7 @@ static enum status call(const struct layout *layout, const struct bvh *bvh,
 
 /* --- the check ------------------------------------------------------------------------------- */
 
-/* Checks a node that the walk reached, as the plugin's load() returns it. */
+/* Checks a reachable node, as the plugin's load() returns it. */
 static enum status check_node(const struct packed *packed, uint32_t ref, enum packed_rule *rule,
                               struct reason *reason)
 {
@@ -149,7 +149,7 @@ static enum status check_node(const struct packed *packed, uint32_t ref, enum pa
             return fail(reason, STATUS_INPUT, "%s: %s: child %u is %s", layout->name,
                         packed_name(packed, ref).text, i, packed_name(packed, child).text);
     }
-    (void)layout->box(packed, ref); /* called once here, so that a crash is not seen later */
+    (void)layout->box(packed, ref); /* called here so that a crash happens in the child */
     return STATUS_OK;
 }
 
@@ -171,7 +171,7 @@ static enum status check_nodes(struct packed *packed, enum packed_rule *rule, st
     return status;
 }
 
-/* Boxes alone are at fault, and the tree's own were before. */
+/* Returns true if only boxes are at fault, and the tree's own boxes were, too. */
 static bool is_excused(const struct bvh *bvh, const struct scene *scene,
                        const struct packed_faults *faults)
 {

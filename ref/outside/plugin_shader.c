@@ -37,7 +37,7 @@ static enum status bind(const struct layout *layout, const char *file, struct re
     return STATUS_OK;
 }
 
-/* A command that runs inside another one is given the same options again. */
+/* A command run by another command gets the same options again. */
 static bool is_bound(const struct layout *layout, const char *file)
 {
     const char *path = layout && file ? plugin_shader_path(layout) : NULL;

@@ -9,12 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of an engine: there is one of each kind. */
+/* The state of an engine. There is one for a file and one for a single answer. */
 struct tape {
     struct recorded answers;
     struct model model;
     char name[RECORDED_NAME_MOST];
-    struct ray first; /* of a single answer: the ray that it was given to */
+    struct ray first; /* single answer: the ray that it belongs to */
     struct hit only;
     bool asked;
 };
@@ -138,7 +138,8 @@ void recorded_name(const char *engine, const struct hit *hit, char text[RECORDED
                  number[1], number[2], hit->prim);
 }
 
-/* Moves behind the next field, which ends at a colon or the text's end; NULL past the last. */
+/* Returns the next field, which ends at a colon or the end of the text, and moves *rest behind it.
+ * NULL past the last. */
 static char *cut_field(char **rest)
 {
     char *field = *rest;
@@ -175,7 +176,7 @@ static bool take_float(const char *text, float *out)
     return end && *end == '\0';
 }
 
-/* Reads the name's fields into the tape of a ray. */
+/* Reads the fields of a name into `of_ray`. */
 static bool take_name(const char *name, struct reason *reason)
 {
     char text[RECORDED_NAME_MOST], *rest = text;
