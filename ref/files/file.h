@@ -41,8 +41,7 @@ struct file_out {
     int file;        /* descriptor of the stream, which closes it */
     int held;        /* 1 + a duplicate, which keeps the lock; 0: device or pipe */
     bool nameless;
-    bool unsynced; /* set by the caller: not synced, so after a crash of the machine it may be
-                    * empty */
+    bool unsynced; /* set by the caller: after a crash of the machine it may be empty */
     bool within;   /* written in `folder`, to which both names are relative */
     int folder;
 };

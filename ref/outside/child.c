@@ -45,8 +45,7 @@ static _Noreturn void live(child_fn *run, void *user, int file, pid_t parent)
     if (getppid() != parent)
         _exit(0); /* the parent ended before the call took effect */
     setrlimit(RLIMIT_CORE, &none);
-    child_close_files(3, file); /* including the ends of siblings, which would else never see their
-                                 * parent end */
+    child_close_files(3, file); /* ends of siblings, which would never see their parent end */
     run(&end, user);
     fflush(stdout);
     _exit(0);

@@ -196,8 +196,7 @@ static enum status ask(struct peer *peer, const struct asked *asked, const struc
     struct pipe_answer head;
     peer->fault = ENGINE_NONSENSE; /* unless it is set below */
     peer->fault_ray = asked->first;
-    if (!opening && pipe_child_is_early(&peer->child)) /* when opening, the error is about the
-                                                        * answer */
+    if (!opening && pipe_child_is_early(&peer->child)) /* when opening, its bytes are shown */
         return blame(peer, STATUS_DEVICE, reason, "wrote more than the answer before was long");
     enum pipe_end end = pipe_talk(&talk, &head, sizeof head, false);
     if (end != PIPE_GOT)
