@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-#define ABOVE_BASE 7 /* rows of a character above the base line */
+#define ABOVE_BASE 7 /* rows of a character above its base line */
 #define DOT        4.0
 
 static void text_of_image(struct image *image, double x, double y, enum canvas_anchor anchor,

@@ -1,6 +1,5 @@
-/* One drawing as SVG and as pixels: every call draws on each of the two that is set. Units are
- * pixels of the picture and of the SVG's own; text is as wide as in the picture, about as wide in
- * SVG. */
+/* A drawing as SVG and as pixels: each call draws on both if both are set. Units are pixels of the
+ * picture and SVG units. Text has the same width in the picture, and about the same in SVG. */
 #ifndef CANVAS_H
 #define CANVAS_H
 
@@ -9,22 +8,22 @@
 #include <stdio.h>
 
 struct canvas {
-    FILE *svg;           /* NULL: none; svg_begin was called */
-    struct image *image; /* NULL: none */
+    FILE *svg;           /* NULL: no SVG; else svg_begin was called */
+    struct image *image; /* NULL: no picture */
 };
 
-enum canvas_anchor { CANVAS_START, CANVAS_MIDDLE, CANVAS_END, CANVAS_UP /* turned, its middle */ };
+enum canvas_anchor { CANVAS_START, CANVAS_MIDDLE, CANVAS_END, CANVAS_UP /* turned, centred */ };
 
-#define CANVAS_CHARACTER 6 /* width of one */
+#define CANVAS_CHARACTER 6 /* width of a character */
 
-/* Text on the base line y. */
+/* Draws text with its base line at y. */
 void canvas_text(const struct canvas *canvas, double x, double y, enum canvas_anchor anchor,
                  uint32_t colour, const char *text);
 
 void canvas_line(const struct canvas *canvas, double x1, double y1, double x2, double y2,
                  double width, uint32_t colour);
 
-/* A line from each point to the next; a single point is a dot. */
+/* Draws a line through the points; a single point is a dot. */
 void canvas_lines(const struct canvas *canvas, const double (*point)[2], size_t count, double width,
                   uint32_t colour);
 

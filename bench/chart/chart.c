@@ -21,8 +21,8 @@
 #define GAP          18 /* between plot and legend */
 #define LEGEND_LEAST 160
 #define LEGEND_MOST  460
-#define SAMPLE       22 /* the line beside a name */
-#define ENTRY        34 /* one series' height in the legend */
+#define SAMPLE       22 /* the line beside a name in the legend */
+#define ENTRY        34 /* height of a series in the legend */
 
 #define INK  image_rgb(0, 0, 0)
 #define GRAY image_rgb(85, 85, 85)
@@ -42,7 +42,7 @@ static double y_of(const struct axes *axes, double y)
     return TOP + PLOT_H * ((axes->y_hi - y) / (axes->y_hi - axes->y_lo));
 }
 
-/* x: the frames. y: what was measured with some air; from 0, where that costs little room. */
+/* x: the frames. y: the values with a margin, from 0 if that costs little room. */
 static struct axes axes_of(const struct chart *chart)
 {
     double lo = INFINITY, hi = -INFINITY;
@@ -71,7 +71,7 @@ static void put_axes(const struct canvas *canvas, const struct chart *chart,
     char text[40];
     size_t count = ticks_linear(axes->x_lo, axes->x_hi, 8, tick, &step);
     for (size_t i = 0; i < count; i++) {
-        if (tick[i] != floor(tick[i])) /* there is no half of a frame */
+        if (tick[i] != floor(tick[i])) /* frames are whole numbers */
             continue;
         double at = x_of(axes, tick[i]);
         canvas_line(canvas, at, bottom, at, TOP, 1.0, GRID);
@@ -94,8 +94,8 @@ static void put_axes(const struct canvas *canvas, const struct chart *chart,
         canvas_text(canvas, 14, 20, CANVAS_START, INK, chart->title);
 }
 
-/* Points of a line without a gap that wait to be drawn. Where there are more values than two a
- * pixel, each pixel's least and most stand for its values, so that no outlier is lost. */
+/* The pending points of a line without gaps. If there are more than two values per pixel, each
+ * pixel keeps its least and largest, so that no outlier is lost. */
 #define POINTS_MOST (2 * PLOT_W)
 
 struct chart_run {
@@ -106,7 +106,7 @@ struct chart_run {
     uint32_t colour;
     double point[POINTS_MOST][2];
     size_t count;
-    bool begun; /* there are values since the last pixel was done: */
+    bool begun; /* the pixel below has values */
     size_t pixel, least, most;
 };
 
@@ -135,7 +135,7 @@ static void end_run(struct chart_run *run)
     run->count = 0;
 }
 
-/* Eight colours; from the ninth series on the lines are thicker. */
+/* There are eight colours. From the ninth series on the lines are thicker. */
 static double width_of(size_t series)
 {
     return 1.4 + 1.2 * (double)(series / COLOUR_CLASS_COUNT);
@@ -169,7 +169,7 @@ static void put_series(const struct canvas *canvas, const struct chart *chart, s
     end_run(&run);
 }
 
-/* "656 bytes; average 3.21, 3.1 to 4.02 ms" */
+/* Writes "656 bytes; average 3.21, 3.1 to 4.02 ms". */
 static void words_of(const struct chart *chart, const struct chart_series *series, char *text,
                      size_t text_bytes)
 {
@@ -202,7 +202,7 @@ static size_t larger(size_t a, size_t b)
     return a > b ? a : b;
 }
 
-/* Of the whole picture, in pixels. */
+/* Size of the whole picture in pixels. */
 static void size_of(const struct chart *chart, size_t *width, size_t *height)
 {
     size_t legend = 0;

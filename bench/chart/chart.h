@@ -1,5 +1,5 @@
-/* Line charts of measurements, one number a frame, as SVG and as PNG from one description. Knows
- * nothing of rays. */
+/* Line charts of measurements, one number per frame, as SVG and as PNG from one description.
+ * Independent of ray tracing. */
 #ifndef CHART_H
 #define CHART_H
 
@@ -7,26 +7,26 @@
 
 #include <stdio.h>
 
-#define CHART_DURATION "Compute pass duration (ms)" /* the label of such a chart's y axis */
+#define CHART_DURATION "Compute pass duration (ms)" /* y label of a chart of durations */
 
-/* One line. Texts are borrowed. */
+/* One line of a chart. Texts are borrowed. */
 struct chart_series {
     const char *name;
-    uint64_t bytes;              /* in the legend, if not 0 */
-    double average, least, most; /* in the legend, if not NaN */
-    const double *value;         /* not finite: missing, a gap in the line */
+    uint64_t bytes;              /* shown in the legend unless 0 */
+    double average, least, most; /* shown in the legend unless NaN */
+    const double *value;         /* not finite: missing, leaves a gap */
     size_t count;
 };
 
 struct chart {
     const char *title; /* NULL: none */
     const char *x_label, *y_label;
-    const char *unit; /* behind the legend's numbers, such as "ms" */
+    const char *unit; /* unit of the legend's numbers, such as "ms" */
     const struct chart_series *series;
     size_t series_count;
-    size_t
-        x_count; /* frames that the x axis has room for, so that it does not change while they come;
-                       fewer than a series has: that many */
+    /* Frames that the x axis has room for, so that it does not change during a run. At least the
+     * frames of the longest series are shown. */
+    size_t x_count;
 };
 
 /* Writes one SVG document. Write errors are left in the stream for its owner. */

@@ -8,7 +8,7 @@ static bool counts(const struct pareto_point *p)
            isfinite(p->error) && p->error >= 0;
 }
 
-/* At least as good in all, better in one. */
+/* At least as good in everything and better in one. */
 static bool beats(const struct pareto_point *a, const struct pareto_point *b)
 {
     return a->size <= b->size && a->speed >= b->speed && a->error <= b->error &&
@@ -34,7 +34,7 @@ static double merit(const struct pareto_point *p, int what)
     return what == WORTH_SMALLEST ? 1 / p->size : p->speed * p->speed / p->size;
 }
 
-/* Of no error, and none of no error beats it. */
+/* True if the point has no error and no other such point beats it. */
 static bool is_worth(const struct pareto_point *point, size_t count, size_t i)
 {
     bool on = counts(&point[i]) && point[i].error <= 0;

@@ -10,7 +10,7 @@
 /* Sizes in SVG units. */
 #define PANEL_W  290.0
 #define PANEL_H  230.0
-#define LEFT     66.0 /* of a panel: tick labels and the axis label */
+#define LEFT     66.0 /* left of a panel: tick labels and the axis label */
 #define GAP      14.0
 #define LEGEND_W 210.0
 #define HEAD     62.0
@@ -55,7 +55,7 @@ static void put_marker(FILE *stream, const struct plot_series *series, double x,
                 path[series->shape % SHAPES], paint);
 }
 
-/* Widens [*lo, *hi] to contain `value`, unless a logarithmic axis cannot show it. */
+/* Widens [*lo, *hi] to contain `value`, if a logarithmic axis can show it. */
 static void take_in(double value, double *lo, double *hi)
 {
     if (!(value > 0.0) || !isfinite(value))
@@ -69,7 +69,7 @@ static bool drawn(const struct plot_point *p)
     return isfinite(p->x) && p->x > 0.0 && isfinite(p->y) && p->y >= 0.0;
 }
 
-/* The axes of a panel: x just wide enough, y in whole decades. */
+/* Computes a panel's axes: x as narrow as possible, y in whole decades. */
 static void make_axes(const struct plot_panel *panel, struct axis *x, struct axis *y)
 {
     double x_lo = INFINITY, x_hi = 0, y_lo = INFINITY, y_hi = 0;
@@ -95,7 +95,7 @@ static void make_axes(const struct plot_panel *panel, struct axis *x, struct axi
     y->hi = pow(10.0, ceil(log10(y_hi) - 1e-9));
     if (!(y->hi > y->lo * 9.0))
         y->hi = y->lo * 10.0;
-    if (y_lo < y->lo * 1.25) /* no marker on the axis itself */
+    if (y_lo < y->lo * 1.25) /* keep markers off the axis */
         y->lo /= 10.0;
 }
 

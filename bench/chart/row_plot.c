@@ -13,21 +13,21 @@ enum { PANEL_WRONG, PANEL_LEAKS, PANEL_FORWARD };
 
 struct row_kind;
 
-/* What a figure points to. */
+/* Memory that a figure points to. */
 struct row_plot_page {
     const struct row_kind *kind;
-    const json_t *first; /* row */
+    const json_t *first; /* the figure's first row */
     char title[200], subtitle[200];
     char panel[PLOT_PANELS][120];
-    char (*name)[96];     /* of series */
+    char (*name)[96];     /* names of the series */
     const json_t **shown; /* first row of each series */
     struct plot_series *series;
     struct plot_point *point[PLOT_PANELS];
 };
 
-/* What is drawn of the rows. */
+/* How rows are turned into figures. */
 struct row_kind {
-    bool (*fits)(const json_t *row, bool memory); /* the row has a point; NULL: all have */
+    bool (*fits)(const json_t *row, bool memory); /* true if the row has a point; NULL: all */
     bool (*same_figure)(const json_t *a, const json_t *b);
     void (*describe)(struct row_plot_page *page, struct plot_figure *figure, const char *driver);
     void (*draw)(const json_t *row, struct row_plot_page *page, struct plot_figure *figure);
@@ -71,7 +71,7 @@ static bool is_drawn(const struct row_plots *plots, const json_t *row)
     return false;
 }
 
-/* A figure for each row that begins one. */
+/* Makes a figure for each row that begins one. */
 static enum status make(const json_t *rows, const struct row_kind *kind, const char *driver,
                         struct row_plots *out, struct reason *reason)
 {
@@ -108,7 +108,7 @@ static enum status make(const json_t *rows, const struct row_kind *kind, const c
     return status;
 }
 
-/* The panel of a title, made if it is not there; PLOT_PANELS: there are too many. */
+/* Finds the panel with a title, or adds it. Returns PLOT_PANELS if there is no room. */
 static size_t panel_of(const char *title, const char *x_label, const char *y_label,
                        struct row_plot_page *page, struct plot_figure *figure)
 {
@@ -123,7 +123,8 @@ static size_t panel_of(const char *title, const char *x_label, const char *y_lab
     return p;
 }
 
-/* The series that `same` finds for a row; of another one the first row is kept, and *made is set. */
+/* Finds the series of a row with `same`. If there is none, adds one with this as its first row and
+ * sets *made. */
 static size_t series_of(const json_t *row, bool (*same)(const json_t *a, const json_t *b),
                         struct row_plot_page *page, struct plot_figure *figure, bool *made)
 {
@@ -145,7 +146,7 @@ static struct plot_point point_at(size_t series, double x, double y)
 
 /* --- members ------------------------------------------------------------------------------ */
 
-/* "-" stands for none in rows of benchmark layouts. */
+/* In rows of benchmark layouts "-" means none. */
 static const char *member_name(const json_t *row, const char *member)
 {
     const char *name = value_text(row, member);
@@ -158,8 +159,8 @@ static bool same_members(const json_t *a, const json_t *b)
            value_same(a, b, "tri");
 }
 
-/* Place of a name in a table whose members begin with their name, for a colour or a shape; `none`
- * if it is not there. */
+/* Index of a name in a table whose members begin with their name, used for a colour or a shape.
+ * Returns `none` if it is missing. */
 static unsigned place_in(const void *const *table, const char *name, unsigned none)
 {
     for (unsigned i = 0; table[i]; i++)
@@ -172,7 +173,7 @@ static void name_members(const json_t *row, size_t s, struct row_plot_page *page
 {
     const char *engine = value_text(row, "engine"), *layout = member_name(row, "layout"),
                *box = member_name(row, "box"), *tri = member_name(row, "tri");
-    bool shown = box[0] && strcmp(box, box_tests[0]->name) != 0; /* the first is the usual one */
+    bool shown = box[0] && strcmp(box, box_tests[0]->name) != 0; /* the first is the default */
     snprintf(page->name[s], sizeof page->name[s], "%.40s%s%.20s%s%.16s%s%.12s", engine,
              layout[0] ? " " : "", layout, shown ? " " : "", shown ? box : "", tri[0] ? " " : "",
              tri);
@@ -182,7 +183,7 @@ static void name_members(const json_t *row, size_t s, struct row_plot_page *page
                              place_in((const void *const *)layouts, layout, 2)};
 }
 
-/* A point at the median speed, with a bar from the least to the most of the rounds where they are
+/* A point at the median speed, with a bar from the slowest to the fastest round if they are
  * known. */
 static struct plot_point speed_of(const json_t *row, size_t series)
 {
@@ -193,7 +194,7 @@ static struct plot_point speed_of(const json_t *row, size_t series)
     return point;
 }
 
-/* A rate per million; of none, its upper limit. */
+/* Sets a rate per million. Without events it is the upper limit. */
 static void set_rate(struct plot_point *point, size_t events, size_t count)
 {
     point->below = count > 0 && events == 0;
@@ -264,7 +265,7 @@ enum status row_plots_error(const json_t *rows, const char *driver, struct row_p
 
 /* --- size against speed ------------------------------------------------------------------- */
 
-/* Bytes per triangle, or NAN if the row has none. */
+/* Bytes per triangle; NAN if the row has none. */
 static double bytes_of(const json_t *row, bool memory)
 {
     size_t tris = value_count(row, "triangles");
@@ -347,8 +348,8 @@ static void describe_matrix(struct row_plot_page *page, struct plot_figure *figu
     figure->subtitle = "right is faster, down is smaller; one thread, or as many as were named";
 }
 
-/* Colours are of engines; shape and fill distinguish their contestants. Only the first row of a
- * contestant in a scene is drawn. */
+/* The colour shows the engine; shape and fill distinguish its contestants. Only a contestant's
+ * first row in a scene is drawn. */
 static void draw_matrix(const json_t *row, struct row_plot_page *page, struct plot_figure *figure)
 {
     static const char *const engine[] = {"embree", "fast", "cpu", "vulkan"};

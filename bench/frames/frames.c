@@ -43,8 +43,8 @@ double frames_angle(const struct frames_settings *settings, int64_t frame)
     return turn * (double)settings->turns * (double)frame / (double)settings->frames;
 }
 
-/* One frame by all contestants, a different one first each time, since the order can matter. *drawn
- * is false if the run was stopped before all had drawn it. */
+/* Draws one frame with all contestants, starting with a different one each time, since the order
+ * can matter. *drawn is false if the run was stopped before all had drawn it. */
 static enum status draw_all(struct frames_run *run, int64_t frame, frames_draw *draw, void *user,
                             bool *drawn, struct reason *reason)
 {

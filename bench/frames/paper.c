@@ -17,7 +17,7 @@ uint64_t paper_uploaded(uint32_t tri_count, uint32_t vertex_count)
     return 16 * ((uint64_t)tri_count + 1) + 32 * (uint64_t)vertex_count;
 }
 
-/* Bytes of the nodes in that layout, and of its item array; 0 if it cannot hold the tree. */
+/* Bytes of the nodes in a layout, and of its item array; 0 if it cannot hold the tree. */
 static enum status packed_bytes(const char *name, const struct bvh *bvh, const struct scene *scene,
                                 uint64_t *nodes, uint64_t *items, struct reason *reason)
 {

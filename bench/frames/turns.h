@@ -6,12 +6,12 @@
 
 #include <stddef.h>
 
-/* Before the first round: 0 to count - 1. */
+/* Sets the order before the first round: 0 to count - 1. */
 void turns_start(size_t *order, size_t count);
 
-/* The next round's order, made of the last one's: at random, since who always follows the same one
- * gains or loses by what that leaves in caches and predictors; and the first is not the last of the
- * round before, who would find its own. */
+/* Makes the next round's order from the last one. It is random, since a contestant that always
+ * follows the same one gains or loses by the state of caches and predictors. The first is never the
+ * last of the round before, which would find its own state. */
 void turns_next(struct rng *rng, size_t *order, size_t count);
 
 #endif
