@@ -14,7 +14,7 @@ double spread_median_most(double *value, size_t count)
 {
     double rank = ceil(0.5 * (double)count + 0.98 * sqrt((double)count));
     sort_doubles(value, count);
-    if (count < 5) /* all values are below the median with probability 1 in 2^count */
+    if (count < 5) /* all below with 1 in 2^count */
         return INFINITY;
     return rank < (double)count ? value[(size_t)rank - 1] : value[count - 1];
 }
