@@ -4,7 +4,7 @@
 
 struct bin_map bin_map_of(const struct lane_box *centres, uint32_t bins)
 {
-    /* Below this an axis is as good as flat, and the scale could overflow. */
+    /* Below this an axis is practically flat, and the scale could overflow. */
     lanes least = lanes_all(1e-30f);
     lanes extent = centres->hi - centres->lo;
     lanes_int flat = extent < least;

@@ -6,22 +6,23 @@
 
 #define BINS_MOST BUILD_BINS_MOST
 
-/* Where a centre's bin is: (centre - base) * scale, in each axis. */
+/* The bin of a centre is (centre - base) * scale, in each axis. */
 struct bin_map {
     lanes base, scale;
     uint32_t count;
 };
 
-/* Bounds and number of the references of each bin. */
+/* Bounds and number of references of each bin. */
 struct bins {
     struct lane_box box[BINS_MOST][3];
     uint32_t count[BINS_MOST][3];
 };
 
-/* A split: references whose bin in `axis` is below `bin` come first. bin 0: none separates. */
+/* A split: references whose bin in `axis` is below `bin` go to the first side. bin 0: no split
+ * found. */
 struct bin_split {
     uint32_t axis, bin;
-    float cost;  /* sum of area times items of both sides, in units of the range's area */
+    float cost;  /* sum of area times items of both sides, relative to the range's area */
     float whole; /* area of the range in the same unit */
 };
 
@@ -35,10 +36,10 @@ static inline lanes_int bin_of(const struct bin_map *map, const struct ref *ref)
 
 void bins_clear(struct bins *bins, uint32_t count);
 void bins_add(struct bins *bins, const struct bin_map *map, const struct ref *ref, uint32_t count);
-/* Adds the second's to the first. */
+/* Adds the second to the first. */
 void bins_merge(struct bins *bins, const struct bins *other, uint32_t count);
 
-/* The cheapest split. */
+/* Finds the cheapest split. */
 struct bin_split bins_split(const struct bins *bins, uint32_t count);
 
 #endif

@@ -16,7 +16,7 @@ static float float_above(double x)
     return (double)f < x ? nextafterf(f, INFINITY) : f;
 }
 
-/* Where the edge p q, p[axis] < s < q[axis], crosses plane s. */
+/* Computes where the edge p q, p[axis] < s < q[axis], crosses plane s. */
 static void add_crossing(const float p[3], const float q[3], int axis, float s, struct box *bounds)
 {
     double t = ((double)s - (double)p[axis]) / ((double)q[axis] - (double)p[axis]);

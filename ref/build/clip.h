@@ -1,4 +1,4 @@
-/* Parts of triangles, as spatial splits make them. */
+/* Parts of triangles, made by spatial splits. */
 #ifndef CLIP_H
 #define CLIP_H
 
@@ -6,27 +6,27 @@
 
 #include <stdint.h>
 
-/* A triangle or a part of it: all of the triangle that lies in the cell of space it was cut out for
- * lies in the box, too. */
+/* A triangle or a part of it. The box contains everything of the triangle that lies in the cell of
+ * space for which the part was cut. */
 struct part {
     struct box box;
     uint32_t prim;
 };
 
-/* Cuts `box` down to bounds of what triangle `v` has between `lo` and `hi` of axis `axis`; empty
- * (lo > hi) if that is nothing. Never less than the exact bounds of the triangle in both.
+/* Cuts `box` down to bounds of the part of triangle `v` between `lo` and `hi` of axis `axis`; empty
+ * (lo > hi) if there is none. Never less than the exact bounds of the triangle in both.
  *
  * Proof. The corners of the triangle between two planes are its vertices there, and the points
- * where its edges p q cross the planes. Such a point's coordinate is p + (q - p) t with t = (s -
- * p_k) / (q_k - p_k); of floats, in double, with e = 2^-53: t has an error of 3.01 e of itself and
- * is at most 1, the product of 5.02 e |q - p|, and the sum adds e of itself, together less than 6.1
- * e (|p|
- * + |q|). That is CLIP_ERROR's 8 e, which is added before the point is rounded to floats outward.
- * No operation overflows, and none underflows: differences of floats are 0 or at least 2^-149. */
+ * where its edges p q cross the planes. The coordinate of such a point is p + (q - p) t with t = (s
+ * - p_k) / (q_k - p_k). For floats, computed in double, with e = 2^-53: t has a relative error of
+ * 3.01 e and is at most 1, the product has an error of 5.02 e |q - p|, and the sum adds a relative
+ * error of e, together less than 6.1 e (|p| + |q|). CLIP_ERROR's 8 e covers this; it is added
+ * before the point is rounded to floats outward. No operation overflows, and none underflows:
+ * differences of floats are 0 or at least 2^-149. */
 void clip_between(float v[3][3], int axis, float lo, float hi, struct box *box);
 
-/* Cuts `box` down to bounds of what triangle `v` has in it, along all axes. Not the tightest: an
- * axis after the other, twice. */
+/* Cuts `box` down to bounds of the part of triangle `v` in it, along all axes. The bounds are not
+ * the tightest: axes are cut one after the other, twice. */
 void clip_inside(float v[3][3], struct box *box);
 
 static inline bool clip_is_empty(const struct box *box)

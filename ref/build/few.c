@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* References by their centres in one axis; among equals as they come. */
+/* Sorts references by their centres in one axis; equal ones keep their order. */
 static void sort_few(const lanes *centre, uint32_t count, int axis, uint8_t *order)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -13,7 +13,7 @@ static void sort_few(const lanes *centre, uint32_t count, int axis, uint8_t *ord
     }
 }
 
-/* Cheapest place to cut an order, if better than *best. */
+/* Finds the cheapest position to cut an order, if better than *best. */
 static uint32_t cut_few(const struct lane_box *box, uint32_t count, const uint8_t *order,
                         float *best)
 {
@@ -47,7 +47,7 @@ uint32_t few_split(struct ref *ref, uint32_t count, uint32_t leaf)
     for (uint32_t i = 1; i < count; i++)
         lane_box_add(&whole, &ref[i].box);
     lanes reach = lane_box_reach(&whole), half = lanes_all(0.5f);
-    /* Boxes in units of the whole, from its corner; sides are 2 at most. */
+    /* Boxes relative to the corner and size of the whole; sides are 2 at most. */
     lanes unit = lanes_all(lanes_unit(reach)), base = whole.lo * half;
     for (uint32_t i = 0; i < count; i++) {
         copy[i] = ref[i];

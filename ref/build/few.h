@@ -6,12 +6,12 @@
 
 #define FEW_MOST 8u
 
-/* What a node costs against its triangles, each per unit of area: see README, quality of trees. */
+/* Cost of a node relative to a triangle, each per unit of area: see README, quality of trees. */
 #define COST_NODE 1.0f
 
 /* Orders 2 to FEW_MOST references so that the first side of the cheapest of all splits between
- * centres comes first, and returns how many these are; 0 where a leaf costs no more and may hold
- * them all, `leaf` being the most. */
+ * centres comes first, and returns its size. Returns 0 if a leaf costs no more and may hold all of
+ * them; `leaf` is the most that it may hold. */
 uint32_t few_split(struct ref *ref, uint32_t count, uint32_t leaf);
 
 #endif

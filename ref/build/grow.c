@@ -4,24 +4,25 @@
 
 #include <stdlib.h>
 
-/* A range with more items than this share of all is split by all threads. */
+/* All threads together split ranges with more items than the total / PIECES. */
 #define PIECES      128u
 #define PIECE_LEAST 2048u
 
-/* A node of the top of the tree, in pre-order, or a piece below it. */
+/* A node of the top of the tree, in pre-order, or a piece below the top. */
 struct grow_part {
     struct grow_range range;
     struct lane_box bounds;
-    uint32_t snd;   /* its second child; 0: a piece */
-    uint32_t nodes; /* of a piece */
-    uint32_t at;    /* where in the finished tree */
+    uint32_t snd;   /* second child; 0: a piece */
+    uint32_t nodes; /* of a piece: its number of nodes */
+    uint32_t at;    /* index in the finished tree */
 };
 
 struct grower {
     const struct grow_rule *rule;
     void *user;
     uint32_t *prim;
-    struct bvh_node *node; /* of pieces: a piece of items i .. begins at 2 i */
+    struct bvh_node *node; /* nodes of the pieces; those of a piece whose first item is i begin at 2
+                              i */
     struct grow_part *part;
     size_t part_count, part_capacity;
     uint32_t threads;
@@ -43,7 +44,8 @@ enum status build_check(const struct scene *scene, const struct build_options *o
     return STATUS_OK;
 }
 
-/* The rule's split, or halves where it would lead too deep. Returns false for a leaf. */
+/* Splits by the rule, or into halves if the rule's split could become too deep. False for a
+ * leaf. */
 static bool divide(const struct grower *g, const struct grow_range *range,
                    struct grow_range child[2], uint32_t threads)
 {
@@ -61,7 +63,8 @@ static bool divide(const struct grower *g, const struct grow_range *range,
     return true;
 }
 
-/* Appends the subtree of a range to node[*count ..], in pre-order, indices as in node. */
+/* Appends the subtree of a range to node[*count ..], in pre-order, with indices relative to
+ * `node`. */
 static struct lane_box piece_grow(const struct grower *g, const struct grow_range *range,
                                   struct bvh_node *node, uint32_t *count)
 {
@@ -90,7 +93,8 @@ static enum status part_add(struct grower *g, const struct grow_range *range)
     return status;
 }
 
-/* Splits a range into parts no larger than `most`; what is never split is one, too. */
+/* Splits a range into parts of at most `most` items; a larger range that is not split is a part,
+ * too. */
 static enum status top_grow(struct grower *g, const struct grow_range *range, uint32_t most)
 {
     struct grow_range child[2];
@@ -103,7 +107,7 @@ static enum status top_grow(struct grower *g, const struct grow_range *range, ui
     return status ? status : top_grow(g, &child[1], most);
 }
 
-/* Counts the nodes, and makes the bounds of the top. */
+/* Counts the nodes, and computes the bounds of the top. */
 static uint32_t top_finish(struct grower *g)
 {
     uint32_t count = 0;

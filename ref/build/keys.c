@@ -7,7 +7,7 @@
 #define DIGIT_BITS 11u
 #define DIGITS     (1u << DIGIT_BITS)
 
-/* Where each thread puts each digit: place[thread][digit], first counted, then summed. */
+/* Destination of each thread's digits: place[thread][digit], first counts, then positions. */
 static void places_sum(uint32_t *place, uint32_t threads)
 {
     uint32_t sum = 0;
@@ -20,7 +20,7 @@ static void places_sum(uint32_t *place, uint32_t threads)
         }
 }
 
-/* One pass, stable, so that the result is the same however many threads share it. */
+/* One stable pass, so that the result does not depend on the number of threads. */
 static void sort_digit(const uint64_t *from, uint64_t *to, uint32_t count, uint32_t shift,
                        uint32_t threads, uint32_t *place)
 {

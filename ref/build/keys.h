@@ -4,9 +4,9 @@
 
 #include "ref/base/base.h"
 
-/* Sorts by bits first_bit and above, ascending; keys that are equal there keep their order, so that
- * the result is the same for any number of threads. *key (of room_make) may be exchanged for
- * another array. Errors: STATUS_MEMORY; the keys are as they were. */
+/* Sorts by bits first_bit and above, ascending; keys that are equal there keep their order, so the
+ * result is the same for any number of threads. *key (from room_make) may be replaced by another
+ * array. Errors: STATUS_MEMORY; the keys are unchanged. */
 enum status keys_sort(uint64_t **key, uint32_t count, uint32_t first_bit,
                       uint32_t threads) MUST_USE;
 

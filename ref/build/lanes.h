@@ -1,5 +1,5 @@
-/* Four floats at a time, of which boxes use three: what the fast builders compute with. The same
- * operations in the same order with and without SSE, so the trees are the same. */
+/* Four floats at a time, three of them used by boxes: the arithmetic of the fast builders. The
+ * operations and their order are the same with and without SSE, so the trees are the same. */
 #ifndef LANES_H
 #define LANES_H
 
@@ -15,7 +15,7 @@
 typedef float lanes __attribute__((vector_size(16)));
 typedef int32_t lanes_int __attribute__((vector_size(16)));
 
-/* A box as two of them; the fourth of each is anything but NaN. */
+/* A box as two vectors; the fourth lane of each is anything but NaN. */
 struct lane_box {
     lanes lo, hi;
 };
@@ -25,7 +25,7 @@ static inline lanes lanes_all(float x)
     return (lanes){x, x, x, x};
 }
 
-/* yes where mask is ~0, no where it is 0. */
+/* Selects `yes` where mask is ~0, `no` where it is 0. */
 static inline lanes lanes_select(lanes_int mask, lanes yes, lanes no)
 {
     return (lanes)(((lanes_int)yes & mask) | ((lanes_int)no & ~mask));
@@ -87,16 +87,15 @@ static inline float lanes_half_area(lanes side)
     return side[0] * side[1] + side[1] * side[2] + side[2] * side[0];
 }
 
-/* Half a box's sides: halves first, as the difference of two floats can overflow; 0 where it is
- * empty. */
+/* Half a box's sides: halved first, as the difference of two floats can overflow; 0 if empty. */
 static inline lanes lane_box_reach(const struct lane_box *box)
 {
     lanes half = lanes_all(0.5f);
     return lanes_max(box->hi * half - box->lo * half, lanes_all(0));
 }
 
-/* A factor that brings the longest of three sides to 1, so that areas neither overflow nor vanish
- * wherever the scene is; finite also for a box without extent. */
+/* Returns a factor that scales the longest of three sides to 1, so that areas neither overflow nor
+ * vanish at any scale; finite also for a box without extent. */
 static inline float lanes_unit(lanes reach)
 {
     float most = reach[0] > reach[1] ? reach[0] : reach[1];
@@ -105,8 +104,8 @@ static inline float lanes_unit(lanes reach)
     return unit < FLT_MAX ? unit : FLT_MAX;
 }
 
-/* A power of two that brings all coordinates of a box to at most 1, exactly where these are not far
- * smaller than the largest: then areas neither overflow nor vanish. */
+/* Returns a power of two that scales all coordinates of a box to at most 1, exactly unless they are
+ * far smaller than the largest; then areas neither overflow nor vanish. */
 static inline float lanes_scale(const struct lane_box *box)
 {
     float most = 0;

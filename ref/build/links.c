@@ -4,13 +4,13 @@
 #include "ref/build/room.h"
 #include "ref/tree/tree_quality.h"
 
-/* A tree that is being written. */
+/* A tree being written. */
 struct writer {
     const struct links *links;
     struct bvh_node *node;
     uint32_t *prim;
     uint32_t node_count, prim_count;
-    uint32_t *list; /* as long as there are nodes */
+    uint32_t *list; /* one element per leaf */
 };
 
 static struct lane_box write_leaf(struct writer *w, uint32_t from)
@@ -30,7 +30,7 @@ static struct lane_box write_inner(struct writer *w, uint32_t mine, uint32_t fir
     return box;
 }
 
-/* A balanced tree of the leaves in list[0 .. count). */
+/* Writes a balanced tree of the leaves in list[0 .. count). */
 static struct lane_box write_halves(struct writer *w, const uint32_t *list, uint32_t count)
 {
     if (count == 1)
@@ -42,9 +42,9 @@ static struct lane_box write_halves(struct writer *w, const uint32_t *list, uint
     return write_inner(w, mine, first, snd, box, &other);
 }
 
-/* Lists the leaves below a node in their order. Entries that wait grow down from the list's end,
- * and never meet those that are done: there are fewer nodes on a path's side than leaves to come.
- */
+/* Lists the leaves below a node in their order. Waiting nodes are stacked downward from the list's
+ * end. They never meet the finished ones: there are never more waiting nodes than leaves to
+ * come. */
 static void list_leaves(struct writer *w, uint32_t from)
 {
     uint32_t done = 0, waiting = w->links->leaves[from];
@@ -103,8 +103,8 @@ enum status links_write(const struct links *links, struct bvh *out)
     return enough ? STATUS_OK : STATUS_MEMORY;
 }
 
-/* Marks what becomes a leaf: bottom-up, as children come after their parents. Writes each node's
- * cost to `cost`, and its items to `items` where these may be one leaf, else 0. */
+/* Decides which nodes become leaves: bottom-up, as children come after their parents. Writes each
+ * node's cost to `cost`, and to `items` its number of items if they may be one leaf, else 0. */
 static void collapse_mark(const struct bvh *bvh, uint32_t leaf, double *cost, uint32_t *items)
 {
     for (uint32_t i = bvh->node_count; i-- > 0;) {
@@ -125,16 +125,15 @@ static void collapse_mark(const struct bvh *bvh, uint32_t leaf, double *cost, ui
     }
 }
 
-/* Writes what is left over the tree; items becomes each node's new index. Returns how many are
- * left.
- */
+/* Writes the remaining nodes over the tree; items becomes each node's new index. Returns the number
+ * of remaining nodes. */
 static uint32_t collapse_write(struct bvh *bvh, uint32_t *items)
 {
-    uint32_t count = 0, end = 0; /* of the items that are in nodes written */
+    uint32_t count = 0, end = 0; /* of the items in nodes already written */
     for (uint32_t i = 0; i < bvh->node_count; i++) {
         struct bvh_node node = bvh->node[i];
         if (node.item_first < end)
-            continue; /* below a new leaf */
+            continue; /* it is below a new leaf */
         node.item_count = items[i];
         end = node.item_first + node.item_count;
         items[i] = count;

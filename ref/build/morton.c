@@ -4,7 +4,7 @@
 #include "ref/build/keys.h"
 #include "ref/build/room.h"
 
-/* Bit i to bit 3 i, of 21. */
+/* Moves bit i to bit 3 i, of 21 bits. */
 static uint64_t spread(uint32_t x)
 {
     uint64_t v = x & 0x1FFFFFu;
@@ -22,7 +22,7 @@ static void codes_make(const struct ref *ref, uint32_t count, const struct lane_
     lanes extent = centres->hi - centres->lo;
     float most = extent[0] > extent[1] ? extent[0] : extent[1];
     most = most > extent[2] ? most : extent[2];
-    /* Cubes, not boxes of the scene's shape: they split the longest side first. */
+    /* The cells are cubes, not boxes of the scene's shape: so the longest side is split first. */
     lanes scale = lanes_all(most > 1e-30f ? (float)(1u << axis_bits) / most : 0);
     lanes last = lanes_all((float)((1u << axis_bits) - 1));
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
@@ -44,7 +44,7 @@ enum status morton_order(const struct ref *ref, uint32_t count, const struct lan
     if (!*out)
         return STATUS_MEMORY;
     codes_make(ref, count, centres, threads, *out, *index_bits);
-    /* The keys are in the order of their indices, which the sort keeps. */
+    /* The keys are in the order of their indices; the sort preserves this for equal codes. */
     enum status status = keys_sort(out, count, *index_bits, threads);
     if (status) {
         room_free(*out);

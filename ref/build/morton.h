@@ -4,10 +4,10 @@
 
 #include "ref/build/refs.h"
 
-/* The references' places along the Z curve, ascending: the code of the centre, and below it, in
- * `index_bits` bits, the reference's index, so that no two are equal. As many bits of each axis as
- * fit beside the index, at most 21: 63 in all for 2 references, 42 for a million, 33 for 2^31. Free
- * with room_free. Errors: STATUS_MEMORY. */
+/* Returns the references' positions along the Z curve, ascending: the code of the centre, and below
+ * it, in `index_bits` bits, the reference's index, so that no two keys are equal. Uses as many bits
+ * of each axis as fit beside the index, at most 21: 63 in all for 2 references, 42 for a million,
+ * 33 for 2^31. Free with room_free. Errors: STATUS_MEMORY. */
 enum status morton_order(const struct ref *ref, uint32_t count, const struct lane_box *centres,
                          uint32_t threads, uint64_t **out, uint32_t *index_bits) MUST_USE;
 

@@ -14,7 +14,7 @@ uint32_t build_threads(const struct build_options *options, uint32_t count)
     return options->threads ? options->threads : (uint32_t)omp_get_max_threads();
 }
 
-/* The three coordinates, and something in the fourth lane. */
+/* Loads the three coordinates; the fourth lane is arbitrary. */
 static lanes vertex_load(const struct scene *scene, uint32_t vertex)
 {
     const float *p = scene->vertex + 3 * (size_t)vertex;
@@ -33,7 +33,7 @@ static struct ref ref_of(const struct scene *scene, uint32_t prim)
     lanes c = vertex_load(scene, index[2]);
     lanes_int low = {0, 0, 0, (int32_t)(0x3F800000u | (prim & 0xFFFFu))};
     lanes_int high = {0, 0, 0, (int32_t)(0x3F800000u | prim >> 16)};
-    /* Masked before the sum: the fourth lane may be subnormal, which is slow. */
+    /* Masked before the sum, because the fourth lane may be subnormal, which is slow. */
     lanes_int lo = (lanes_int)lanes_min(lanes_min(a, b), c) & first_three;
     lanes_int hi = (lanes_int)lanes_max(lanes_max(a, b), c) & first_three;
     lanes zero = lanes_all(0);
@@ -58,7 +58,7 @@ enum status refs_make(const struct scene *scene, uint32_t threads, struct ref **
             lanes centre = ref_centre(&ref[i]);
             lane_box_add(&mine, &(struct lane_box){centre, centre});
         }
-        /* Least and most, without -0: the order does not matter. */
+        /* Minimum and maximum, without -0: the order does not matter. */
 #pragma omp critical(refs)
         lane_box_add(centres, &mine);
     }

@@ -1,4 +1,4 @@
-/* Triangles as builders sort them: box and number in 32 bytes. */
+/* Triangles in the form that builders sort: box and number in 32 bytes. */
 #ifndef REFS_H
 #define REFS_H
 
@@ -6,8 +6,8 @@
 #include "ref/build/lanes.h"
 #include "ref/tree/bvh.h"
 
-/* The number stands in the fourth lanes, 16 bits in the mantissa of each, so that they are floats
- * between 1 and 2 that no operation stumbles over. */
+/* The number is stored in the fourth lanes, 16 bits in the mantissa of each. They are floats
+ * between 1 and 2, harmless in every operation. */
 struct ref {
     struct lane_box box;
 };
@@ -18,25 +18,26 @@ static inline uint32_t ref_prim(const struct ref *ref)
     return ((uint32_t)lo[3] & 0xFFFFu) | (uint32_t)hi[3] << 16;
 }
 
-/* Half of the box's centre: sums of two floats overflow, of two quarters they do not. */
+/* Half of the box's centre, as a sum of two quarters: a sum of two floats could overflow. */
 static inline lanes ref_centre(const struct ref *ref)
 {
     lanes quarter = lanes_all(0.25f);
     return ref->box.lo * quarter + ref->box.hi * quarter;
 }
 
-/* A key that orders as the floats do; -0 comes before 0. */
+/* Returns a key with the same order as the floats; -0 comes before 0. */
 static inline uint32_t order_key(float x)
 {
     uint32_t bits = float_bits(x);
     return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
 }
 
-/* Threads of a build of `count` triangles: 1 if they are few, so that small builds start none. */
+/* Returns the threads for a build of `count` triangles: 1 if there are few, so that small builds do
+ * not start threads. */
 uint32_t build_threads(const struct build_options *options, uint32_t count);
 
-/* The references of all triangles in order, -0 as 0 in the boxes, and the bounds of their centres.
- * Free with room_free. Errors: STATUS_MEMORY. */
+/* Makes the references of all triangles in order, with -0 as 0 in the boxes, and the bounds of
+ * their centres. Free with room_free. Errors: STATUS_MEMORY. */
 enum status refs_make(const struct scene *scene, uint32_t threads, struct ref **out,
                       struct lane_box *centres) MUST_USE;
 

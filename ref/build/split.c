@@ -6,12 +6,12 @@
 #include <stdlib.h>
 
 #define BINS        64u /* by centre */
-#define SPACE_BINS  16u /* in space, at most; of few parts so many and one for each */
+#define SPACE_BINS  16u /* in space, at most; with few parts SPACE_LEAST and one per part */
 #define SPACE_LEAST 2u
 
 /* --- by centre -------------------------------------------------------------------------------- */
 
-/* A part's centre and its place, in one number that sorts. */
+/* A part's centre and its index, in one number that sorts. */
 static uint64_t sort_key(const struct part *part, int axis, uint32_t place)
 {
     return (uint64_t)order_key(split_centre(part, axis) + 0.0f) << 32 | place;
@@ -55,10 +55,11 @@ static void sweep_axis(const struct split_node *node, int axis, double unit, str
 
 struct bin {
     struct box box;
-    uint32_t in, out; /* parts that begin and end here; by centre both are one */
+    uint32_t in, out; /* parts that begin and end here; equal if binned by centre */
 };
 
-/* The cheapest place before bin `i`; cost and sides, without `at`. Returns 0 for none. */
+/* Finds the cheapest split before a bin; sets cost and sides, but not `at`. Returns the bin, 0 for
+ * none. */
 static uint32_t sweep_bins(const struct bin *bin, uint32_t bins, uint32_t most, double unit,
                            struct split *out)
 {
@@ -120,7 +121,7 @@ static void bin_axis(const struct split_node *node, int axis, double unit, struc
     uint32_t b = sweep_bins(bin, BINS, node->count, unit, &split);
     if (b == 0 || (best->axis >= 0 && !(split.cost < best->cost)))
         return;
-    while (bin[b].in == 0) /* some are behind the place */
+    while (bin[b].in == 0) /* the split is before the next bin that is not empty */
         b++;
     split.at = first[b];
     *best = split;
@@ -141,8 +142,8 @@ void split_by_centre(const struct split_node *node, struct split *out)
 
 /* An edge of a triangle along an axis. */
 struct edge {
-    double from[3], slope[3]; /* its lower end, and change per unit of the axis */
-    float lo, hi;             /* of the axis */
+    double from[3], slope[3]; /* lower end, and change per unit of the axis */
+    float lo, hi;             /* interval on the axis */
 };
 
 static void make_edges(float v[3][3], int axis, struct edge edge[3])
@@ -160,7 +161,8 @@ static void make_edges(float v[3][3], int axis, struct edge edge[3])
     }
 }
 
-/* Where a triangle meets a plane; as floats come, since only costs depend on it. */
+/* Bounds of a triangle's intersection with a plane. Not rounded outward, since only costs depend on
+ * it. */
 static struct box cross_section(const struct edge edge[3], int axis, float at)
 {
     struct box box = box_empty();
@@ -176,7 +178,7 @@ static struct box cross_section(const struct edge edge[3], int axis, float at)
     return box;
 }
 
-/* Cuts `box` down to what it has of `other`. */
+/* Cuts `box` down to its intersection with `other`. */
 static void cut_down(struct box *box, const struct box *other)
 {
     for (int k = 0; k < 3; k++) {
@@ -185,8 +187,8 @@ static void cut_down(struct box *box, const struct box *other)
     }
 }
 
-/* Planes plane[0] .. plane[bins], of which the first and the last are the node's sides; fewer bins
- * than `asked` where floats are too coarse. */
+/* Makes planes plane[0] .. plane[bins]; the first and the last are the node's sides. Returns the
+ * number of bins, fewer than `asked` if floats are too coarse. */
 static uint32_t make_planes(float lo, float hi, uint32_t asked, float plane[SPACE_BINS + 1])
 {
     uint32_t bins = 0;
@@ -200,8 +202,8 @@ static uint32_t make_planes(float lo, float hi, uint32_t asked, float plane[SPAC
     return bins;
 }
 
-/* Adds a part to all bins that it reaches into: it begins in the last whose lower plane is not
- * above it, and ends in the first whose upper plane is not below it. */
+/* Adds a part to all bins that it overlaps: from the last bin whose lower plane is not above the
+ * part to the first whose upper plane is not below it. */
 static void chop(const struct split_node *node, const struct part *part, int axis,
                  const float *plane, uint32_t bins, struct bin *bin)
 {

@@ -1,13 +1,14 @@
-/* The cheapest ways to divide a node of builder sbvh: its parts by their centres, or space. */
+/* Finds the cheapest division of a node of builder sbvh: of its parts by their centres, or of
+ * space. */
 #ifndef SPLIT_H
 #define SPLIT_H
 
 #include "ref/build/clip.h"
 #include "ref/scene/scene.h"
 
-#define SPLIT_SWEPT 32u /* up to so many parts every place is tried, beyond it bins */
+#define SPLIT_SWEPT 32u /* up to this many parts every position is tried, beyond it bins */
 
-/* What both searches look at. */
+/* Input of both searches. */
 struct split_node {
     const struct scene *scene;
     const struct part *part;
@@ -15,9 +16,9 @@ struct split_node {
     struct box box; /* of all parts */
 };
 
-/* A way to divide. axis < 0: there is none. Costs are areas times parts, added up, in units of the
- * node's area. By centre: parts with centre below `at`, and of those at it the first `ties`, come
- * first. In space: `at` is the plane. */
+/* A division. axis < 0: none. The cost is the sum of area times parts, relative to the node's area.
+ * By centre: parts with centre below `at` come first, and the first `ties` of those at it. In
+ * space: `at` is the plane. */
 struct split {
     int axis;
     float at;
@@ -27,18 +28,18 @@ struct split {
     uint32_t count[2];
 };
 
-/* Twice the centre of a part's box, rounded; what splits by centre go by. Halves of floats, so that
- * no sum overflows. */
+/* Twice the centre of a part's box, rounded; the key of splits by centre. Computed from halves of
+ * floats, so that no sum overflows. */
 static inline float split_centre(const struct part *part, int axis)
 {
     return 0.5f * part->box.lo[axis] + 0.5f * part->box.hi[axis];
 }
 
-/* The cheapest by centre: of all places, or between bins. */
+/* Finds the cheapest split by centre: among all positions, or between bins. */
 void split_by_centre(const struct split_node *node, struct split *out);
 
-/* The cheapest plane of those between bins that makes at most `most` parts more (Stich, Friedrich,
- * Dietrich 2009, section 4.1: parts are chopped at every plane between bins). */
+/* Finds the cheapest plane between bins that adds at most `most` parts (Stich, Friedrich, Dietrich
+ * 2009, section 4.1: parts are chopped at every plane between bins). */
 void split_in_space(const struct split_node *node, uint32_t most, struct split *out);
 
 #endif

@@ -1,7 +1,7 @@
 #include "ref/build/swap.h"
 
 #define PARTS 64u
-#define APART 65536u /* more references are divided in PARTS */
+#define APART 65536u /* above it references are divided in PARTS */
 
 static bool is_fst(const struct ref_cut *cut, const struct ref *ref)
 {
@@ -35,8 +35,8 @@ static uint32_t divide_part(struct ref *ref, uint32_t count, const struct ref_cu
     return i;
 }
 
-/* Parts of a range: part i is ref[begin[i] .. begin[i + 1]), the first left[i] of it on its first
- * side. */
+/* Parts of a range: part i is ref[begin[i] .. begin[i + 1]); its first left[i] references go to the
+ * first side. */
 struct swap_parts {
     uint32_t begin[PARTS + 1], left[PARTS];
     struct lane_box fst[PARTS], snd[PARTS];
@@ -47,7 +47,7 @@ struct swap_run {
     uint32_t first, count;
 };
 
-/* Runs of second-side references before `middle`, and of first-side ones behind it. */
+/* Finds the runs of second-side references before `middle`, and of first-side ones after it. */
 static void runs_of(const struct swap_parts *parts, uint32_t middle, struct swap_run *early,
                     struct swap_run *late)
 {
@@ -59,7 +59,7 @@ static void runs_of(const struct swap_parts *parts, uint32_t middle, struct swap
     }
 }
 
-/* Changes the runs' references over, one by one in order. */
+/* Exchanges the runs' references, one by one in order. */
 static void swap_runs(struct ref *ref, struct swap_run *early, struct swap_run *late)
 {
     uint32_t a = 0, b = 0;
@@ -123,7 +123,7 @@ uint32_t refs_halve(struct ref *ref, uint32_t count, const struct lane_box *cent
                     struct lane_box *fst, struct lane_box *snd)
 {
     uint32_t axis = longest_axis(centres), half = count / 2, lo = 0, hi = count;
-    /* Bit by bit, what surrounds the middle is divided. */
+    /* Divides the range that contains the middle, bit by bit. */
     for (uint32_t bit = 0x80000000u; bit && hi - lo > 1; bit >>= 1) {
         uint32_t i = lo, end = hi;
         while (i < end) {

@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-/* A node that waits, and whose child it is. */
+/* A waiting node, and its parent. */
 struct task {
     struct build_node node;
     uint32_t parent; /* NO_PARENT for the root */
@@ -13,7 +13,7 @@ struct task {
 
 #define NO_PARENT UINT32_MAX
 
-/* Nodes made so far, and nodes that wait; the last of `task` is next. */
+/* Nodes made so far, and waiting nodes; the last of `task` is next. */
 struct top_down_progress {
     struct bvh_node *node;
     struct task *task;
@@ -56,8 +56,8 @@ static enum status emit(struct top_down_progress *progress, const struct task *t
     return STATUS_OK;
 }
 
-/* Splits one waiting node. Its triangles keep their place in prim: as nodes are done in pre-order,
- * a node's first triangle is also the number of items before it. */
+/* Splits one waiting node. Its triangles keep their place in prim: as nodes are processed in
+ * pre-order, a node's first triangle is also the number of items before it. */
 static enum status step(const struct build_rule *rule, struct build *build,
                         struct top_down_progress *progress, struct reason *reason)
 {

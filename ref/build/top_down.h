@@ -1,4 +1,5 @@
-/* What all top-down builders share: the loop over nodes, and the pre-order form of the result. */
+/* Common part of the top-down builders: the loop over nodes, and the pre-order form of the
+ * result. */
 #ifndef TOP_DOWN_H
 #define TOP_DOWN_H
 
@@ -9,9 +10,9 @@ struct build {
     const struct scene *scene;
     const struct build_options *options;
     struct box *tri_box; /* of each triangle */
-    float *centroid;     /* 3 for each triangle, of the builder's kind */
-    uint32_t *prim;      /* the triangles, each node's in one range */
-    uint32_t *spare;     /* as long as prim, free for use in split */
+    float *centroid;     /* 3 per triangle; the builder defines which centroid */
+    uint32_t *prim;      /* the triangles; those of a node are one range */
+    uint32_t *spare;     /* as long as prim, scratch for split */
 };
 
 /* A node to be split: triangles prim[first .. first + count - 1]. */
@@ -21,11 +22,11 @@ struct build_node {
     uint32_t depth; /* root: 0 */
 };
 
-/* How a builder decides. */
+/* The decisions of a builder. */
 struct build_rule {
     void (*centroid)(float v[3][3], float out[3]);
     /* Orders the node's range so that the first child's triangles come first, and sets *left to
-     * their number; 0 makes the node a leaf. node->bounds are tight at first; what is left in them
+     * their number; 0 makes the node a leaf. node->bounds are tight at first; their value on return
      * becomes the node's box. */
     enum status (*split)(struct build *build, struct build_node *node, uint32_t *left,
                          struct reason *reason);
@@ -33,7 +34,7 @@ struct build_rule {
 
 /* Builds the tree of a checked scene. Children get the exact bounds of their triangles before they
  * are split. Errors: STATUS_INPUT leaf is 0; STATUS_LIMIT more than 2^31 triangles; STATUS_MEMORY;
- * what split returns. On error *out is zero. */
+ * errors of split. On error *out is zero. */
 enum status build_top_down(const struct build_rule *rule, const struct scene *scene,
                            const struct build_options *options, struct bvh *out,
                            struct reason *reason) MUST_USE;

@@ -1,8 +1,8 @@
 /* The hierarchy of Morton codes (Karras 2012, Maximizing parallelism in the construction of BVHs,
  * octrees, and k-d trees): a range of the sorted codes is cut where their highest differing bit
- * changes. The same tree as Karras's, but made from the top down, in pre-order at once, each piece
- * by one thread: then no parents, counters or second order are needed. Equal codes are told apart
- * by the triangle's number. */
+ * changes. The tree is the same as Karras's, but made from the top down, directly in pre-order,
+ * each piece by one thread; this needs no parents, counters or second order. Equal codes are
+ * distinguished by the triangle's number. */
 #include "ref/build/grow.h"
 #include "ref/build/morton.h"
 #include "ref/build/room.h"
@@ -21,7 +21,7 @@ static uint32_t halve(void *user, const struct grow_range *range, struct grow_ra
     return range->count / 2;
 }
 
-/* The keys differ, so both sides have some: the highest differing bit is 0 in the first key, 1 in
+/* The keys differ, so neither side is empty: the highest differing bit is 0 in the first key, 1 in
  * the last. */
 static uint32_t split(void *user, const struct grow_range *range, struct grow_range child[2],
                       uint32_t threads)

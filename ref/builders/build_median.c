@@ -1,7 +1,7 @@
 /* The repaired twin of builder `rtrs`: splits at the middle of the longest axis of the exact
- * bounds; only that axis decides (RTRS's F4), boxes are never cut (F5), and where the middle
- * separates nothing the triangles are halved instead (F19), so that no leaf exceeds the limit.
- * eps has no meaning here and is ignored. */
+ * bounds. Only that axis decides (RTRS's F4), boxes are never cut (F5). If the middle separates
+ * nothing, the triangles are halved instead (F19), so that no leaf exceeds the limit. eps is
+ * ignored. */
 #include "ref/build/grow.h"
 #include "ref/build/top_down.h"
 
@@ -27,14 +27,14 @@ static size_t longest_axis(const struct box *box)
     return axis;
 }
 
-/* -0 and 0 are equal. */
+/* Makes -0 and 0 equal. */
 static uint32_t key_of(float x)
 {
     return order_key(x + 0.0f);
 }
 
 /* Returns the key of rank `rank` (0 is the smallest); reorders `key`. One pass per bit, from the
- * highest: no input makes it slower than 32 passes. */
+ * highest, so at most 32 passes for any input. */
 static uint32_t select_key(uint32_t *key, uint32_t count, uint32_t rank)
 {
     for (uint32_t bit = 0x80000000u; bit != 0 && count > 1; bit >>= 1) {
@@ -58,7 +58,7 @@ static uint32_t select_key(uint32_t *key, uint32_t count, uint32_t rank)
 }
 
 /* Moves the triangles with key < pivot, and the first `ties` of those with key == pivot, to the
- * front; both sides keep their order. Returns how many. */
+ * front; both sides keep their order. Returns their number. */
 static uint32_t partition(struct build *build, const struct build_node *node, size_t axis,
                           uint32_t pivot, uint32_t ties)
 {
@@ -79,7 +79,8 @@ static uint32_t partition(struct build *build, const struct build_node *node, si
     return left;
 }
 
-/* Puts the half with the smaller centroids in front; among equals the lower index. */
+/* Puts the half with the smaller centroids in front; among equal ones the lower index comes
+ * first. */
 static uint32_t halve(struct build *build, const struct build_node *node, size_t axis)
 {
     const uint32_t *prim = build->prim + node->first;
@@ -101,7 +102,7 @@ static enum status split(struct build *build, struct build_node *node, uint32_t 
     if (node->count <= build->options->leaf)
         return STATUS_OK;
     size_t axis = longest_axis(&node->bounds);
-    /* Halves first: the sum could overflow. */
+    /* Halved first: the sum could overflow. */
     uint32_t middle = key_of(0.5f * node->bounds.lo[axis] + 0.5f * node->bounds.hi[axis]);
     uint32_t front = 0;
     for (uint32_t i = 0; i < node->count; i++) {

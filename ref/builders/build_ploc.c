@@ -1,9 +1,9 @@
-/* From below: along the order of Morton codes every cluster looks `radius` places to both sides for
- * the neighbour with which its box is smallest, and clusters that choose each other become one,
- * until one is left (Meister and Bittner 2017, Parallel locally-ordered clustering). Ours: of
- * equally near neighbours the one whose place differs in lower bits, so that heaps of equal
- * triangles pair up; and where hardly any chose each other (sizes that fall along the order),
- * neighbours are paired as they stand, so that the number of rounds is logarithmic. */
+/* Builds bottom-up (Meister and Bittner 2017, Parallel locally-ordered clustering). Along the order
+ * of Morton codes every cluster searches `radius` places to both sides for the neighbour with the
+ * smallest common box. Clusters that choose each other are merged, until one is left. Ours: among
+ * equally near neighbours the one whose place differs in lower bits is chosen, so that many equal
+ * triangles pair up. And if hardly any clusters chose each other (sizes that decrease along the
+ * order), adjacent ones are paired, so that the number of rounds is logarithmic. */
 #include "ref/build/grow.h"
 #include "ref/build/links.h"
 #include "ref/build/morton.h"
@@ -17,21 +17,21 @@ struct ploc {
     const struct ref *ref;
     uint32_t (*child)[2];
     uint32_t *leaves;
-    uint32_t nodes;       /* made so far */
-    uint32_t *cluster;    /* nodes without parent, in order */
-    struct lane_box *box; /* theirs, in units in which areas neither overflow nor vanish */
-    uint32_t *chosen;     /* the place that each would join */
+    uint32_t nodes;       /* nodes made so far */
+    uint32_t *cluster;    /* nodes without a parent, in order */
+    struct lane_box *box; /* their boxes, scaled so that areas neither overflow nor vanish */
+    uint32_t *chosen;     /* place that each cluster would join */
     uint32_t count, radius, threads;
 };
 
 #define CHUNK 1024u
-/* A round should leave at most this share of the clusters; the usual is two thirds. */
+/* A round should leave at most this fraction of the clusters; usually it leaves two thirds. */
 #define SLOW(count) ((count) - (count) / 16)
 
 /* The best neighbour so far. */
 struct choice {
     float area;
-    uint32_t differs; /* bits in which the places differ: no two neighbours are alike */
+    uint32_t differs; /* bits in which the places differ: unique for each neighbour */
 };
 
 static void choose(struct choice *choice, float area, uint32_t differs)
@@ -40,8 +40,8 @@ static void choose(struct choice *choice, float area, uint32_t differs)
         *choice = (struct choice){area, differs};
 }
 
-/* Chooses for the clusters at begin .. end - 1. Each pair's area is computed once, but for those
- * across the chunk's ends. */
+/* Chooses for the clusters at begin .. end - 1. Each pair's area is computed once, except across
+ * the chunk's ends. */
 static void choose_chunk(const struct ploc *p, uint32_t begin, uint32_t end)
 {
     struct choice best[CHUNK];
@@ -54,7 +54,7 @@ static void choose_chunk(const struct ploc *p, uint32_t begin, uint32_t end)
             struct lane_box both = p->box[i];
             lane_box_add(&both, &p->box[j]);
             float area = lanes_half_area(both.hi - both.lo);
-            area = area < INFINITY ? area : INFINITY; /* NaN, of vertices that are not finite */
+            area = area < INFINITY ? area : INFINITY; /* NaN, if vertices are not finite */
             if (i >= begin)
                 choose(&best[i - begin], area, i ^ j);
             if (j < end)
@@ -74,7 +74,7 @@ static uint32_t join(struct ploc *p, uint32_t a, uint32_t b)
     return node;
 }
 
-/* Joins those that chose each other, in place of the first. Returns how many are left. */
+/* Merges clusters that chose each other, at the place of the first. Returns the number left. */
 static uint32_t join_chosen(struct ploc *p)
 {
     uint32_t left = 0;
@@ -83,7 +83,7 @@ static uint32_t join_chosen(struct ploc *p)
         bool both = p->chosen[j] == i;
         if (both && j < i)
             continue;
-        /* Neither place i nor what comes after it has been written yet. */
+        /* Neither place i nor any later place has been written yet. */
         struct lane_box box = p->box[i];
         uint32_t node = p->cluster[i];
         if (both) {

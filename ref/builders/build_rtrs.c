@@ -1,14 +1,15 @@
-/* RTRS's builder, bit for bit, faults included (RTRS, file bvh/aabb.rs). What it does
- * wrong on purpose here:
- *   F4   all three axes decide, so flat geometry whose centroid rounds out of its plane is not
- * split F5   where one side is empty the box is cut in half and keeps that shape, so that it need
- * not contain its triangles any more F19  where the half box equals the box, it would do so for
- * ever: refused, the only difference All operations are in float, each rounded. */
+/* RTRS's builder, bit for bit, faults included (RTRS, file bvh/aabb.rs). Its faults:
+ *   F4   all three axes decide: flat geometry is not split if its centroid rounds out of its plane
+ *   F5   if one side is empty the box is cut in half and keeps that shape, so that it need not
+ *        contain its triangles any more
+ *   F19  if the half box equals the box, RTRS would not terminate: rejected, the only difference
+ * All operations are in float, each rounded. */
 #include "ref/build/top_down.h"
 
 #include <string.h>
 
-/* The mean of the three edges' middles; the division is a multiplication by the rounded third. */
+/* The mean of the midpoints of the three edges; the division is a multiplication by the rounded
+ * third. */
 static void centroid(float v[3][3], float out[3])
 {
     for (int k = 0; k < 3; k++) {
@@ -19,7 +20,8 @@ static void centroid(float v[3][3], float out[3])
     }
 }
 
-/* The longest axis; of equal ones x before y before z, and z if nothing can be compared (NaN). */
+/* The longest axis; among equal ones x before y before z, and z if nothing can be compared
+ * (NaN). */
 static int longest_axis(const float extent[3])
 {
     if (extent[0] >= extent[1] && extent[0] >= extent[2])
@@ -34,7 +36,7 @@ static bool contains(const struct box *box, const float p[3])
 }
 
 /* Moves the triangles whose centroids lie in `box` to the front; both sides keep their order.
- * Returns how many. */
+ * Returns their number. */
 static uint32_t partition(struct build *build, const struct build_node *node, const struct box *box)
 {
     uint32_t *prim = build->prim + node->first;
@@ -69,7 +71,8 @@ static enum status split(struct build *build, struct build_node *node, uint32_t 
             return STATUS_OK;
         }
         node->bounds = front == 0 ? snd : fst;
-        /* The same box with the same triangles takes the same way again. Bits, because of NaN. */
+        /* The same box with the same triangles would be split the same way again. Compares bits,
+         * because of NaN. */
         if (memcmp(&node->bounds, &box, sizeof box) == 0)
             return fail(reason, STATUS_LIMIT,
                         "rtrs: RTRS never ends here: F19 (%u triangles, the first is %u, in a "

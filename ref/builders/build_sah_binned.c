@@ -1,7 +1,7 @@
-/* Top-down by the surface area heuristic, tried between bins of centres (Wald 2007, On fast
- * construction of SAH-based bounding volume hierarchies): all three axes, and up to FEW_MOST
- * triangles every place instead of bins. Ours: areas relative to the node, which holds in scenes of
- * any size, and the bound of the depth. */
+/* Top-down by the surface area heuristic, with splits between bins of centres (Wald 2007, On fast
+ * construction of SAH-based bounding volume hierarchies) on all three axes. With up to FEW_MOST
+ * triangles every position is tried instead of bins. Ours: areas relative to the node, which works
+ * for scenes of any size, and the depth limit. */
 #include "ref/build/bins.h"
 #include "ref/build/few.h"
 #include "ref/build/grow.h"
@@ -13,7 +13,7 @@ struct binned {
     uint32_t leaf, bins;
 };
 
-/* Ranges beyond this are binned and divided in parts, which threads share. */
+/* Larger ranges are binned and divided in parts, which threads share. */
 #define ALONE 16384u
 
 static void bin_range(const struct binned *b, const struct grow_range *range,
@@ -34,7 +34,7 @@ static void bin_range(const struct binned *b, const struct grow_range *range,
             uint32_t first = i * ALONE, rest = range->count - first;
             bins_add(&mine, map, ref + first, rest < ALONE ? rest : ALONE);
         }
-        /* Sums, least and most: the order does not matter. */
+        /* Sums, minima and maxima: the order does not matter. */
 #pragma omp critical(bins)
         bins_merge(bins, &mine, map->count);
     }
@@ -47,7 +47,7 @@ static uint32_t halve(void *user, const struct grow_range *range, struct grow_ra
                       &child[1].centres);
 }
 
-/* As many bins as the range is worth. */
+/* Returns the number of bins for a range. */
 static uint32_t bins_for(const struct binned *b, uint32_t count)
 {
     uint32_t worth = 4 + count / 8;
@@ -61,7 +61,7 @@ static uint32_t split(void *user, const struct grow_range *range, struct grow_ra
     struct ref *ref = b->ref + range->first;
     if (range->count <= FEW_MOST) {
         uint32_t left = few_split(ref, range->count, b->leaf);
-        child[0].centres = child[1].centres = range->centres; /* read by halve() only */
+        child[0].centres = child[1].centres = range->centres; /* only halve() reads it */
         return left || range->count <= b->leaf ? left : halve(user, range, child);
     }
     struct bins bins;

@@ -1,8 +1,8 @@
-/* Top-down by the surface area heuristic, tried at every place: triangles are sorted by centre
- * along each axis once, and splits keep the orders (Wald and Havran 2006, section 4, for kd-trees;
- * here with centres, so that each triangle stays on one side). The cheapest of all splits between
- * neighbours in one of the three orders; the first of equals. Ours: areas relative to the node, and
- * the bound of the depth. */
+/* Top-down by the surface area heuristic, with every position tried: triangles are sorted by centre
+ * along each axis once, and splits preserve the orders (Wald and Havran 2006, section 4, for
+ * kd-trees; here with centres, so that each triangle is on one side). Takes the cheapest of all
+ * splits between neighbours in one of the three orders; the first of equal ones. Ours: areas
+ * relative to the node, and the depth limit. */
 #include "ref/build/few.h"
 #include "ref/build/grow.h"
 #include "ref/build/keys.h"
@@ -14,14 +14,14 @@
 /* In grow_range, centres are the bounds of the range's triangles. */
 struct sweep {
     const struct ref *ref;
-    uint32_t *order[3]; /* triangles by centre along each axis, ranges together */
-    uint32_t *spare[3]; /* as long, for the same ranges */
-    float *above[3];    /* likewise: cost of a second side from here on */
-    uint8_t *side;      /* of each triangle: 1 is the second */
+    uint32_t *order[3]; /* triangles by centre along each axis; those of a range are adjacent */
+    uint32_t *spare[3]; /* scratch of the same size, for the same ranges */
+    float *above[3];    /* likewise: cost of a second side that begins here */
+    uint8_t *side;      /* per triangle: 1 is the second side */
     uint32_t leaf;
 };
 
-/* Larger ranges have a thread for each axis. */
+/* Larger ranges use one thread per axis. */
 #define ALONE 16384u
 
 struct sweep_cut {
@@ -56,7 +56,7 @@ static struct sweep_cut cut_axis(const struct sweep *s, const struct grow_range 
     return cut;
 }
 
-/* Brings the second side's triangles behind the others, both in the order they have. */
+/* Moves the second side's triangles behind the others; both keep their order. */
 static void divide_order(const struct sweep *s, const struct grow_range *range, int axis)
 {
     uint32_t *order = s->order[axis] + range->first, *spare = s->spare[axis] + range->first;
@@ -89,8 +89,8 @@ static void divide_at(const struct sweep *s, const struct grow_range *range,
             divide_order(s, range, k);
 }
 
-/* The range's first and last centres along every axis are the same: nothing tells its triangles
- * apart, and any split costs as much. */
+/* The range's first and last centres are equal along every axis: its triangles cannot be
+ * distinguished, and every split costs the same. */
 static bool is_point(const struct sweep *s, const struct grow_range *range)
 {
     bool point = true;

@@ -1,9 +1,9 @@
 /* Top-down by the surface area heuristic, with spatial splits (Stich, Friedrich, Dietrich 2009,
- * Spatial Splits in Bounding Volume Hierarchies): where the children of the best object split
- * overlap, planes are tried, too, which cut triangles into parts. Ours: parts are cut from the
- * triangle itself with outward rounding (clip.h), so that ref/tree/cover.h finds nothing lost; and the
- * additional parts are bounded by a budget, which children divide by the area of their parts, so
- * that subtrees are built without knowing of each other, by any number of threads. */
+ * Spatial Splits in Bounding Volume Hierarchies): if the children of the best object split overlap,
+ * planes are tried, too, which cut triangles into parts. Ours: parts are cut from the triangle
+ * itself with outward rounding (clip.h), so that ref/tree/cover.h finds nothing lost. And the
+ * additional parts are limited by a budget, which children divide by the area of their parts, so
+ * that subtrees are built independently of each other, by any number of threads. */
 #include "ref/build/grow.h"
 #include "ref/build/room.h"
 #include "ref/build/split.h"
@@ -13,10 +13,10 @@
 #include <string.h>
 
 #define COST_NODE  1.0
-#define TASK_LEAST 4096u /* parts of a subtree that is worth a task */
+#define TASK_LEAST 4096u /* least parts of a subtree that becomes a task */
 
-/* A node, whose subtree has places first .. first + count + budget - 1 in the arrays of parts, and
- * nodes from `base`, twice as many less one. */
+/* A node. Its subtree uses places first .. first + count + budget - 1 in the arrays of parts, and 2
+ * (count + budget) - 1 nodes from `base` on. */
 struct range {
     uint32_t first, count, budget, base, depth;
     bool turned; /* its parts are in part[1] */
@@ -34,7 +34,8 @@ struct sbvh {
     struct made *made;
     uint32_t *prim;
     uint32_t leaf;
-    double least_overlap; /* of children, half of the area: below it no plane is tried */
+    double least_overlap; /* least overlap of the children, as half of its area, at which planes are
+                             tried */
 };
 
 static const struct part *parts_of(const struct sbvh *s, const struct range *range)
@@ -42,8 +43,8 @@ static const struct part *parts_of(const struct sbvh *s, const struct range *ran
     return s->part[range->turned] + range->first;
 }
 
-/* The children's parts while they are filled in: the first's from the front, the second's from the
- * back of the range in the other array. */
+/* The children's parts while they are collected in the other array: the first child's from the
+ * front of the range, the second child's from the back. */
 struct filling {
     struct part *place;
     uint32_t size, count[2];
@@ -58,7 +59,7 @@ static void put(struct filling *f, int side, const struct part *part)
     f->weight[side] += box_half_area_or_none(&part->box);
 }
 
-/* Moves the second child's parts to their place and divides the budget that is left. */
+/* Moves the second child's parts to their place and divides the remaining budget. */
 static void finish(const struct range *range, struct filling *f, struct range child[2])
 {
     uint32_t both = f->count[0] + f->count[1], left = range->count + range->budget - both;
@@ -102,8 +103,8 @@ static void divide_by_centre(const struct sbvh *s, const struct range *range,
     finish(range, &f, child);
 }
 
-/* In two halves as they come: where nothing separates, or would lead too deep. What is left of the
- * budget is given up, so that the halves' places are halves, too. */
+/* Divides in two halves by order, if no split separates or the tree would be too deep. The
+ * remaining budget is dropped, so that the halves' places are halves, too. */
 static void halve(const struct sbvh *s, const struct range *range, struct range child[2])
 {
     struct range poor = *range;
@@ -115,7 +116,7 @@ static void halve(const struct sbvh *s, const struct range *range, struct range 
     finish(&poor, &f, child);
 }
 
-/* Cuts a part in two at the plane; returns which of them are not empty, as bits. */
+/* Cuts a part in two at the plane; returns one bit for each piece that is not empty. */
 static int cut(const struct sbvh *s, const struct part *part, int axis, float at,
                struct part piece[2])
 {
@@ -129,7 +130,7 @@ static int cut(const struct sbvh *s, const struct part *part, int axis, float at
     return !clip_is_empty(&piece[0].box) + 2 * !clip_is_empty(&piece[1].box);
 }
 
-/* What a side costs if a box is added to it. */
+/* Returns the cost of a side if a box is added to it. */
 static double cost_with(const struct filling *f, int side, const struct box *box, uint32_t count)
 {
     struct box all = f->side[side];
@@ -138,7 +139,7 @@ static double cost_with(const struct filling *f, int side, const struct box *box
 }
 
 /* Puts a part that the plane cuts on one side whole, or on both in pieces, whichever costs least
- * (section 4.4); `count` are the parts of the sides as the search saw them. */
+ * (section 4.4); `count` is the number of parts of each side according to the search. */
 static void put_cut(const struct sbvh *s, const struct part *part, const struct split *split,
                     struct filling *f, uint32_t count[2])
 {
@@ -199,7 +200,7 @@ static bool too_deep(const struct range child[2])
     return child[0].depth + log2_ceil(larger) > GROW_DEPTH_MOST;
 }
 
-/* Divides a node; false: it is a leaf. */
+/* Divides a node; false for a leaf. */
 static bool divide(const struct sbvh *s, const struct range *range, const struct box *box,
                    struct range child[2])
 {
@@ -254,7 +255,7 @@ static void grow(const struct sbvh *s, const struct range *range)
 #pragma omp taskwait
 }
 
-/* The nodes in pre-order. Errors: STATUS_MEMORY. */
+/* Writes the nodes in pre-order. Errors: STATUS_MEMORY. */
 static enum status write_out(const struct sbvh *s, uint32_t most, struct bvh *out)
 {
     struct waiting {

@@ -30,7 +30,7 @@ const struct builder *builder_find(const char *name)
 }
 
 #define GIGA           1000000000.0
-#define REINSERT_BYTES 310u /* of tree_reinsert, at least, as tri_bytes */
+#define REINSERT_BYTES 310u /* least memory of tree_reinsert, as tri_bytes */
 
 uint64_t bvh_build_bytes(const struct builder *builder, uint32_t tri_count,
                          const struct build_options *options)

@@ -8,19 +8,19 @@
 
 #include <string.h>
 
-/* Nodes of large trees that are sought a place for in one pass: one of so many, in turn, so that
- * what has moved is seen by the next. */
+/* Places are searched for every TURNS-th node at a time, so that later turns of a pass see earlier
+ * moves. */
 #define TURNS 4u
 
 struct reinsert {
     struct spots spots;
-    float *gain;      /* of each node, at its better place */
-    uint32_t *target; /* that place; LINKS_NONE: there is none */
+    float *gain;      /* per node: the gain at its better place */
+    uint32_t *target; /* that place; LINKS_NONE: none */
     uint32_t threads;
 };
 
-/* Seeks places for the nodes of a turn. Sets *found, by falling gain: the nodes that have one, in
- * the low half of each. Errors: STATUS_MEMORY. */
+/* Searches places for the nodes of a turn. Sets *found to the nodes that have one, by falling gain;
+ * the node is in the low half of each entry. Errors: STATUS_MEMORY. */
 static enum status seek_all(const struct reinsert *r, uint32_t turn, uint64_t **found,
                             uint32_t *count)
 {
@@ -41,7 +41,7 @@ static enum status seek_all(const struct reinsert *r, uint32_t turn, uint64_t **
     return keys_sort(found, some, 32, 1);
 }
 
-/* Sets by how much the cost fell. */
+/* Sets *fall to the decrease of the cost. */
 static enum status pass(struct reinsert *r, double *fall)
 {
     enum status status = STATUS_OK;
@@ -68,7 +68,7 @@ static struct lane_box leaf(const void *user, uint32_t node, uint32_t *prim, uin
     return lane_box_load(&from->bounds);
 }
 
-/* Puts the moved tree in the old one's place. */
+/* Replaces the old tree by the moved one. */
 static enum status finish(const struct reinsert *r, struct bvh *bvh)
 {
     const uint32_t nodes = r->spots.count;
@@ -108,7 +108,7 @@ static enum status finish(const struct reinsert *r, struct bvh *bvh)
 enum status tree_reinsert(struct bvh *bvh, uint32_t passes, uint32_t threads)
 {
     if (bvh->node_count < 7)
-        return STATUS_OK; /* no node is as far as two from another that is not the root's child */
+        return STATUS_OK; /* trees of up to 3 leaves are not changed */
     const struct build_options options = {.threads = threads};
     struct reinsert r = {.threads = build_threads(&options, bvh->node_count)};
     r.gain = room_make(bvh->node_count, sizeof *r.gain);

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #define SEEK_STACK 128u
-#define SEEK_MOST  2000u /* nodes visited in one search */
+#define SEEK_MOST  2000u /* most nodes visited in one search */
 
 static float union_area(const struct lane_box *a, const struct lane_box *b)
 {
@@ -52,7 +52,7 @@ static uint32_t sibling_of(const struct spot *spot, uint32_t node)
     return child[child[0] == node];
 }
 
-/* A search for one node's place. */
+/* A search for the best place of one node. */
 struct seek {
     const struct spot *spot;
     const struct spot *moved;
@@ -60,8 +60,8 @@ struct seek {
     float gain;
 };
 
-/* Looks at every place in the subtree of `top` that could be better; `fall` is by how much the cost
- * has fallen before the node comes back. */
+/* Searches the subtree of `top` for better places; `fall` is the decrease of the cost before the
+ * node is inserted again. */
 static void seek_below(struct seek *s, uint32_t top, float fall)
 {
     struct {
@@ -74,7 +74,7 @@ static void seek_below(struct seek *s, uint32_t top, float fall)
     while (waiting > 0 && s->visits < SEEK_MOST) {
         uint32_t node = stack[--waiting].node;
         float left = stack[waiting].fall;
-        /* A new parent is at least as large as the node that comes. */
+        /* The new parent is at least as large as the moved node. */
         if (left - s->moved->area <= s->gain)
             continue;
         s->visits++;
@@ -84,7 +84,7 @@ static void seek_below(struct seek *s, uint32_t top, float fall)
             s->gain = gain;
             s->target = node;
         }
-        /* One level deeper `spot` itself is enlarged instead. */
+        /* One level deeper, `spot` itself is enlarged instead. */
         if (spot->child[0] == LINKS_NONE || gain + spot->area - s->moved->area <= s->gain ||
             waiting + 2 > SEEK_STACK)
             continue;
@@ -103,8 +103,8 @@ uint32_t spots_seek(const struct spots *spots, uint32_t node, float *gain)
     if (node == 0 || spot[node].parent == 0)
         return LINKS_NONE;
     uint32_t at = spot[node].parent, other = sibling_of(spot, node);
-    /* What is left of `at` without the node; at first its sibling, which takes the parent's place.
-     */
+    /* The box of `at` without the node. At first it is that of the sibling, which replaces the
+     * parent. */
     struct lane_box rest = spot[other].box;
     float fall = spot[at].area;
     for (;;) {
@@ -113,7 +113,7 @@ uint32_t spots_seek(const struct spots *spots, uint32_t node, float *gain)
         if (at != spot[node].parent) {
             lane_box_add(&rest, &spot[other].box);
             float kept = lanes_half_area(rest.hi - rest.lo);
-            /* Beside `at` the new parent is as large as `at` was. */
+            /* As a sibling of `at`, the node gets a parent as large as `at` was. */
             if (parent != LINKS_NONE && fall - kept > s.gain) {
                 s.gain = fall - kept;
                 s.target = at;
@@ -129,7 +129,8 @@ uint32_t spots_seek(const struct spots *spots, uint32_t node, float *gain)
     return s.target;
 }
 
-/* Fits the boxes from a node up, as far as they change; returns by how much the areas rose. */
+/* Refits the boxes from a node upward until one does not change; returns the increase of the
+ * areas. */
 static double fit_up(struct spot *spot, uint32_t node)
 {
     double rise = 0;
@@ -146,8 +147,8 @@ static double fit_up(struct spot *spot, uint32_t node)
     return rise;
 }
 
-/* Takes a node and its parent out, and puts both in beside `target`. Returns by how much the areas
- * rose. */
+/* Removes a node and its parent, and inserts both beside `target`. Returns the increase of the
+ * areas. */
 static double move(struct spot *spot, uint32_t node, uint32_t target)
 {
     uint32_t parent = spot[node].parent, other = sibling_of(spot, node);
@@ -173,7 +174,7 @@ double spots_move(struct spots *spots, uint32_t node, uint32_t target)
 {
     struct spot *spot = spots->spot;
     uint32_t parent = spot[node].parent;
-    /* Moves before this one may have brought the place to where it makes no sense. */
+    /* Earlier moves may have made the target invalid. */
     if (parent == 0 || target == parent || target == 0)
         return 0;
     uint32_t other = sibling_of(spot, node);

@@ -7,30 +7,31 @@
 #include "ref/tree/bvh.h"
 
 struct spot {
-    struct lane_box box; /* in units in which areas neither overflow nor vanish */
+    struct lane_box box; /* scaled so that areas neither overflow nor vanish */
     uint32_t parent;
     uint32_t child[2]; /* LINKS_NONE twice: a leaf */
-    float area;        /* half of it */
+    float area;        /* half of the box's area */
 };
 
-/* Node 0 is the root, and stays it. */
+/* Node 0 is and remains the root. */
 struct spots {
     struct spot *spot;
     uint32_t count;
 };
 
-/* The nodes of a well-formed tree, numbered as there. Errors: STATUS_MEMORY; *out is zero then. */
+/* Makes the nodes of a well-formed tree, with the same numbers. Errors: STATUS_MEMORY; then *out is
+ * zero. */
 enum status spots_make(const struct bvh *bvh, struct spots *out) MUST_USE;
 
 void spots_free(struct spots *spots);
 
-/* The place where a node costs least: the node whose sibling it would become; *gain is by how much
- * the sum of the inner nodes' areas would fall, above 0. LINKS_NONE if there is no better one. Only
- * reads. */
+/* Finds the best place of a node: the node whose sibling it would become. *gain is the decrease of
+ * the sum of the inner nodes' areas, above 0. LINKS_NONE if there is no better place. Does not
+ * change the tree. */
 uint32_t spots_seek(const struct spots *spots, uint32_t node, float *gain);
 
-/* Makes a node the sibling of `target`, if that lowers the sum of the inner nodes' areas as the
- * tree is now; returns by how much, 0 if it does not or cannot be. */
+/* Makes a node the sibling of `target`, if that lowers the sum of the inner nodes' areas of the
+ * current tree. Returns the decrease, 0 if there is none or the move is impossible. */
 double spots_move(struct spots *spots, uint32_t node, uint32_t target);
 
 #endif

@@ -27,8 +27,8 @@ static enum status tree_depth(const struct bvh *bvh, uint32_t *out)
     return STATUS_OK;
 }
 
-/* A faithful layout can wrap references, so that what is decoded is deeper than the tree; a wide
- * one is less deep. If it is no tree at all, no number is enough. */
+/* A faithful layout can wrap references, so that the decoded tree is deeper than the original; a
+ * wide one is less deep. If the decoded words are no tree, no stack is large enough. */
 static enum status decoded_depth(const struct packed *packed, uint32_t *out)
 {
     struct packed_walk walk;
@@ -61,7 +61,7 @@ static enum status find_stack_need(const struct bvh *bvh, struct packed *packed,
     return STATUS_OK;
 }
 
-/* store_put doubles the words where they end. */
+/* store_put grows the array by doubling; this frees the unused part. */
 static void give_back_room(struct packed *packed)
 {
     uint32_t *item = packed->item_room > packed->item_count && packed->item_count

@@ -9,21 +9,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A check in progress; `exact` has the bounds of the triangles below each visit. */
+/* A check in progress; `exact` contains the bounds of the triangles below each visit. */
 struct packed_check {
     const struct packed *packed;
     const struct scene *scene;
     struct packed_walk walk;
     struct packed_faults faults;
     struct box *exact;
-    uint32_t *seen; /* per triangle: 0, or 1 plus the last visit that names it */
+    uint32_t *seen; /* per triangle: 0, or 1 plus the last visit that named it */
     struct reason *reason;
     enum status status; /* STATUS_INPUT once a fault is reported */
 };
 
 #define NO_VISIT UINT32_MAX
 
-/* Reports a fault. The first one is described: the layout, the node of a visit, then the text. */
+/* Reports a fault. The first is described in the reason: layout, node of the visit, text. */
 static void report(struct packed_check *check, enum packed_rule rule, uint32_t visit,
                    const char *format, ...) PRINTF_LIKE(4, 5);
 
@@ -64,8 +64,8 @@ static void check_walk(struct packed_check *check)
                check->packed->stack_need);
 }
 
-/* Checks that the leaves of a split tree cover every part of every triangle. Items are copied as
- * they decode: leaves that share items must not name more than the tree has bytes for. */
+/* Checks that the leaves of a split tree cover every part of every triangle. Decoded items are
+ * copied: leaves that share items must not name more than the tree has bytes for. */
 static enum status check_cover(struct packed_check *check)
 {
     const struct packed *packed = check->packed;
@@ -103,7 +103,7 @@ static enum status check_cover(struct packed_check *check)
     return status;
 }
 
-/* A storage that has vertices has the scene's. */
+/* Checks that vertices in the storage are those of the scene. */
 static void check_stored(struct packed_check *check, uint32_t i, const struct wide *leaf,
                          uint32_t s, uint32_t prim)
 {
@@ -143,8 +143,8 @@ static void check_item(struct packed_check *check, uint32_t i, const struct wide
     box_add_box(&check->exact[i], &one);
 }
 
-/* How many slots of a leaf to look at: hostile words can claim 2^32 - 1. Fixed-size leaves have up
- * to 8 for fewer triangles. */
+/* Returns the number of slots of a leaf to check: hostile words can claim 2^32 - 1. Leaves of fixed
+ * size can have up to 8 slots for fewer triangles. */
 static uint32_t leaf_slots(struct packed_check *check, uint32_t i, const struct wide *node)
 {
     uint32_t most = check->scene->tri_count < 8 ? 8 : check->scene->tri_count;
@@ -183,7 +183,7 @@ static void check_boxes(struct packed_check *check)
         const struct packed_visit *visit = &check->walk.visit[i];
         const struct box *exact = &check->exact[i];
         for (int k = 0; k < 3; k++) {
-            /* An odd comparison, so that a NaN counts as loose. */
+            /* Written so that a NaN counts as loose. */
             if (visit->box.lo[k] <= exact->lo[k] && exact->hi[k] <= visit->box.hi[k])
                 continue;
             check->faults.loose_boxes++;

@@ -28,7 +28,7 @@ void packed_file_write(const struct packed *packed, FILE *stream)
                         .root = packed->root,
                         .triangles = packed->tri_count,
                         .stack = packed->stack_need};
-    assert(packed->store == tri_stores[0]); /* the file has no word for another */
+    assert(packed->store == tri_stores[0]); /* the file has no field for the storage */
     size_t length = strlen(packed->layout->name);
     memcpy(head.layout, packed->layout->name, length < NAME_BYTES ? length : NAME_BYTES);
     fwrite(&head, sizeof head, 1, stream);
@@ -43,7 +43,7 @@ bool packed_file_is(const char *bytes, size_t size)
     return size >= 4 && memcmp(bytes, "RDPK", 4) == 0;
 }
 
-/* The layout of that name, whose rest must be zeros; NULL if there is none. */
+/* Finds the layout of that name, which must be padded with zeros; NULL if there is none. */
 static const struct layout *find_layout(const char name[NAME_BYTES])
 {
     char text[NAME_BYTES + 1] = "", padded[NAME_BYTES] = "";
@@ -64,7 +64,7 @@ static enum status check_head(const char *name, const struct head *head, size_t 
                     head->version, PACKED_FILE_VERSION);
     if (!*layout)
         return fail(reason, STATUS_INPUT, "%s: names no layout (raydiff list layouts)", name);
-    if ((*layout)->outside) /* its load() has never been tried on these words */
+    if ((*layout)->outside) /* its load() has not been checked on these words */
         return fail(reason, STATUS_INPUT, "%s: is in %s, a layout from outside: those are not read",
                     name, (*layout)->name);
     if (head->record_bytes != (*layout)->node_bytes)
@@ -96,9 +96,9 @@ static bool is_unsafe(const struct packed_faults *faults)
     return faults->bad_refs || faults->cycles || faults->bad_prims || faults->too_deep;
 }
 
-/* packed_check, whose faults are errors where they make the tree unsafe. A tree that names every
- * triangle, and some in several leaves, is taken for a split one; not so the faithful layouts',
- * which name other triangles than they mean. */
+/* Runs packed_check; a fault is an error only if it makes the tree unsafe. A tree that names every
+ * triangle, and some in several leaves, is taken as a split tree. Faithful layouts are exempt: they
+ * name triangles other than those meant. */
 static enum status check_tree(const char *name, struct packed *packed, const struct scene *scene,
                               struct packed_faults *faults, struct reason *reason)
 {

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An inner node whose children are being visited; those before `next` have their new boxes. */
+/* An inner node whose children are being visited; children before `next` have their new boxes. */
 struct open {
     struct wide node;
     struct box own; /* of these children */
@@ -17,26 +17,26 @@ struct items {
     uint32_t first, count;
 };
 
-/* A refit at work: one walk in depth, which reads every record once and writes it when all that is
- * below it is known. Everything is read from `from` and written to `to`, which has words of its
- * own. */
+/* A refit in progress: one depth-first walk that reads every record once and writes it when
+ * everything below it is known. Reads from `from` and writes to `to`, which has its own words. */
 struct refit {
     const struct packed *from;
     struct packed to;
     const struct scene *scene;
-    uint8_t *seen;     /* a bit for each reference that was entered */
-    struct open *open; /* from the root down */
+    uint8_t *seen;     /* one bit for each reference that was visited */
+    struct open *open; /* stack, from the root down */
     size_t open_count, open_room;
-    struct items *leaf; /* that the storage is to write */
+    struct items *leaf; /* leaves for the storage to write */
     size_t leaf_count, leaf_room;
-    uint32_t *prim;    /* room for those of a leaf */
-    enum status limit; /* STATUS_LIMIT: to be built anew, unless worse is found */
-    struct wide named; /* a leaf of these items: the argument of packed_item */
+    uint32_t *prim;    /* room for the items of a leaf */
+    enum status limit; /* STATUS_LIMIT: must be rebuilt, unless the walk finds a worse error */
+    struct wide named; /* a leaf of these items: argument of packed_item */
     struct reason why;
     struct reason *reason;
 };
 
-/* Slots that a leaf can have: as many as triangles, or, of a fixed size, 8. */
+/* Returns the most slots that a leaf can have: the number of triangles or, for leaves of fixed
+ * size, 8. */
 static uint32_t slots_most(const struct refit *refit)
 {
     return refit->scene->tri_count < 8 ? 8 : refit->scene->tri_count;
@@ -106,7 +106,8 @@ static enum status no_tree(const struct refit *refit, uint32_t ref)
                 refit->from->layout->name, packed_name(refit->from, ref).text);
 }
 
-/* What cannot be written makes the tree one to be built anew, unless the walk finds it is none. */
+/* If a node cannot be written, the tree must be rebuilt, unless the walk finds that it is no
+ * tree. */
 static void write_node(struct refit *refit, uint32_t ref, const struct box *own,
                        const struct wide *node)
 {
@@ -117,7 +118,8 @@ static void write_node(struct refit *refit, uint32_t ref, const struct box *own,
         (void)fail(refit->reason, refit->limit, "rebuild: %s", refit->why.text);
 }
 
-/* Enters a node. A leaf with a record is done at once, and *box its box; others are opened. */
+/* Enters a node. A leaf with a record is finished at once, and its box is in *box; others are
+ * opened. */
 static enum status enter(struct refit *refit, uint32_t ref, struct box *box, bool *opened)
 {
     const struct layout *layout = refit->from->layout;
@@ -151,7 +153,7 @@ static void give_box(struct open *open, const struct box *box)
     open->node.box[open->next++] = *box;
 }
 
-/* All children of the innermost node are known. */
+/* Finishes the innermost node, whose children are all known. */
 static void leave(struct refit *refit)
 {
     const struct open *open = &refit->open[--refit->open_count];
@@ -193,7 +195,7 @@ static int by_place(const void *a, const void *b)
     return (x->first > y->first) - (x->first < y->first);
 }
 
-/* A leaf that has words up to `end`. */
+/* Writes a leaf whose words extend to `end`. */
 static enum status write_leaf(struct refit *refit, struct items leaf, uint32_t end)
 {
     const struct tri_store *store = refit->to.store;
@@ -217,7 +219,7 @@ static enum status write_leaf(struct refit *refit, struct items leaf, uint32_t e
     return STATUS_OK;
 }
 
-/* From the last to the first, so that it is known where the next begins. */
+/* From the last to the first, so that the start of the following leaf is known. */
 static enum status write_leaves(struct refit *refit)
 {
     enum status status = STATUS_OK;
@@ -253,7 +255,7 @@ static enum status may_refit(const struct packed *packed, const struct scene *sc
     return STATUS_OK;
 }
 
-/* A copy of `count` words; NULL without memory. */
+/* Returns a copy of `count` words; NULL if out of memory. */
 static uint32_t *copy_of(const uint32_t *word, uint32_t count)
 {
     uint32_t *copy = alloc_zeroed(count, sizeof *copy);

@@ -5,19 +5,19 @@
 
 #define NO_PARENT UINT32_MAX
 
-/* A record to be unpacked; `parent` is given the index of its second child. */
+/* A record to be unpacked; its node becomes `snd` of `parent` if it is the second child. */
 struct waiting {
     uint32_t ref, parent;
     struct box box;
 };
 
-/* A tree being made, and what its records' order can still be. */
+/* A tree being made, and which record orders are still possible. */
 struct unpacking {
     const struct packed *packed;
     struct bvh *tree;
     struct waiting *stack;
     uint32_t depth, prim_most;
-    uint32_t next[2]; /* record that comes next, if leaves are one or two of them */
+    uint32_t next[2]; /* expected next record, if leaves have one or two records */
     bool fits[2];
 };
 
@@ -30,7 +30,7 @@ static bool in_order(struct unpacking *u, uint32_t ref, bool leaf)
     return u->fits[0] || u->fits[1];
 }
 
-/* The items of a leaf; false: more than there can be. */
+/* Copies the items of a leaf; false if there are more than possible. */
 static bool take_items(struct unpacking *u, const struct wide *wide, struct bvh_node *node)
 {
     struct bvh *tree = u->tree;
@@ -83,7 +83,7 @@ enum status packed_unpack(const struct packed *packed, const struct scene *scene
                           .prim_most = packed_prims_most(packed),
                           .fits = {true, true}};
     enum status status = STATUS_OK;
-    /* Each record is reached at most once, and waits at most once. */
+    /* Each record is reached at most once, and is on the stack at most once. */
     out->node = alloc_zeroed(packed->node_count, sizeof *out->node);
     out->prim = alloc_zeroed(u.prim_most, sizeof *out->prim);
     out->tri_count = packed->tri_count;

@@ -46,7 +46,7 @@ static void expand(const struct packed *packed, struct packed_walk *walk, uint8_
             walk->bad_ref = walk->visit[i].ref;
         walk->bad_refs += least - node.child_count;
     }
-    /* A wide node pushes all its children before the nearest is taken. */
+    /* A wide node pushes all its children before the nearest is popped. */
     uint32_t pushed = walk->visit[i].stack + node.child_count;
     if (layout_is_wide(packed->layout) && pushed > walk->stack_most)
         walk->stack_most = pushed;

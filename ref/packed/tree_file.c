@@ -21,20 +21,20 @@ static enum status build_nothing(const struct scene *scene, const struct build_o
 const struct builder tree_file_builder = {
     "file", "a tree that was read from a file", false, build_nothing, 0, NULL};
 
-/* How far rounding may move a centre out of the box of its leaf, in parts of the largest
- * coordinate: that of RTRS's float32 arithmetic, and of bounds in float16 rounded to nearest,
- * which also loses up to 2^-25 below its range. */
+/* How far rounding may move a centre out of the box of its leaf, relative to the largest
+ * coordinate: for RTRS's float32 arithmetic, and for bounds in float16 rounded to nearest, which
+ * also lose up to 2^-25 below their range. */
 #define SLACK_FLOAT 0x1p-20
 #define SLACK_HALF  0x1p-10
 #define SLACK_LEAST 0x1p-24
 
-/* Whether the leaves' boxes are where their triangles are. */
+/* Checks that the leaves' boxes are where their triangles are. */
 struct fit {
     const struct scene *scene;
     double slack;
-    bool split;             /* of the triangle some part must be inside, else its centre */
-    const char *part;       /* whose boxes are compared, for the reason */
-    uint64_t items, astray; /* seen; of them, outside */
+    bool split;             /* some part of the triangle must be inside; else its centre */
+    const char *part;       /* owner of the boxes compared, for the reason */
+    uint64_t items, astray; /* number checked; number outside */
 };
 
 static bool is_inside(const struct fit *fit, uint32_t prim, const struct box *box)
@@ -49,7 +49,7 @@ static bool is_inside(const struct fit *fit, uint32_t prim, const struct box *bo
             most = fmax(most, (double)v[c][k]);
         }
         double slack = fit->slack * fmax(fabs(lo), fabs(hi)) + SLACK_LEAST;
-        /* An infinite bound is a coordinate beyond the layout's range, on either side. */
+        /* An infinite bound is a coordinate outside the layout's range, on either side. */
         if ((isfinite(lo) && most < lo - slack) || (isfinite(hi) && least > hi + slack))
             return false;
     }
@@ -104,7 +104,7 @@ static enum status read_json(const char *bytes, size_t size, const struct scene 
     return status;
 }
 
-/* Counts the nodes as they decode, and looks where the leaves' triangles are. */
+/* Counts the decoded nodes, and checks the positions of the leaves' triangles. */
 static enum status measure_packed(struct tree_file *file, struct fit *fit, struct reason *reason)
 {
     const struct packed *packed = &file->packed;
@@ -142,7 +142,8 @@ static enum status measure_packed(struct tree_file *file, struct fit *fit, struc
     return STATUS_OK;
 }
 
-/* RTRS's layouts name triangles of other leaves (F2, F3): only the root's box holds for them. */
+/* In RTRS's layouts leaves name triangles of other leaves (F2, F3), so only the root's box is
+ * checked. */
 static void fit_root(struct fit *fit, const struct packed *packed)
 {
     struct box box = packed->layout->box(packed, packed->root);
