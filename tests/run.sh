@@ -59,6 +59,8 @@ plain)
     suite readers sh tests/scripts/readers.sh "$build"
     suite cli sh tests/scripts/cli.sh "$build/raydiff"
     suite values sh tests/values/values.sh "$build/raydiff"
+    suite values_bench sh tests/values/values_bench.sh "$build/raydiff"
+    suite fields sh tests/values/fields.sh
     suite shipped sh tests/scripts/shipped.sh "$build/raydiff"
     suite hard_lists sh tests/scripts/hard_lists.sh "$build/raydiff"
     suite options sh tests/scripts/options.sh "$build/raydiff"

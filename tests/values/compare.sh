@@ -1,0 +1,45 @@
+# What the value checks share; read with `.`. Needs $raydiff; sets $dir, a temporary folder, and counts in $failed.
+dir=$(mktemp -d) || exit 4
+trap 'rm -rf "$dir"' EXIT
+failed=0
+: >"$dir/seen"
+
+bad() {
+    echo "FAILED  $*"
+    failed=$((failed + 1))
+}
+
+# name, least number of values, files: $dir/json by the fields of tests/values/fields.*.txt, then with the files by
+# NAME.awk, and by rows.awk, if the third word is rows.
+values() {
+    name=$1 least=$2
+    shift 2
+    awk -f tests/values/flat.awk "$dir/json" >"$dir/flat" || { bad "$name: no JSON"; return; }
+    sh tests/values/fields.sh "$name" "$dir/flat" "$dir/seen" || bad "$name: keys without a line in fields.*.txt"
+    awk -v least="$least" -f tests/values/lib.awk -f "tests/values/$name.awk" "$dir/flat" "$@" || bad "$name: $ran"
+}
+
+# arguments of raydiff; exit code 0 or 1
+run() {
+    ran="raydiff $*"
+    "$raydiff" "$@" >"$dir/text" 2>"$dir/err"
+    code=$?
+    [ "$code" -le 1 ] && return
+    bad "$ran: exit $code"
+    tail -n 3 "$dir/err"
+    return 1
+}
+
+# name, least number of values, what to run with --json FILE
+compare() {
+    name=$1 least=$2
+    shift 2
+    run "$@" --json "$dir/json" && values "$name" "$least" "$dir/text"
+}
+
+# names: every line that fields.*.txt has of them was printed, but for those marked with '?'
+all_seen() {
+    for name in "$@"; do
+        sh tests/values/fields.sh --unseen "$name" "$dir/seen" || bad "$name: lines of fields.*.txt that nothing prints"
+    done
+}

@@ -1,0 +1,104 @@
+# Paths of a flat JSON against the table of fields: awk -v command=NAME -f fields.awk TABLE... FLAT; see fields.sh.
+function wrong(what) {
+    print "FIELD   " what
+    bad = 1
+}
+# '' or what is wrong with a value of that unit
+function misfit(value, unit) {
+    if (value == "null") return unit ~ /\|null$/ ? "" : "is null"
+    sub(/\|null$/, "", unit)
+    if (unit == "text") return ""
+    if (unit == "bool") return value == "true" || value == "false" ? "" : "is no bool"
+    if (unit in whole) return value ~ /^[0-9]+$/ ? "" : "is no whole number of 0 or more"
+    if (value !~ /^-?[0-9]+(\.[0-9]+)?(e[-+]?[0-9]+)?$/) return "is no number"
+    if (unit != "number" && value < 0) return "is below 0"
+    if (unit == "share" && value > 1) return "is over 1"
+    return ""
+}
+# The line of a path: the same, or with '*' in a name.
+function line_of(path,  k) {
+    if (path in unit_of) return path
+    for (k = 1; k <= patterns; k++)
+        if (path ~ pattern[k]) return pattern_line[k]
+    return ""
+}
+# The path with '*' for each place of an array.
+function general(path) {
+    while (match(path, /(^|\.)[0-9]+(\.|$)/))
+        path = substr(path, 1, RSTART - 1) (substr(path, RSTART, 1) == "." ? "." : "") "*" \
+            (substr(path, RSTART + RLENGTH - 1, 1) == "." ? "." : "") substr(path, RSTART + RLENGTH)
+    return path
+}
+# True for flat.awk's own line, how many values an array has.
+function is_length(path, value) {
+    return sub(/\.count$/, "", path) && ((path in array) || (value == 0 && line_of(general(path ".count")) == ""))
+}
+function check(path, value,  name, line, what) {
+    if (is_length(path, value)) return
+    name = general(path)
+    line = line_of(name)
+    checked++
+    if (line == "") {
+        if (!(name in told)) wrong(command ": " name " has no line in the table")
+        told[name] = 1
+        return
+    }
+    printed[line] = 1
+    what = misfit(value, unit_of[line])
+    if (what != "") wrong(command ": " path " = " value " " what " (" unit_of[line] ")")
+}
+BEGIN {
+    # Whole numbers of 0 or more; numbers of 0 or more; numbers.
+    split("count bytes index pixels ns seed", word, " ")
+    for (k in word) whole[word[k]] = known[word[k]] = 1
+    split("text bool share ratio number ms us s ns_each Mray/s per_s ulp u degrees length", word, " ")
+    for (k in word) known[word[k]] = 1
+    last = ARGV[ARGC - 1]
+}
+FILENAME == last && unseen { if ($1 == command) printed[$2] = 1; next }
+FILENAME == last {
+    at = index($0, "=")
+    path[++paths] = substr($0, 1, at - 1)
+    value[paths] = substr($0, at + 1)
+    for (k = 1; match(substr(path[paths], k), /\.0(\.|$)/); k += RSTART) array[substr(path[paths], 1, k + RSTART - 2)] = 1
+    next
+}
+/^#/ || NF == 0 { next }
+/^command [a-z_0-9]+: ./ {
+    name = $2
+    sub(/:$/, "", name)
+    if (name in named) wrong(FILENAME ":" FNR ": " name " stands twice")
+    named[name] = 1
+    next
+}
+{
+    if (NF < 4 || name == "") wrong(FILENAME ":" FNR ": PATH UNIT FORMAT and where it comes from")
+    plain = $2
+    sub(/\|null$/, "", plain)
+    if (!(plain in known)) wrong(FILENAME ":" FNR ": no unit is called " plain)
+    if ($3 != "-" && $3 !~ /%/) wrong(FILENAME ":" FNR ": '" $3 "' is no format")
+    sometimes = sub(/\?$/, "", $1)
+    if ((name, $1) in stands) wrong(FILENAME ":" FNR ": " $1 " stands twice")
+    stands[name, $1] = 1
+    if (name != command || $1 ~ /^text:/) next
+    unit_of[$1] = $2
+    if (!sometimes) must[$1] = 1
+    if ($1 ~ /[^.]\*|\*[^.]/) {
+        pattern_line[++patterns] = $1
+        pattern[patterns] = $1
+        gsub(/\./, "\\.", pattern[patterns])
+        gsub(/\*/, "[^.]*", pattern[patterns])
+        pattern[patterns] = "^" pattern[patterns] "$"
+    }
+}
+END {
+    for (k = 1; k <= paths && command in named; k++) check(path[k], value[k])
+    if (command != "" && !(command in named)) wrong(command ": no such command in the table")
+    else if (command != "" && !unseen && checked == 0) wrong(command ": no path at all")
+    if (unseen)
+        for (line in must)
+            if (!(line in printed)) wrong(command ": " line " is in no JSON")
+    if (command != "" && !unseen)
+        for (line in printed) print command, line >seen
+    exit bad
+}

@@ -1,0 +1,62 @@
+#!/bin/sh
+# The table of every field that commands print, tests/values/fields.*.txt. Its form is:
+#
+#   command NAME: what it is           NAME is that of the check, tests/values/NAME.awk
+#   PATH UNIT FORMAT where it comes from
+#
+# PATH: of the JSON, '*' for the places of an array and for names that depend on members; '?' at its end: not in
+# every run. 'text:NAME' is a field that only the text has. UNIT: see tests/values/fields.awk; '|null' where there
+# can be none. FORMAT: how the text has it, as printf does; '-' where it has not.
+#
+#   sh tests/values/fields.sh                         the table alone is well, and what is not is seen
+#   sh tests/values/fields.sh NAME FLAT [SEEN]        every path of FLAT (flat.awk) has a line, its value the unit;
+#                                                     the lines are noted in SEEN
+#   sh tests/values/fields.sh --unseen NAME SEEN      lines of NAME that are not in SEEN
+set -u
+fields() { awk "$@"; }
+tables=tests/values/fields.*.txt
+case ${1-} in
+--unseen) awk -v command="$2" -v unseen=1 -f tests/values/fields.awk $tables "$3" ;;
+'') ;;
+*) awk -v command="$1" -v seen="${3:-/dev/null}" -f tests/values/fields.awk $tables "$2" ;;
+esac
+code=$?
+[ $# -eq 0 ] || exit "$code"
+
+dir=$(mktemp -d) || exit 4
+trap 'rm -rf "$dir"' EXIT
+failed=0
+cat >"$dir/table" <<END
+command play: for these tests
+  rows.*.count     count      %d    how many
+  rows.*.share     share|null %.1f  of how many
+  rows.*.*_us      us         -     of a member
+  rows.*.tree?     text       %s    not always
+END
+# exit code, what is tried, the flat JSON's lines, more words
+try() {
+    want=$1 what=$2 lines=$3
+    printf '%b' "$lines" >"$dir/flat"
+    awk -v command=play -v seen=/dev/null -f tests/values/fields.awk "$dir/table" "$dir/flat" >"$dir/out"
+    [ $? -eq "$want" ] && return
+    echo "FAILED  fields: $what"
+    failed=$((failed + 1))
+}
+good='rows.count=1\nrows.0.count=3\nrows.0.share=null\nrows.0.cpu_us=0.5\n'
+try 0 'every key has its line' "$good"
+try 1 'a key has none' "${good}rows.0.other=1\n"
+try 1 'a count is none' "${good}rows.1.count=2.5\n"
+try 1 'a count is below 0' "${good}rows.1.count=-1\n"
+try 1 'a share is over 1' "${good}rows.1.share=50.0\n"
+try 1 'null for what there always is' "${good}rows.1.count=null\n"
+try 1 'a time below 0' "${good}rows.1.cpu_us=-0.5\n"
+try 1 'no key at all' ''
+printf 'play rows.*.count\n' >"$dir/seen"
+awk -v command=play -v unseen=1 -f tests/values/fields.awk "$dir/table" "$dir/seen" >"$dir/out"
+[ $? -eq 1 ] && [ "$(wc -l <"$dir/out")" -eq 2 ] || { echo "FAILED  fields: lines that nothing prints"; failed=1; }
+# The real table, one part of it missing.
+awk -v command= -f tests/values/fields.awk $tables /dev/null || failed=1
+sed 's/  %d  //' "$dir/table" >"$dir/short"
+awk -v command= -f tests/values/fields.awk "$dir/short" /dev/null >"$dir/out" && { echo "FAILED  fields: a line is too short"; failed=1; }
+echo "fields: $failed failed"
+[ "$failed" -eq 0 ]
