@@ -1,4 +1,4 @@
-/* The cheapest split of a few references, exactly. */
+/* Finds the cheapest split of a few references, exactly. */
 #ifndef FEW_H
 #define FEW_H
 

@@ -1,4 +1,4 @@
-/* Layouts `amd64`: the box nodes of AMD's ray accelerators, after the documents of their
+/* Layouts `amd64`: the box nodes of AMD's ray accelerators, according to the documents of their
  * instruction set (RDNA 2 Shader ISA, image_bvh_intersect_ray) and the open sources of their
  * drivers (GPURT, Mesa's RADV). Records of 64 bytes: a node of four boxes in float16 takes one, a
  * node of four boxes in float32 two.

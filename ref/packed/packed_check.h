@@ -9,7 +9,7 @@ enum packed_rule {
     PACKED_SOUND,
     PACKED_REFERENCE, /* a child reference is out of range, or refers to a node already reached */
     PACKED_STACK,     /* a path needs more stack than stack_need */
-    PACKED_ITEM,      /* an item slot beyond the scene, or a leaf of more slots than it needs */
+    PACKED_ITEM,      /* an item slot beyond the scene, or a leaf with too many slots */
     PACKED_TWICE,     /* a triangle is named twice */
     PACKED_VERTICES,  /* stored vertices are not the scene's */
     PACKED_LOST,      /* a triangle is in no leaf */

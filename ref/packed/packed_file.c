@@ -84,7 +84,7 @@ static enum status check_head(const char *name, const struct head *head, size_t 
     return STATUS_OK;
 }
 
-/* Copies `count` words; NULL for none. */
+/* Copies `count` words; *out is NULL if there are none. False if out of memory. */
 static bool copy_words(const char *bytes, uint32_t count, uint32_t **out)
 {
     *out = count ? alloc_copy(bytes, count, sizeof **out) : NULL;

@@ -187,7 +187,7 @@ static enum status write_bounds(struct refit *refit)
     return status ? status : refit->limit;
 }
 
-/* --- what storages have of vertices ----------------------------------------------------------- */
+/* --- vertices in the storage ------------------------------------------------------------------ */
 
 static int by_place(const void *a, const void *b)
 {
@@ -234,7 +234,7 @@ static enum status write_leaves(struct refit *refit)
     return status;
 }
 
-/* --- all of it -------------------------------------------------------------------------------- */
+/* --- the refit -------------------------------------------------------------------------------- */
 
 static enum status may_refit(const struct packed *packed, const struct scene *scene,
                              struct reason *reason)

@@ -72,7 +72,7 @@ static enum status weld(const struct scene *scene, struct topology *out)
     return STATUS_OK;
 }
 
-/* Lists the sides of all triangles that are not collapsed; returns how many. */
+/* Lists the sides of all triangles that are not collapsed; returns their number. */
 static size_t list_halves(struct topology *out, struct half_edge *half)
 {
     size_t count = 0;

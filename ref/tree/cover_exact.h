@@ -1,4 +1,4 @@
-/* Whether a triangle meets a box, exactly: by the separating axis theorem (Gottschalk, Lin, Manocha
+/* Exact test whether a triangle meets a box, by the separating axis theorem (Gottschalk, Lin, Manocha
  * 1996) on the 13 axes of a box and a triangle. Signs are decided in double if a bound of the
  * rounding errors allows it, else in integers.
  *
