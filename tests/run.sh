@@ -47,12 +47,10 @@ fi
 case $mode in
 plain)
     suite conform_hard sh tests/conform/conform.sh "$build/raydiff" "$logs/hard.xml" 8000 --hard --quick
-    suite rules_planted sh tests/house/rules_planted.sh
     suite agree sh tests/scripts/agree.sh "$build" quick "$logs/agree"
     suite conform sh tests/conform/conform.sh "$build/raydiff" "$logs/conform.xml" 400
     suite rules sh tests/house/rules.sh
     suite constants sh tests/house/constants.sh
-    suite constants_planted sh tests/house/constants_planted.sh
     suite honest_planted sh tests/house/honest_planted.sh
     suite leaks sh tests/scripts/leaks.sh "$build" "$logs/leaks" 10000 f32,rf16
     suite corpus sh tests/conform/corpus.sh "$build/raydiff"
