@@ -6,14 +6,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Compares both products of each component of the cross product. Their difference could
- * underflow. */
+/* Whether ab = cd, by both halves of each product. No product of differences of floats underflows. */
+static bool same_product(double a, double b, double c, double d)
+{
+    const double p = a * b, q = c * d;
+    return p == q && fma(a, b, -p) == fma(c, d, -q);
+}
+
+/* Compares both products of each component of the cross product. */
 static bool has_no_area(float v[3][3])
 {
     double e[3], f[3];
     double3_sub(v[1], v[0], e);
     double3_sub(v[2], v[0], f);
-    return e[1] * f[2] == e[2] * f[1] && e[2] * f[0] == e[0] * f[2] && e[0] * f[1] == e[1] * f[0];
+    return same_product(e[1], f[2], e[2], f[1]) && same_product(e[2], f[0], e[0], f[2]) &&
+           same_product(e[0], f[1], e[1], f[0]);
 }
 
 /* The corners of a triangle as bits, sorted. */

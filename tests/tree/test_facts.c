@@ -35,6 +35,11 @@ static void facts_count_triangles_without_area(void **state)
     static const float sliver[] = {0, 0, 0, 1, 1, 1, 2, 2, 2 + 0x1p-22f};
     static const uint32_t one[] = {0, 1, 2};
     assert_int_equal(facts_of(sliver, 3, one, 1).zero_area, 0);
+    /* Both products are the same double: 6.9e-18 lies below its last bit. */
+    static const float hair[] = {0, 0x1.415af4p-10f,     0x1.d77c96p-10f,
+                                 0, 7017547 * 0x1p-23f,  9086827 * 0x1p-24f,
+                                 0, 10162473 * 0x1p-24f, 6584211 * 0x1p-24f};
+    assert_int_equal(facts_of(hair, 3, one, 1).zero_area, 0);
 }
 
 static void facts_count_repeated_triangles(void **state)
