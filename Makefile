@@ -1,4 +1,4 @@
-# raydiff. `make run` and `make check` set everything up themselves; bare `make` builds the program.
+# raydiff. `make run` and `make check` install what they need; plain `make` builds the program.
 #   make [config=debug|release|sanitize|tsan|coverage|mutation] [CC=clang]
 config ?= release
 PREFIX ?= /usr/local
@@ -11,10 +11,10 @@ OUT := build
 B   := $(if $(filter release,$(config)),$(OUT),$(OUT)/$(config))
 
 WARN := -Wall -Wextra -Wundef -Wconversion -Wvla -Wshadow -Wstrict-prototypes -Wmissing-prototypes
-# How vectors are passed depends on the processor; functions that take them are all inlined.
+# The calling convention for vectors depends on the processor; all functions with them are inlined.
 WARN += -Wno-psabi
-# No contraction anywhere: an fma would change the bits that the shaders are compared with.
-# gcc 12.2 takes (double)(float)x for x where it packs two of them in a vector: no packing.
+# No contraction: an fma would change the bits that the shaders are compared with.
+# No vector packing: gcc 12.2 treats (double)(float)x as x if it packs two of them in a vector.
 FP   := -ffp-contract=off -fno-fast-math -fno-tree-slp-vectorize
 OPT_release  := -O3 -g
 OPT_debug    := -O0 -g3 -D_GLIBCXX_ASSERTIONS
@@ -26,16 +26,16 @@ ifeq ($(OPT_$(config)),)
   $(error unknown config '$(config)': debug, release, sanitize, tsan, coverage or mutation)
 endif
 
-# Warnings are errors in checks alone: `make check` and its sisters say WERROR=1, and WERROR=0 stops
-# them. That is none of the flags, so that a check compiles nothing anew but what was warned about.
+# Warnings are errors only in checks: `make check` and similar targets set WERROR=1; WERROR=0 turns it
+# off. It is not one of the flags, so that a check recompiles only the files with warnings.
 WERROR ?=
 CHECKED := WERROR=$(or $(WERROR),1)
 WARNED  := $(if $(filter 1,$(WERROR)),$(shell find $(B) -name '*.warned' 2>/dev/null))
-# $(call warned,COMMAND) makes $@; what it warns of is shown, and kept in $@.warned.
+# $(call warned,COMMAND) makes $@. Its warnings are printed and kept in $@.warned.
 warned = $(1) $(if $(filter 1,$(WERROR)),-Werror) 2>$@.warned; code=$$?; cat $@.warned >&2; \
          [ -s $@.warned ] || rm -f $@.warned; exit $$code
 
-# Libraries, as this machine tells of them. HAVE_EMBREE=0 leaves Embree out, HAVE_GLSLANG=0 glslang.
+# Libraries found on this machine. HAVE_EMBREE=0 leaves Embree out, HAVE_GLSLANG=0 glslang.
 PKG_CONFIG ?= pkg-config
 $(shell mkdir -p $(B)/gen && CC='$(CC)' PKG_CONFIG='$(PKG_CONFIG)' sh .ci/libs.sh >$(B)/gen/libs.$$$$ && \
     mv $(B)/gen/libs.$$$$ $(B)/gen/libs.mk)
@@ -45,14 +45,14 @@ CPPFLAGS += -I. -I$(B)/gen $(LIBS_CFLAGS) $(if $(EMBREE),$(EMBREE_CFLAGS)) -DRAY
             -DHAVE_EMBREE=$(or $(EMBREE),0)
 CFLAGS   := -std=c17 $(OPT_$(config)) $(WARN) $(FP) -fopenmp $(CFLAGS_EXTRA)
 LDLIBS   := $(if $(EMBREE),$(EMBREE_LIBS)) $(LIBS) -ldl -lm -lpthread
-# Only the program is linked with glslang, and only it compiles anew when that comes or goes.
+# Only the program is linked with glslang, and only it is rebuilt when glslang is added or removed.
 PROGRAM_LIBS := $(if $(filter 1,$(HAVE_GLSLANG)),$(GLSLANG_LIBS))
 
-# The commands are the program's, all else of these folders is the library's.
+# The commands belong to the program, the other sources to the library.
 FUZZ     := gen play shrink feedback campaign findings selftest export
 LIB_SRC  := $(wildcard ref/*/*.c gpu/*/*.c scenes/*.c scenes/*/*.c bench/*/*.c tests/hard/*.c tests/hard/*/*.c $(FUZZ:%=fuzz/%/*.c))
 CMD_SRC  := raydiff.c $(wildcard cmd/*/*.c)
-GEN_SRC  := $(addprefix $(B)/gen/,shaders.c baseline.c waivers.c templates.c glsl_sources.c) # the library's, made
+GEN_SRC  := $(addprefix $(B)/gen/,shaders.c baseline.c waivers.c templates.c glsl_sources.c) # generated, of the library
 LIB_OBJ  := $(patsubst %.c,$(B)/obj/%.o,$(LIB_SRC)) $(GEN_SRC:$(B)/%.c=$(B)/obj/%.o)
 CMD_OBJ  := $(CMD_SRC:%.c=$(B)/obj/%.o)
 ifeq ($(config),mutation) # see tests/mutation/mutation.mk
@@ -62,7 +62,8 @@ endif
 
 include shaders/shaders.mk         # $(SPV), $(B)/gen/shaders.c, $(B)/gen/glsl_sources.c
 
-# A member that no table names would never be tested: the tables compare these with their length.
+# Numbers of files, which the tables compare with their length: a file missing in its table would
+# never be tested.
 COUNTS := LAYOUT_FILES=$(words $(wildcard ref/layouts/layout_*.c)) \
           BUILDER_FILES=$(words $(wildcard ref/builders/build_*.c)) \
           ENGINE_FILES=$(words $(wildcard ref/engines/engine_*.c gpu/engines/engine_*.c)) \
@@ -87,7 +88,7 @@ $(B)/libraydiff.a: $(LIB_OBJ)
 	$(AR) rcs $@ $^
 endif
 
-# Everything is compiled anew when the command changes, the tables when a member comes or goes.
+# All objects are rebuilt when the command changes, the tables when a file is added or removed.
 $(B)/obj/%.o: %.c $(B)/gen/flags | $(B)/gen/counts.h $(B)/gen/have_sdl2.h $(B)/gen/have_glslang.h
 	@mkdir -p $(@D)
 	$(call warned,$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<)
@@ -96,7 +97,7 @@ $(B)/obj/gen/%.o: $(B)/gen/%.c $(B)/gen/flags
 	@mkdir -p $(@D)
 	$(call warned,$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<)
 
-# $(call written,TEXT): the file is touched only if its text changes.
+# $(call written,TEXT) writes $@ only if its text changes.
 written = @mkdir -p $(@D); printf '%s\n' $(1) | cmp -s - $@ || printf '%s\n' $(1) >$@
 $(WARNED:.warned=): FORCE
 $(B)/gen/flags: FORCE
@@ -104,8 +105,8 @@ $(B)/gen/flags: FORCE
 	$(call written,'$(subst ','\'',$(CC) $(CPPFLAGS) $(CFLAGS))')
 $(B)/gen/counts.h: FORCE
 	$(call written,$(foreach count,$(COUNTS),'#define $(subst =, ,$(count))'))
-# Only SDL2's headers: the library is opened when a window is asked for. Not one of the flags, so that
-# installing them compiles nothing else anew.
+# Only the headers of SDL2: the library is loaded when a window is opened. Not one of the flags, so
+# that installing them rebuilds nothing else.
 $(B)/gen/have_sdl2.h: FORCE
 	$(call written,'#define HAVE_SDL2 $(or $(HAVE_SDL2),0)')
 $(B)/gen/have_glslang.h: FORCE
@@ -114,7 +115,7 @@ $(B)/obj/scenes/render/window.o: CPPFLAGS += $(SDL2_CFLAGS)
 $(B)/obj/cmd/doctor/cmd_glsl.o: CPPFLAGS += $(GLSLANG_CFLAGS)
 .PHONY: FORCE
 
-# What is known to fail is part of the program, so that an installed one has it.
+# The lists of known failures are part of the program, so that installed programs have them.
 $(B)/gen/baseline.c: fuzz/baseline.txt
 $(B)/gen/waivers.c: tests/waivers.txt
 $(B)/gen/baseline.c $(B)/gen/waivers.c:
@@ -124,15 +125,15 @@ $(B)/gen/baseline.c $(B)/gen/waivers.c:
 	  sed -e 's/[\\"?]/\\&/g' -e 's/^/    "/' -e 's/$$/\\n"/' $< && echo ';'; } >$@
 
 include fuzz/export/templates.mk  # $(B)/gen/templates.c
-include tests/tests.mk            # $(TESTS), $(SAMPLES), and the suites that they need
-include tests/checks.mk           # check and its slower sisters
+include tests/tests.mk            # $(TESTS), $(SAMPLES), and what they are linked with
+include tests/checks.mk           # check and slower checks
 include tests/planted/planted.mk  # planted, planted-quick
-include tests/readers/readers.mk     # what reads files
+include tests/readers/readers.mk     # test programs of file readers
 include tests/mutation/mutation.mk   # mutation
 
-# --- what people type -------------------------------------------------------------------------
+# --- targets for users ------------------------------------------------------------------------
 
-# The main job: a real mesh that fits the 16-byte layout and one that does not.
+# The main use: checks a real mesh that fits the 16-byte layout and one that does not.
 #   make run                     make run SCENE=my.obj ARGS='--layout all'
 RF_FITS   := scenes/fetched/assimp-wuson.obj
 RF_BURSTS := scenes/fetched/glmark2-bunny.obj
@@ -159,7 +160,7 @@ format:
 format-check:
 	clang-format --dry-run -Werror $(SOURCES)
 
-# A program reads seven headers; a layout's plugin the eighth, alone.
+# Programs include the first seven headers. Layout plugins include only the eighth.
 HEADERS  := ref/abi.h ref/base/base.h ref/scene/scene.h ref/primitives/primitives.h ref/tree/bvh.h ref/layout.h \
             ref/engine.h ref/plugin.h
 BASH_DIR := share/bash-completion/completions

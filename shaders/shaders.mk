@@ -1,6 +1,7 @@
-# SPIR-V of every shader, checked and decorated by our tool, and its embedding into C.
+# SPIR-V of every shader, checked and decorated by $(TOOL), and embedded into C.
 SHADERS  := $(wildcard shaders/*.comp shaders/probes/*.comp)
-# Made of a layout's file alone: its tracer, its renderer and, of binary layouts, a tracer without a stack.
+# Shaders generated for each layout: its tracer, its renderer and, for binary layouts, a tracer
+# without a stack.
 LAYOUTS  := $(patsubst shaders/layouts/layout_%.glsl,%,$(wildcard shaders/layouts/layout_*.glsl))
 BINARY   := $(patsubst shaders/layouts/layout_%.glsl,%,$(shell grep -L 'define WIDE' shaders/layouts/layout_*.glsl))
 TRACED   := $(LAYOUTS:%=trace_%)
@@ -19,7 +20,7 @@ $(TOOL): $(TOOL_SRC) gpu/shaders/spirv_fix.h ref/base/base.h
 	@mkdir -p $(@D)
 	$(call warned,$(HOSTCC) -I. -std=c17 -O1 $(WARN) -o $@ $(TOOL_SRC))
 
-# $(call made,LAYOUT,DEFINE,FILE)
+# $(call made,LAYOUT,DEFINE,FILE) writes such a shader; DEFINE may be empty.
 hash := \#
 made = @mkdir -p $(@D); printf '%s\n' '$(hash)version 450' '$(hash)extension GL_GOOGLE_include_directive : require' \
     $(if $(2),'$(hash)define $(2)') '$(hash)include "layout_$(1).glsl"' '$(hash)include "$(3).glsl"' >$@
@@ -30,8 +31,8 @@ $(RENDERED:%=$(B)/gen/%.comp): $(B)/gen/render_%.comp: shaders/shaders.mk
 $(STACKLESS:%=$(B)/gen/%.comp): $(B)/gen/stackless_%.comp: shaders/shaders.mk
 	$(call made,$*,STACKLESS,trace)
 
-# -g0: names are no use at run time. Includes and abi.h come back through the depfile.
-# Ray queries need SPIR-V 1.4, so they are of Vulkan 1.2.
+# -g0: names are not needed at run time. The depfile lists the includes and abi.h.
+# Ray queries need SPIR-V 1.4 and so Vulkan 1.2.
 $(B)/spv/plain/query_%.spv: TARGET := vulkan1.2
 TARGET := vulkan1.1
 compile = @mkdir -p $(@D); $(GLSLANG) --quiet -V --target-env $(TARGET) -g0 -I. \
@@ -46,7 +47,7 @@ $(B)/spv/plain/%.spv: $(B)/gen/%.comp
 $(B)/spv/%.spv: $(B)/spv/plain/%.spv $(TOOL)
 	$(TOOL) fix $< $@
 
-# The set of shaders is a prerequisite too: a shader removed must leave the table.
+# The list of shaders is a prerequisite, too: a removed shader must be removed from the table.
 $(B)/spv/list: FORCE
 	@mkdir -p $(@D)
 	@echo '$(SPV)' | cmp -s - $@ || echo '$(SPV)' >$@
@@ -55,11 +56,11 @@ $(B)/gen/shaders.c: $(SPV) $(B)/spv/list $(TOOL)
 	@mkdir -p $(@D)
 	$(TOOL) embed $@ $(SPV)
 
-# One that is gone makes what included it anew.
+# If an included file was removed, the shaders that included it are rebuilt.
 shaders/%.glsl: ;
 -include $(wildcard $(B)/spv/plain/*.d)
 
-# The text of our shaders, for those that are compiled at run time.
+# The text of the shaders, for those that are compiled at run time.
 GLSL_TEXTS := $(sort $(wildcard shaders/*.glsl shaders/layouts/*.glsl)) ref/abi.h ref/abi_frame.h
 $(B)/gen/glsl_sources.c: $(GLSL_TEXTS) Makefile
 	@mkdir -p $(@D)

@@ -1,4 +1,4 @@
-# make check and its slower sisters.
+# make check and slower checks.
 .PHONY: check rooms-graph agree conform-all deep slow sanitize-check tsan-check validate-check validate-gpu-check drivers \
         mutants lint fuzz-files fuzz-afl fuzz-oss readers-engine honest leaks bounds parallel-check slurm-check \
         report-check selftest selftest-quick fresh-check arm-check warnings-check adversaries
@@ -8,46 +8,48 @@ check:
 	@$(MAKE) --no-print-directory -s -j$(JOBS) $(CHECKED) all tests
 	@sh tests/run.sh $(B)
 
-# More Vulkan drivers that need no GPU, fetched beside the system's; exit code 77: not to be had.
+# Fetches more Vulkan drivers that need no GPU, next to the system's. Exit code 77: not available.
 drivers:
 	@sh .ci/drivers.sh $(OUT)/drivers
 
-# The README's two commands in a minimal system of each release of Debian that is supported, or of
-# RELEASE=trixie; as root; exit code 77: it cannot be tried here. A line for each that passes goes into tests/fresh.txt. Slow.
+# Runs the README's two commands in a minimal system of each supported Debian release, or of
+# RELEASE=trixie. Needs root. Each release that passes adds a line to tests/fresh.txt. Exit code 77:
+# not possible here. Slow.
 fresh-check:
 	@sh .ci/fresh.sh tests/fresh.txt $(RELEASE)
 
-# The same way, in the release that has it: suites compiled for aarch64, under qemu-user; every compiler that
-# is supported, without a warning.
+# The same for suites compiled for aarch64, under qemu-user, and for every supported compiler without
+# a warning; each in the release that has it.
 arm-check:
 	@sh .ci/other.sh tests/fresh.txt aarch64
 warnings-check:
 	@sh .ci/other.sh tests/fresh.txt warnings
 
-# Everybody against everybody, 300,000 rays a scene; the result is committed. Slow.
+# Compares all engines with each other, 300,000 rays per scene; the result is committed. Slow.
 RESULTS ?= bench/results/lavapipe-22.3.6
 agree: all
 	sh tests/scripts/agree.sh $(B) full $(RESULTS)/agree
 
-# The conformance suite, every combination of members once. Slow.
+# Runs the conformance suite, every combination of members once. Slow.
 conform-all: all
 	$(B)/raydiff conform --all $(ARGS)
 
-# Dishonest tracers on a large mesh: what each uses up, and what it gets away with.
+# Runs dishonest tracers on a large mesh: what each consumes, and what goes undetected.
 adversaries: tests
 	RAYDIFF_ADVERSARIES=$(or $(SCENE),scenes/fetched/dragon-203k.ply.gz) $(B)/tests/test_adversaries
 
-# Rays at edges and vertices of closed meshes from inside, 10^6 a mesh, on each CPU driver.
+# Traces rays at edges and vertices of closed meshes from inside, 10^6 per mesh, on each CPU driver.
 leaks: all
 	sh tests/scripts/leaks.sh $(B) $(RESULTS)/leaks
 
-# Every system call of campaigns, merges, shrinkings, checks and reports fails once in each of its ways. ARGS:
-# '-n merge' one command, '-o 0:openat:3:EIO' one fault, '-s 10' each tenth. Exit code 77: processes may not be traced here.
+# Lets every system call of campaigns, merges, shrinkings, checks and reports fail once with each of
+# its errors. ARGS: '-n merge' one command, '-o 0:openat:3:EIO' one fault, '-s 10' every tenth.
+# Exit code 77: processes must not be traced here.
 .PHONY: faults
 faults: all
 	@sh tests/scripts/faults.sh $(B)/raydiff $(or $(ARGS),-s 1)
 
-# The recipes for many machines, with what they need from Debian; exit code 77: not to be had.
+# Runs the recipes for many machines, with the Debian packages they need. Exit code 77: not available.
 recipe_check = sh .ci/deps.sh $(1) || { echo "SKIPPED $@: its packages cannot be had"; exit 77; }; \
     $(MAKE) --no-print-directory -s -j$(JOBS) all && sh tests/scripts/$(1).sh $(B)
 parallel-check:
@@ -55,13 +57,14 @@ parallel-check:
 slurm-check:
 	@$(call recipe_check,slurm)
 
-# A report in headless Chromium; build/report has it with its screenshot. Exit code 77: not to be had.
+# Shows a report in headless Chromium; build/report has it and a screenshot. Exit code 77: not
+# available.
 report-check:
 	@sh .ci/deps.sh report || { echo "SKIPPED $@: its packages cannot be had"; exit 77; }
 	@$(MAKE) --no-print-directory -s -j$(JOBS) all
 	@sh tests/scripts/report_browser.sh $(B)/raydiff $(B)/report
 
-# Is every planted bug found by the fuzzer? All, and some of every kind.
+# Checks that the fuzzer finds every planted bug, or some of each kind (-quick).
 selftest:
 	@$(MAKE) --no-print-directory -s -j$(JOBS) planted
 	$(B)/raydiff fuzz --self-test $(ARGS)
@@ -73,7 +76,7 @@ mutants: all tests
 	@CC_CMD='$(subst ',,$(CC) $(CPPFLAGS) $(CFLAGS))' LIBS='$(LDLIBS) $(PROGRAM_LIBS)' TOOL_SRC='$(TOOL_SRC)' \
 	    sh tests/planted/run.sh $(B) $(ONLY)
 
-# The picture of docs/rooms.txt; exit code 77: Graphviz is not here.
+# Draws docs/rooms.txt. Exit code 77: Graphviz is not installed.
 rooms-graph:
 	@command -v dot >/dev/null || { echo "SKIPPED $@: apt-get install graphviz"; exit 77; }
 	@sh docs/rooms_graph.sh | dot -Tsvg >docs/rooms.svg
@@ -82,7 +85,7 @@ lint:
 	@sh tests/house/rules.sh
 	@sh tests/house/constants.sh
 
-# Everything slow: sanitizers, threads, validation, all 2^32 half conversions, bugs planted for the rules
+# All slow checks: sanitizers, threads, validation, all 2^32 half conversions, bugs planted for the rules
 # of the house: they kill no bug of the product, so they are no part of `make check`.
 deep: sanitize-check tsan-check validate-check validate-gpu-check slow
 
@@ -101,14 +104,14 @@ validate-check:
 	@$(MAKE) --no-print-directory -s -j$(JOBS) $(CHECKED) all tests
 	@RAYDIFF_VALIDATE=1 sh tests/run.sh $(B) validate
 
-# The same, every access of a shader to memory watched (GPU-assisted validation).
+# The same with every memory access of shaders checked (GPU-assisted validation).
 validate-gpu-check:
 	@sh .ci/deps.sh check
 	@$(MAKE) --no-print-directory -s -j$(JOBS) $(CHECKED) all tests
 	@RAYDIFF_VALIDATE=gpu sh tests/run.sh $(B) watch
 
-# Every reader under libFuzzer, one after the other, TIME seconds each: a crash, a leak, a hang, or an
-# allocation far beyond the input's size ends it with exit code 1. ENTRY='obj ply' chooses.
+# Runs every reader under libFuzzer, one after the other, TIME seconds each. Exit code 1: a crash, a
+# leak, a hang, or an allocation far beyond the input's size. ENTRY='obj ply' selects readers.
 fuzz-files:
 	@sh .ci/deps.sh deep
 	@$(MAKE) --no-print-directory -s -j$(JOBS) $(B)/readers/seeds
@@ -123,20 +126,20 @@ fuzz-afl:
 	    READER_FLAGS='-g -O2 -fsanitize=undefined -fno-sanitize-recover=all' readers-engine
 	@sh tests/readers/afl.sh $(OUT)/readers-afl $(B)/readers/seeds $(or $(TIME),60) $(or $(ENTRY),$(READER_NAMES))
 
-# The script for OSS-Fuzz, with what is on this machine in place of its image.
+# Runs the script for OSS-Fuzz with the tools of this machine in place of its image.
 fuzz-oss:
 	@sh .ci/deps.sh deep
 	@sh tests/house/oss_fuzz.sh $(OUT)/oss-fuzz
 
-# Every rounding constant tightened until something breaks; CONTRIBUTING.md has what it prints.
+# Tightens every rounding constant until a check fails; CONTRIBUTING.md has the output.
 bounds:
 	@$(MAKE) --no-print-directory -s -j$(JOBS) $(BOUNDS_TESTS)
 	@for test in $(BOUNDS_TESTS); do echo "# $$(basename $$test)"; \
 	    RAYDIFF_SLOW=1 $$test >$(B)/bounds.log 2>&1; code=$$?; \
 	    grep -v '^\[' $(B)/bounds.log; [ $$code -eq 0 ] || exit 1; done
 
-# No honest answer is refused: 10^6 that are exactly right and 10^6 evaluations of each formula and black
-# box; CONTRIBUTING.md has what it prints.
+# Checks that no correct answer is rejected: 10^6 exact ones and 10^6 evaluations of each formula and
+# black box. CONTRIBUTING.md has the output.
 HONEST_TESTS := $(B)/tests/test_judge_exact $(B)/tests/test_judge_noise $(B)/tests/test_judge_blackbox
 honest:
 	@$(MAKE) --no-print-directory -s -j$(JOBS) $(HONEST_TESTS)

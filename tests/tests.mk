@@ -1,4 +1,4 @@
-# Programs of unit tests, sample tracers, and what they are linked with.
+# Unit test programs, sample tracers, and what they are linked with.
 TEST_SRC := $(wildcard tests/*/test_*.c)
 TESTS    := $(addprefix $(B)/tests/,$(notdir $(TEST_SRC:.c=)))
 SAMPLES  := $(addprefix $(B)/samples/,tracer tracer_bug1 tracer_bug2 refuser)
@@ -7,8 +7,8 @@ TEST_OBJ := $(TEST_SRC:%.c=$(B)/obj/%.o)
 tests: $(TESTS) $(SAMPLES)
 .PHONY: tests truth
 
-# Programs lie in one folder, whatever room their source is in; $(B)/links/NAME is what each is linked with
-# beside its own object, for who links it anew.
+# All programs are in one folder, whatever the folder of their source. $(B)/links/NAME lists what a
+# program is linked with except its own object, for scripts that link it again.
 $(foreach object,$(TEST_OBJ),$(eval $(B)/tests/$(basename $(notdir $(object))): $(object)))
 $(TESTS): $(B)/libraydiff.a
 	@mkdir -p $(@D)
@@ -20,18 +20,18 @@ $(TEST_OBJ): | test_libs
 test_libs:
 	@$(if $(TEST_LIBS_MISSING),echo "make: missing to build the tests: $(TEST_LIBS_MISSING)" >&2; exit 2,:)
 
-# Sample tracers for `--engine pipe:`, compiled as a stranger would: with nothing of raydiff. The
+# Sample tracers for `--engine pipe:`, compiled without anything of raydiff, as users would. The
 # planted bugs must be found.
 $(B)/samples/%: fuzz/samples/sample_tracer.c
 	@mkdir -p $(@D)
 	$(call warned,$(CC) -std=c17 -O2 $(WARN) $(if $(findstring _bug,$*),-DBUG=$(lastword $(subst _bug, ,$*))) -o $@ $<)
 
-# A tracer that tests nothing, which must be noticed.
+# A tracer that tests nothing, which must be detected.
 $(B)/samples/refuser: tests/peers/refuser.c
 	@mkdir -p $(@D)
 	$(CC) -std=c17 -O2 $(WARN) -o $@ $<
 
-# The oracle is checked by a second road, GMP rationals, which only tests have.
+# The oracle is checked against GMP rationals, which only tests use.
 ORACLE_TESTS := $(filter $(B)/tests/test_oracle%,$(TESTS))
 $(ORACLE_TESTS): $(B)/obj/tests/exact/exact_gmp.o $(B)/obj/tests/exact/exact_gmp_bounds.o \
     $(B)/obj/tests/exact/exact_gmp_allow.o \
@@ -43,17 +43,17 @@ TRIAL_TESTS := $(BOUNDS_TESTS) $(B)/tests/test_judge_exact
 $(TRIAL_TESTS): $(addprefix $(B)/obj/tests/exact/,trials.o legal.o legal_formulas.o exact_gmp.o oracle_cases.o)
 $(TRIAL_TESTS): TEST_LIBS += $(GMP_LIBS)
 
-# Published triangle tests, compiled as their users do.
+# Published triangle tests, compiled with the flags of their users.
 $(B)/tests/test_judge_blackbox $(B)/tests/test_match_edges: $(addprefix $(B)/obj/tests/judge/,honest_plain.o honest_fast.o)
 $(B)/obj/tests/judge/honest_fast.o: CFLAGS += -ffast-math -ffp-contract=fast $(if $(filter x86_64%,$(shell $(CC) -dumpmachine)),-mfma)
 
 $(B)/tests/test_adversaries: $(addprefix $(B)/obj/tests/adversaries/,cheats.o outsiders.o outsiders_table.o table.o)
 
-# Their allocations are told to fail, or weighed.
+# Their allocations are made to fail, or measured.
 $(B)/tests/test_out_of_memory $(B)/tests/test_memory: TEST_LIBS += \
     -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 
-# The campaign of truth; needs GMP, so it is no part of the program.
+# The campaign of truth. It needs GMP, so it is not part of the program.
 TRUTH_OBJ := $(patsubst %.c,$(B)/obj/%.o,$(wildcard tests/truth/*.c tests/exact/exact_gmp*.c) \
                $(wildcard cmd/common/cmd_rows*.c) $(addprefix cmd/common/cmd_,tables.c options.c nearest.c))
 $(B)/truth: $(TRUTH_OBJ) $(B)/libraydiff.a

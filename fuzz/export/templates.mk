@@ -1,5 +1,4 @@
-# Parts of the C programs that `raydiff export` writes, as text. They are read as they are, never
-# compiled here.
+# Parts of the C programs that `raydiff export` writes, embedded as text and not compiled here.
 TEMPLATES := $(sort $(wildcard fuzz/templates/*.c))
 $(B)/gen/templates.c: $(TEMPLATES) Makefile
 	@mkdir -p $(@D)

@@ -1,7 +1,7 @@
-# Mutations: every small change of the code should turn a suite red.
-#   make mutation ROOM=ref/judge [SAMPLE=200] [SEED=1]      what is done already is not done again
-# config=mutation makes the library a shared object, the commands in it, so that one unit with a
-# mutation, loaded before it, takes that unit's place in every program (tests/mutation/play.sh).
+# Mutations: every small change of the code should make a test suite fail.
+#   make mutation ROOM=ref/judge [SAMPLE=200] [SEED=1]      finished mutations are not repeated
+# config=mutation builds library and commands as one shared object. A mutated unit loaded before it
+# replaces the original unit in every program (tests/mutation/play.sh).
 ifeq ($(config),mutation)
 $(B)/libraydiff.so: $(LIB_OBJ)
 	$(CC) $(CFLAGS) -shared -o $@ $^ $(LDLIBS) $(PROGRAM_LIBS)

@@ -1,24 +1,24 @@
-# The planted bugs of raydiff fuzz --self-test (fuzz/selftest.txt): a whole program of each, of which
-# one unit or one shader is compiled with the bug, in $(B)/mutants. Their table is copied beside them.
+# The planted bugs of raydiff fuzz --self-test (fuzz/selftest.txt): a program for each in $(B)/mutants,
+# with one unit or one shader compiled with the bug. Their table is copied to the same folder.
 SELFTEST := $(B)/mutants
 # BUG:UNIT of every line.
 PLANTED := $(shell awk '!/^#/ && NF {print $$1 ":" $$2}' fuzz/selftest.txt)
 PLANTED_DIRS :=
 
 RECORDS := $(wildcard tests/planted/*.txt) tests/planted/plant.sh
-# The files with the bug in them, before any other place where they are looked for.
+# The files with the bug, in a tree that is searched before the original files.
 define plant_tree
 $(SELFTEST)/$(1).$(2)/planted: $(RECORDS) $(3)
 	@mkdir -p $$(@D)
 	@rm -rf $$(@D)/tree && sh tests/planted/plant.sh $(1) $$(@D)/tree && touch $$@
 endef
-# $(call plant,BUG,UNIT): of a C unit. It comes before the library, so that the library's is not taken.
+# $(call plant,BUG,UNIT) for a C unit. It is linked before the library, and so replaces its unit.
 define plant_unit
 $(call plant_tree,$(1),$(basename $(notdir $(2))),$(2))
 $(SELFTEST)/$(1).$(basename $(notdir $(2)))/unit.o: $(SELFTEST)/$(1).$(basename $(notdir $(2)))/planted $(B)/gen/flags
 	$$(CC) -iquote $$(@D)/tree $$(CPPFLAGS) $$(CFLAGS) -MMD -MP -c -o $$@ $$(or $$(wildcard $$(@D)/tree/$(2)),$(2))
 endef
-# Of a shader: its SPIR-V in the place of the healthy one's. The tool that decorates it can be the bug.
+# For a shader: its SPIR-V replaces the original. The bug may also be in the tool that decorates it.
 define plant_shader
 $(call plant_tree,$(1),$(2),$(wildcard shaders/*.glsl shaders/*.comp shaders/*/*.glsl))
 	@mkdir -p $$(@D)/shaders && sh tests/planted/shaders.sh $$(@D)/tree $$(@D)/shaders
@@ -48,7 +48,7 @@ $(SELFTEST)/selftest.txt: fuzz/selftest.txt
 	@mkdir -p $(@D)
 	cp $< $@
 
-# All of them; and some, of which every kind of program is one, for `make check`.
+# All of them; or a few with at least one of each kind of program, for `make check`.
 planted: $(B)/raydiff $(SELFTEST)/selftest.txt $(addsuffix /raydiff,$(PLANTED_DIRS))
 .PHONY: planted planted-quick
 

@@ -1,8 +1,9 @@
-# The readers of files (tests/readers/reader_entry.h): a program per entry_NAME.c, in three ways.
+# Test programs of file readers (tests/readers/reader_entry.h), one per entry_NAME.c: with main.c,
+# with libFuzzer or with AFL++.
 READER_NAMES := $(patsubst tests/readers/entry_%.c,%,$(wildcard tests/readers/entry_*.c))
 READER_SRC   := tests/readers/harness.c tests/readers/count.c
 
-# 1. With main.c, compiled as everything else is: make check plays all seeds with them.
+# 1. With main.c and the usual flags: make check runs all seeds with them.
 READERS := $(addprefix $(B)/readers/,$(READER_NAMES))
 READER_LINK_peer := -Wl,--wrap=pipe_child_start,--wrap=pipe_child_stop,--wrap=pipe_child_is_early
 $(B)/readers/%: $(B)/obj/tests/readers/entry_%.o $(addprefix $(B)/obj/,$(READER_SRC:.c=.o) tests/readers/main.o) \
@@ -11,9 +12,9 @@ $(B)/readers/%: $(B)/obj/tests/readers/entry_%.o $(addprefix $(B)/obj/,$(READER_
 	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) $(READER_LINK_$*)
 tests: $(READERS)
 $(B)/tests/test_readers: $(addprefix $(B)/obj/,$(READER_SRC:.c=.o))
-$(B)/tests/test_readers: TEST_LIBS += $(B)/libraydiff.a $(LDLIBS) # what these need
+$(B)/tests/test_readers: TEST_LIBS += $(B)/libraydiff.a $(LDLIBS) # needed by these objects
 
-# 2. With a fuzzing engine, the library compiled for it: make readers-engine READER_OUT=FOLDER.
+# 2. With a fuzzing engine and the library compiled for it: make readers-engine READER_OUT=FOLDER.
 #   READER_CC, READER_FLAGS        compiler and its flags
 #   READER_LINK, READER_LINK_FLAGS linker and its flags
 #   READER_ENGINE                what to link as the engine
@@ -26,7 +27,7 @@ READER_LINK   ?= $(READER_CC)
 READER_LINK_FLAGS ?= $(READER_FLAGS)
 READER_ENGINE ?= -fsanitize=fuzzer
 READER_LIBS   ?= $(LDLIBS)
-# -Itests/readers/single: without OpenMP, in one thread.
+# -Itests/readers/single: no OpenMP, one thread.
 READER_CMD = $(READER_CC) -Itests/readers/single $(CPPFLAGS) -std=c17 $(READER_FLAGS) $(FP)
 READER_LIB_OBJ := $(LIB_SRC:%.c=$(READER_OUT)/obj/%.o) $(GEN_SRC:$(B)/%.c=$(READER_OUT)/obj/%.o)
 
@@ -46,7 +47,7 @@ $(READER_OUT)/fuzz_%: $(READER_OUT)/obj/tests/readers/entry_%.o $(READER_OUT)/li
 readers-engine: $(addprefix $(READER_OUT)/fuzz_,$(READER_NAMES))
 -include $(wildcard $(READER_OUT)/obj/*/*.d $(READER_OUT)/obj/*/*/*.d)
 
-# Seeds are made by the program itself, and what was once found is kept in tests/readers/found.
+# The program makes the seeds. Inputs that once failed are kept in tests/readers/found.
 $(B)/readers/seeds: $(B)/raydiff tests/readers/seeds.sh $(wildcard fuzz/corpus/*.trial)
 	sh tests/readers/seeds.sh $(B) $@
 tests: $(B)/readers/seeds
