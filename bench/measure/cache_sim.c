@@ -26,7 +26,7 @@ enum status cache_sim_make(const struct cache_size size[CACHE_SIM_LEVELS], struc
     return STATUS_OK;
 }
 
-/* Looks for a line in a level and makes it the newest of its set. */
+/* Looks up a line in a level and makes it the newest of its set. */
 static bool find(struct cache_sim *cache, int level, uint64_t line)
 {
     uint32_t ways = cache->size[level].ways;

@@ -1,7 +1,7 @@
-/* A simulated cache: two levels of lines of 64 bytes, each set-associative, the least recently used
- * line of a set replaced; only reads. A line that is not in level 1 is read from level 2, which
- * keeps its own (neither inclusive nor exclusive by force: a line dropped by level 2 may stay in
- * level 1). Nothing is fetched ahead. */
+/* A simulated cache for reads: two set-associative levels with lines of 64 bytes, which replace the
+ * least recently used line of a set. A line missing in level 1 is read from level 2, which keeps
+ * its own lines. The levels are neither inclusive nor exclusive by force: a line dropped by level 2
+ * may stay in level 1. There is no prefetching. */
 #ifndef CACHE_SIM_H
 #define CACHE_SIM_H
 
@@ -16,30 +16,30 @@ struct cache_size {
 };
 
 struct cache_counts {
-    uint64_t lines;                    /* looked for: one for each line that a read touches */
-    uint64_t beyond[CACHE_SIM_LEVELS]; /* of them not found in levels up to this */
+    uint64_t lines;                    /* lookups: one per line that a read touches */
+    uint64_t beyond[CACHE_SIM_LEVELS]; /* lookups that miss in all levels up to this one */
 };
 
-/* Owns its tags (see cache_sim_free). */
+/* Owns its tags: free with cache_sim_free. */
 struct cache_sim {
     struct cache_size size[CACHE_SIM_LEVELS];
-    uint64_t
-        *tag[CACHE_SIM_LEVELS]; /* sets * ways lines plus 1, 0: empty; the newest of a set first */
+    /* sets * ways entries of line number plus 1; 0: empty. The newest of a set is first. */
+    uint64_t *tag[CACHE_SIM_LEVELS];
     struct cache_counts counts;
 };
 
-/* 48 KiB of 12 ways and 1 MiB of 16: a core of a processor of these years. */
+/* 48 KiB with 12 ways and 1 MiB with 16 ways, as in a core of a current processor. */
 extern const struct cache_size cache_sim_usual[CACHE_SIM_LEVELS];
 
-/* An empty one. Errors: STATUS_INPUT sets are no power of two, or ways are 0; STATUS_MEMORY. On
- * error *out is zero. */
+/* Makes an empty cache. Errors: STATUS_INPUT sets is no power of two, or ways is 0; STATUS_MEMORY.
+ * On error *out is zero. */
 enum status cache_sim_make(const struct cache_size size[CACHE_SIM_LEVELS], struct cache_sim *out,
                            struct reason *reason) MUST_USE;
 
-/* Reads `bytes` bytes at `address`; 0 bytes touch nothing. */
+/* Reads `bytes` bytes at `address`; 0 bytes touch no line. */
 void cache_sim_read(struct cache_sim *cache, uint64_t address, uint64_t bytes);
 
-/* Counts from 0 again; the lines stay. */
+/* Resets the counters; the lines stay. */
 void cache_sim_restart(struct cache_sim *cache);
 
 void cache_sim_free(struct cache_sim *cache);

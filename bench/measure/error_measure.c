@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Units of the forward error within which its exact t must be known. */
+/* The exact t must be known to this many units of the forward error. */
 #define WIDTH_MOST 1e-3
 
 /* The triangle relative to the ray's origin, in double: differences of floats within 2^29 of each
@@ -44,7 +44,7 @@ static double plane_error(const struct measure_frame *f, double t)
         square += n[k] * n[k];
     }
     if (!(square > 0))
-        return NAN; /* no area, no plane */
+        return NAN; /* a triangle without area has no plane */
     for (int k = 0; k < 3; k++)
         off += n[k] * (t * f->d[k] - f->v[0][k]);
     return fabs(off) / (sqrt(square) * ERROR_UNIT * f->size);
@@ -103,7 +103,7 @@ struct error_one error_measure(const struct oracle *oracle, const struct scene *
         return out;
     }
     if (!(frame.size > 0))
-        return out; /* the ray starts where all three vertices are */
+        return out; /* all three vertices are at the ray's origin */
     out.plane = plane_error(&frame, (double)answer->t);
     if (!oracle_is_hit(&pair))
         return out;
@@ -113,7 +113,7 @@ struct error_one error_measure(const struct oracle *oracle, const struct scene *
     return out;
 }
 
-/* The value of rank ceil(part * count), from 1. */
+/* The value of rank ceil(part * count), counted from 1. */
 static double ranked(const double *value, size_t count, double part)
 {
     size_t rank = (size_t)ceil(part * (double)count - 1e-9);

@@ -7,10 +7,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Points tried for each origin wanted: in a thin shell most of the box is outside. */
+/* Points tried per requested origin: in a thin shell most of the box is outside. */
 #define TRIES 64
 
-/* What finding points inside needs. */
+/* State of the search for points inside. */
 struct search {
     const struct oracle *oracle;
     struct stage stage;
@@ -18,8 +18,8 @@ struct search {
     size_t capacity;
 };
 
-/* Whether `org` is inside, by parity. A ray that meets an edge, a vertex or a plane decides nothing
- * and counts as outside: there are other points. */
+/* Decides by parity whether `org` is inside. A ray that meets an edge, a vertex or a plane decides
+ * nothing and counts as outside; other points are tried. */
 static enum status is_inside(struct search *search, struct rng *rng, const float org[3],
                              bool *inside, struct reason *reason)
 {
@@ -66,7 +66,7 @@ static void choose_target(const struct topology *topology, const struct scene *s
 {
     const float *vertex = scene->vertex;
     if (target == LEAK_VERTEX) {
-        /* A point of a triangle, not any: files hold vertices that no triangle uses. */
+        /* Choose a vertex of a triangle: files may hold vertices that no triangle uses. */
         const struct topology_edge *edge = &topology->edge[rng_below(rng, topology->edge_count)];
         const float *p =
             vertex + 3 * (size_t)topology->vertex[rng_below(rng, 2) ? edge->a : edge->b];

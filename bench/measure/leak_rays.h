@@ -1,5 +1,5 @@
-/* Rays from inside a closed mesh, aimed exactly at its edges and vertices: each of them hits, so an
- * answer that is a miss has leaked out. */
+/* Rays from inside a closed mesh, aimed exactly at its edges and vertices. Each of them hits, so a
+ * miss is a leak. */
 #ifndef LEAK_RAYS_H
 #define LEAK_RAYS_H
 
@@ -7,12 +7,11 @@
 
 enum leak_target { LEAK_EDGE, LEAK_VERTEX };
 
-/* Makes `count` rays, seeded, from up to LEAK_ORIGINS points inside. An origin is inside if a ray
- * from it crosses the mesh an odd number of times, all through interiors of triangles, decided
- * exactly. Targets are the float32 points nearest to points of edges (a quarter of them middles),
- * or vertices; directions are target - origin, rounded.
- * Errors: STATUS_INPUT the mesh is not closed (which edge), or no point inside was found;
- * STATUS_MEMORY. */
+/* Makes `count` seeded rays from up to LEAK_ORIGINS points inside. An origin is inside if a ray
+ * from it crosses the mesh an odd number of times, always through interiors of triangles, decided
+ * exactly. Targets are vertices, or the float32 points nearest to points of edges, a quarter of
+ * which are midpoints. Directions are target - origin, rounded. Errors: STATUS_INPUT the mesh is
+ * not closed (names the edge), or no point inside was found; STATUS_MEMORY. */
 #define LEAK_ORIGINS 64
 enum status leak_rays_make(const struct oracle *oracle, const struct scene *scene,
                            enum leak_target target, uint64_t seed, size_t count, struct ray *out,

@@ -7,8 +7,8 @@
 
 #include <math.h>
 
-/* Sine of the flattest direction that is taken: flatter ones meet the own triangle's other side by
- * the rounding of the direction alone. */
+/* Sine of the flattest direction used. Flatter directions meet the other side of their own triangle
+ * by the rounding of the direction alone. */
 #define FLATTEST 1e-3
 
 #define GAMMA_7 (7.0 * ERROR_UNIT / (1.0 - 7.0 * ERROR_UNIT))
@@ -28,7 +28,8 @@ static void normal_of(float v[3][3], double n[3])
     }
 }
 
-/* The unit normal as a renderer computes it; false if the edges' cross product is 0 in float32. */
+/* Computes the unit normal as a renderer does. False if the cross product of the edges is 0 in
+ * float32. */
 static bool float_normal(float v[3][3], float n[3])
 {
     float e1[3], e2[3], square = 0;
@@ -49,7 +50,7 @@ static bool float_normal(float v[3][3], float n[3])
     return true;
 }
 
-/* The sum of the normal and a uniform unit vector is distributed by the cosine. */
+/* Chooses a cosine-distributed direction, as the sum of the normal and a uniform unit vector. */
 static bool choose_direction(struct rng *rng, const double exact_normal[3], struct spawn_hit *out)
 {
     double size = sqrt(exact_normal[0] * exact_normal[0] + exact_normal[1] * exact_normal[1] +
@@ -72,7 +73,7 @@ static bool choose_direction(struct rng *rng, const double exact_normal[3], stru
         if (height > FLATTEST * size)
             return true;
     }
-    return false; /* the float32 normal is far from the exact one */
+    return false; /* the float32 normal differs too much from the exact one */
 }
 
 bool spawn_hit_make(const struct oracle *oracle, const struct scene *scene,
@@ -112,7 +113,7 @@ bool spawn_hit_make(const struct oracle *oracle, const struct scene *scene,
     return choose_direction(rng, n, out);
 }
 
-/* A double bound as a float that is not below it. */
+/* Rounds a double up to a float. */
 static float round_up(double x)
 {
     float f = (float)x;
@@ -166,7 +167,7 @@ void spawn_integer(const float p[3], const float n[3], float out[3])
         int32_t steps = (int32_t)(256.0f * n[k]);
         if (fabsf(p[k]) < 1.0f / 32.0f)
             out[k] = p[k] + 0x1p-16f * n[k];
-        else /* more bits: away from 0 */
+        else /* larger bits are further from 0 */
             out[k] = float_from_bits(float_bits(p[k]) + (uint32_t)(p[k] < 0 ? -steps : steps));
     }
 }

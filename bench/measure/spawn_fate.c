@@ -1,13 +1,13 @@
-/* What becomes of spawned rays, and the least offset. */
+/* The fate of spawned rays, and the least offset. */
 #include "bench/measure/spawn.h"
 
 #include <math.h>
 
-/* Least offsets are searched step by step up to here, then by doubling and halving. */
+/* Least offsets are searched step by step up to STEPS_TRIED, then by doubling and halving. */
 #define STEPS_TRIED 64u
 #define STEPS_MOST  (1u << 23)
 
-/* Only for the own triangle: directions are never in its plane. */
+/* True if the ray hits its own triangle. Directions are never in its plane. */
 static bool hits(const struct oracle *oracle, const struct ray *ray, uint32_t prim)
 {
     struct oracle_pair pair;
@@ -15,7 +15,7 @@ static bool hits(const struct oracle *oracle, const struct ray *ray, uint32_t pr
     return oracle_is_hit(&pair) && oracle_in_range(&pair, ORACLE_CLOSED);
 }
 
-/* x . (y cross z) and the sum of the sizes of its products. */
+/* Returns x . (y cross z), and in *size the sum of the sizes of its products. */
 static double triple(const double x[3], const double y[3], const double z[3], double *size)
 {
     double sum = 0;
@@ -28,9 +28,9 @@ static double triple(const double x[3], const double y[3], const double z[3], do
     return sum;
 }
 
-/* True if `org` lies certainly behind the plane of the hit's triangle, seen from the side to leave.
- * Differences of near floats are exact in double, products and sums bounded as in numerics.md 1.2.
- */
+/* True if `org` is certainly behind the plane of the hit's triangle, seen from the side to leave.
+ * Differences of near floats are exact in double; products and sums are bounded as in numerics.md
+ * 1.2. */
 static bool is_behind(const struct scene *scene, const struct spawn_hit *hit, const float org[3])
 {
     float v[3][3];
@@ -47,7 +47,7 @@ static bool is_behind(const struct scene *scene, const struct spawn_hit *hit, co
     return fabs(side) > 12.0 * 0x1p-53 * size && (side > 0) != (facing > 0);
 }
 
-/* Moves p by that offset to *out; true if the exact ray from there is free. */
+/* Moves p by an offset to *out. True if the exact ray from there is free. */
 static bool frees(const struct oracle *oracle, const struct scene *scene,
                   const struct spawn_hit *hit, const float p[3], float offset, float out[3])
 {
@@ -64,7 +64,7 @@ uint32_t spawn_least(const struct oracle *oracle, const struct scene *scene,
     for (uint32_t k = 0; k <= STEPS_TRIED; k++)
         if (frees(oracle, scene, hit, p, (float)k * step, out))
             return k;
-    uint32_t low = STEPS_TRIED, high = 2 * low; /* low does not suffice */
+    uint32_t low = STEPS_TRIED, high = 2 * low; /* low is too small */
     while (high <= STEPS_MOST && !frees(oracle, scene, hit, p, (float)high * step, out)) {
         low = high;
         high *= 2;
@@ -91,8 +91,8 @@ static double size_of(const double x[3])
     return fabs(x[0]) + fabs(x[1]) + fabs(x[2]);
 }
 
-/* The three edge functions, the determinant and t's numerator of the ray from the exact point, with
- * bounds on what the point's fuzz and double's rounding can do to them. */
+/* The three edge functions, the determinant and t's numerator for the ray from the exact point,
+ * with bounds on the effect of the point's fuzz and double's rounding. */
 struct edges {
     double w[3], w_err[3], det, det_err, t, t_err;
 };
@@ -106,8 +106,8 @@ static struct edges edges_of(float v[3][3], const struct spawn_hit *hit)
         for (int c = 0; c < 3; c++)
             a[c][k] = (double)v[c][k] - hit->at[k];
     }
-    /* A fuzz f in every coordinate moves x . (y cross z) by at most f times the sum over pairs of
-     * 2 |x|1 |y|1, and by higher powers of f, for which there is room in the factor. */
+    /* A fuzz f in every coordinate changes x . (y cross z) by at most f times the sum over pairs of
+     * 2 |x|1 |y|1, plus higher powers of f, which the factor has room for. */
     for (int c = 0; c < 3; c++) {
         const double *b = a[(c + 1) % 3], *next = a[(c + 2) % 3];
         e.w[c] = triple(d, b, next, &size);
@@ -140,7 +140,7 @@ enum spawn_meets spawn_meets(const struct scene *scene, const struct spawn_hit *
         return SPAWN_MISSES;
     double sign = positive ? 1 : -1;
     if ((positive || negative) && sign * e.t < -e.t_err)
-        return SPAWN_MISSES; /* behind; the determinant has the sign of its parts */
+        return SPAWN_MISSES; /* behind the point; the determinant has the sign of its parts */
     double length =
         sqrt((double)hit->dir[0] * (double)hit->dir[0] + (double)hit->dir[1] * (double)hit->dir[1] +
              (double)hit->dir[2] * (double)hit->dir[2]);
@@ -153,7 +153,7 @@ enum spawn_meets spawn_meets(const struct scene *scene, const struct spawn_hit *
     return SPAWN_MEETS;
 }
 
-/* True if the triangle comes nowhere nearer to the point than `reach`, seen along some axis. */
+/* True if on some axis the triangle is further than `reach` from the point. */
 static bool is_far(const struct scene *scene, const struct spawn_hit *hit, uint32_t prim,
                    double reach)
 {
@@ -172,7 +172,7 @@ struct spawn_near spawn_near_find(const struct scene *scene, const struct spawn_
                                   double reach)
 {
     struct spawn_near near = {.prim = ABI_NO_PRIM, .distance = reach};
-    double open = INFINITY; /* where the nearest undecided triangle may be met */
+    double open = INFINITY; /* least distance at which an undecided triangle may be met */
     for (uint32_t i = 0; i < scene->tri_count; i++) {
         double distance = INFINITY;
         if (i == hit->hit.prim || is_far(scene, hit, i, reach))
@@ -189,7 +189,7 @@ struct spawn_near spawn_near_find(const struct scene *scene, const struct spawn_
     return near;
 }
 
-/* True if two triangles have a point in common. */
+/* True if two triangles share a point. */
 static bool touch(const struct scene *scene, const struct topology *topology, uint32_t a,
                   uint32_t b)
 {

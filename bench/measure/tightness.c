@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Steps from where a bound ends to the first float that is rejected, at most. */
+/* Largest number of steps from the end of a bound to the first rejected float. */
 #define STEPS 64
 
 bool tightness_draw(const struct oracle *oracle, const struct scene *scene,
@@ -38,13 +38,14 @@ bool tightness_draw(const struct oracle *oracle, const struct scene *scene,
 
 static bool rejects(const struct judge *judge, const struct ray *ray, struct hit answer)
 {
-    const struct oracle_answer nothing = {.prim = ABI_NO_PRIM}; /* it is judged by itself */
+    const struct oracle_answer nothing = {.prim = ABI_NO_PRIM}; /* the answer is judged by itself */
     struct judgement judgement;
     return judge_answer(judge, ray, &nothing, &answer, &judgement) == STATUS_OK &&
            judgement.verdict == VERDICT_WRONG;
 }
 
-/* The error of the first float from `end` on, away from `from`, that is rejected. */
+/* The error of the first rejected float, searched from `end` in the direction `away` from
+ * `from`. */
 static double first_rejected(const struct judge *judge, const struct ray *ray, struct hit answer,
                              double from, double end, float away)
 {
@@ -90,14 +91,14 @@ static int by_rejected(const void *left, const void *right)
     return (a > b) - (a < b);
 }
 
-/* The place of a nearest-rank quantile, in thousandths, of sorted values. */
+/* Index of a nearest-rank quantile, in thousandths, of sorted values. */
 static size_t rank(size_t count, size_t thousandths)
 {
     size_t at = (count * thousandths + 999) / 1000;
     return at > 0 ? at - 1 : 0;
 }
 
-/* Sorts the real errors of pairs [first, end) into `real`. */
+/* Copies the real errors of pairs [first, end) to `real` and sorts them. */
 static void sort_real(const struct tightness_one *one, size_t first, size_t end, double *real)
 {
     for (size_t i = first; i < end; i++)
@@ -105,7 +106,7 @@ static void sort_real(const struct tightness_one *one, size_t first, size_t end,
     sort_doubles(real, end - first);
 }
 
-/* `real` and `group` are scratch for as many values as there are pairs. */
+/* `real` and `group` are scratch space for one value per pair. */
 static void sum_groups(const struct tightness_one *one, size_t bounded, double *real, double *group,
                        struct tightness *out)
 {

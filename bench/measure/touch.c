@@ -6,7 +6,7 @@
 
 #include <stdlib.h>
 
-/* Addresses of the arrays, far enough apart that they cannot overlap. */
+/* Indices of arrays; their addresses are so far apart that they cannot overlap. */
 enum { NODES, ITEMS, INDICES, VERTICES };
 
 static uint64_t place(int array, uint64_t offset)
@@ -14,7 +14,7 @@ static uint64_t place(int array, uint64_t offset)
     return ((uint64_t)(array + 1) << 40) + offset;
 }
 
-/* The packed tree is the first member of what watches it. */
+/* The packed tree is the first member of the struct that watches it. */
 static const struct touch *watcher(const struct packed *packed)
 {
     return (const struct touch *)packed;
@@ -22,8 +22,8 @@ static const struct touch *watcher(const struct packed *packed)
 
 /* --- nodes ------------------------------------------------------------------------------------ */
 
-/* Records have one reference each and one for each slot; twice that where a record can be read in
- * two ways, the second of which takes the next one, too (amd64). */
+/* A reference names a record or one of its slots. If a record can be read in two ways (amd64),
+ * there are twice as many references, and the second way also reads the next record. */
 static void read_record(const struct touch *touch, uint32_t ref)
 {
     const struct layout *layout = touch->real->layout;
@@ -69,8 +69,8 @@ static void read_vertices(const struct touch *touch, uint32_t prim)
     }
 }
 
-/* Of layouts that have items without a storage: words of the item array, or 16 bits in the nodes.
- */
+/* For layouts that have items without a storage: words of the item array, or 16 bits in the
+ * nodes. */
 static uint32_t layout_item(const struct packed *packed, uint32_t slot)
 {
     const struct touch *touch = watcher(packed);
@@ -167,7 +167,7 @@ enum status touch_make(const struct packed *packed, const struct scene *scene, b
         out->layout.item = layout_item;
         return STATUS_OK;
     }
-    out->store.id = UINT32_MAX; /* for `indexed` the traversal reads items without calling item() */
+    out->store.id = UINT32_MAX; /* else the traversal reads items of `indexed` without item() */
     out->store.item = store_item;
     out->store.tri = out->store.tri ? store_tri : NULL;
     out->store.test = out->store.test ? store_test : NULL;

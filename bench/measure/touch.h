@@ -1,4 +1,4 @@
-/* What a ray makes a traversal read: lines of a simulated cache. */
+/* The memory that a traversal reads for a ray, as lines of a simulated cache. */
 #ifndef TOUCH_H
 #define TOUCH_H
 
@@ -7,35 +7,37 @@
 #include "ref/fast/fast.h"
 #include "ref/store.h"
 
-/* A packed tree whose reads are watched; owns `leaf` (see touch_free). Nodes, items and the scene's
- * arrays lie at addresses of their own, each on a page. */
+/* A packed tree whose reads are recorded. Owns `leaf`: free with touch_free. Nodes, items and the
+ * scene's arrays have separate page-aligned addresses. */
 struct touch {
-    struct packed packed; /* what is traced: hooks in place of layout and storage */
+    struct packed packed; /* the traced tree, with hooks instead of layout and storage */
     struct layout layout;
     struct tri_store store;
     const struct packed *real;
     const struct scene *scene;
     struct cache_sim *cache;
-    bool gathered;  /* vertices are read as nine floats a triangle, in the scene's order (on the
-                       GPU),  not by its indices */
-    uint32_t *leaf; /* places where leaves begin, sorted: of storages that hold vertices */
+    /* Vertices are read as nine floats per triangle in the scene's order, as on the GPU, instead of
+     * by index. */
+    bool gathered;
+    uint32_t *leaf; /* for storages that hold vertices: where leaves begin, sorted */
     size_t leaf_count;
 };
 
-/* Watches `packed`; all is borrowed, and *out may not be moved. Errors: STATUS_MEMORY. */
+/* Prepares recording of `packed`. Everything is borrowed; do not move *out. Errors:
+ * STATUS_MEMORY. */
 enum status touch_make(const struct packed *packed, const struct scene *scene, bool gathered,
                        struct cache_sim *cache, struct touch *out, struct reason *reason) MUST_USE;
 
-/* Traces a ray as trace_ray does and reads into the cache: the record of every node that is visited
- * (of a leaf that has none its parent's, as it is decoded from there), the item of every triangle
- * that is tested with its index and vertices; where the storage holds vertices, the whole of the
- * leaf. Errors: as trace_ray. */
+/* Traces a ray like trace_ray and reads into the cache: the record of every visited node (for a
+ * leaf without one its parent's, since it is decoded from there), and the item, index and vertices
+ * of every tested triangle, or the whole leaf if the storage holds vertices. Errors: those of
+ * trace_ray. */
 enum status touch_ray(struct touch *touch, const struct job *job, const struct ray *ray,
                       struct hit *hit) MUST_USE;
 
 void touch_free(struct touch *touch);
 
-/* The same of engine fast's tree, by fast_watched. */
+/* The same for engine fast's tree, using fast_watched. */
 void touch_fast(const struct fast_tree *tree, const struct ray *ray, bool any,
                 struct cache_sim *cache, struct hit *hit);
 
