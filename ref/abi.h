@@ -49,7 +49,7 @@
 #define ABI_STORE_COMPACT        4u
 #define ABI_STORE_QUANTISED      5u
 
-/* ABI_SPEC_LAYOUT_0 and _1 of the layouts with shader grid2, grid4 or grid8: number format and frame. */
+/* ABI_SPEC_LAYOUT_0 and _1 for the shaders grid2, grid4 and grid8: number format and frame. */
 #define ABI_NUMBER_F32  0u
 #define ABI_NUMBER_F16  1u
 #define ABI_NUMBER_BF16 2u

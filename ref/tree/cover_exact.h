@@ -1,4 +1,4 @@
-/* Exact test whether a triangle meets a box, by the separating axis theorem (Gottschalk, Lin, Manocha
+/* Exact test of a triangle against a box, by the separating axis theorem (Gottschalk, Lin, Manocha
  * 1996) on the 13 axes of a box and a triangle. Signs are decided in double if a bound of the
  * rounding errors allows it, else in integers.
  *
