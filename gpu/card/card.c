@@ -38,7 +38,7 @@ struct triple {
     float a, b, c;
 };
 
-/* Magnitudes near each other, so that sums cancel and roundings show. */
+/* Similar magnitudes, so that sums cancel and rounding errors show. */
 static float ordinary(struct rng *rng)
 {
     float x = rng_scaled(rng, 1, 2, -3, 6);
@@ -82,13 +82,13 @@ static void judge_root(struct card_root *root, double want, float got)
     root->worst_ulp = ulp > root->worst_ulp ? ulp : root->worst_ulp;
 }
 
-/* Of an operator's results: one for each of the first triples, FUNCTIONS floats apart. */
+/* Collects one operator's results for the first triples, which are FUNCTIONS floats apart. */
 static struct card_pair pair_of(const float *got)
 {
     return (struct card_pair){got[FUNCTIONS], got[0], got[2 * FUNCTIONS], got[3 * FUNCTIONS]};
 }
 
-/* Runs a probe on all triples: *out, the caller's to free, has `columns` floats for each. */
+/* Runs a probe on all triples. *out has `columns` floats for each; the caller frees it. */
 static enum status run_on_triples(struct vk *vk, const char *name, const struct triple *triple,
                                   uint32_t columns, float **out, struct reason *reason)
 {
@@ -181,9 +181,9 @@ static void judge_pack(struct card_pack *out, uint32_t bits, uint32_t got)
     out->example_nearest = nearest;
 }
 
-/* Every upper half of a float with nothing below it; random floats in the range of halves; and the
- * midpoint between every two neighbouring halves, with the next float above it: the places where
- * rounding is decided. */
+/* Every upper half of a float with a zero lower half; random floats in the range of halves; and the
+ * midpoints of neighbouring halves, each also with the next float above it. That is where rounding
+ * is decided. */
 static void make_words(uint32_t *word)
 {
     struct rng rng = rng_make(3, 0);
@@ -217,7 +217,7 @@ static enum status measure_halves(struct vk *vk, struct card *out, struct reason
                      WORDS * sizeof *word, got, WORDS * sizeof *got, reason);
         for (uint32_t i = 0; i < WORDS && !status && pass == 0; i++) {
             judge_pack(&out->pack, word[i], got[i][0] & 0xFFFFu);
-            if (got[i][0] >> 16 != (got[i][0] & 0xFFFFu)) /* both halves are the same number */
+            if (got[i][0] >> 16 != (got[i][0] & 0xFFFFu)) /* both halves convert the same number */
                 judge_pack(&out->pack, word[i], got[i][0] >> 16);
         }
         for (uint32_t i = 0; i < CODES && !status && pass == 1; i++) {
@@ -230,7 +230,7 @@ static enum status measure_halves(struct vk *vk, struct card *out, struct reason
     return status;
 }
 
-/* One invocation a workgroup: lanes that run together may share a driver's count. */
+/* Uses one invocation per workgroup: lanes that run together may share a driver's loop count. */
 static enum status measure_loops(struct vk *vk, struct card *out, struct reason *reason)
 {
     const uint32_t push[2] = {LOOP_STEPS, LOOP_NESTED}, seed = 12345;

@@ -1,5 +1,5 @@
-/* A card per driver: what its arithmetic, conversions and loops do, measured. The tracing shaders
- * need only what gpu/card/probe.h measures; the rest shows which operations they must avoid. */
+/* A driver's card: measurements of its arithmetic, conversions and loops. The tracing shaders need
+ * only what gpu/card/probe.h measures; the rest shows which operations they must avoid. */
 #ifndef CARD_H
 #define CARD_H
 
@@ -7,15 +7,16 @@
 
 #include <jansson.h>
 
-/* How a function with a choice of roundings computes. Counted where the choices differ. */
+/* How the driver computes a function that it may round in different ways. Counted where the results
+ * differ. */
 struct card_choice {
     uint32_t telling; /* operands for which plain, other and the result are not all equal */
-    uint32_t plain;   /* as if written out, each operation rounded */
+    uint32_t plain;   /* as written, each operation rounded */
     uint32_t other;   /* fused, or rearranged */
     uint32_t neither;
 };
 
-/* A function of one operand against C's nearest result. */
+/* A function of one operand, compared with the nearest result in C. */
 struct card_root {
     uint32_t count, differs, worst_ulp;
 };
@@ -28,19 +29,19 @@ struct card_pair {
 
 /* All 65,536 codes of a half, in both halves of a word. */
 struct card_unpack {
-    uint32_t wrong;         /* zeros, normal numbers, infinities, NaN not as they should be */
+    uint32_t wrong;         /* zeros, normal numbers, infinities or NaN that are wrong */
     uint32_t kept, flushed; /* subnormal codes */
     uint32_t subnormal_wrong;
 };
 
-/* Floats to halves; compared with the nearest half, ties to even. */
+/* Conversion of floats to halves, compared with the nearest half, ties to even. */
 struct card_pack {
     uint32_t count, differs;
-    uint32_t beyond;   /* of them: no neighbour either, which Vulkan does not allow */
+    uint32_t beyond;   /* of them: not even a neighbour, which Vulkan does not allow */
     uint32_t overflow; /* of them: |x| >= 65520 */
     uint32_t tiny;     /* |x| < 2^-14 */
     uint32_t normal;   /* the rest */
-    float example;     /* a normal one, else any; its result and the nearest */
+    float example;     /* a normal number if one differs, else any */
     uint32_t example_got, example_nearest;
 };
 
@@ -68,7 +69,7 @@ struct card {
 /* Measures an open device. Errors: as vk_dispatch. */
 enum status card_make(struct vk *vk, struct card *out, struct reason *reason) MUST_USE;
 
-/* The card as lines of text, and as an object of JSON (NULL without memory). */
+/* Writes the card as lines of text, or returns it as a JSON object (NULL without memory). */
 void card_text(const struct card *card, char *text, size_t text_bytes);
 json_t *card_json(const struct card *card);
 

@@ -11,7 +11,7 @@
 #define TRIPLES 16384u
 #define GROUP   64u
 
-/* A quarter of the triples has at least one special number. */
+/* A quarter of the triples contain at least one special number. */
 #define IS_SPECIAL(i) ((i) % 4 == 3)
 
 static const char *const names[PROBE_OPS] = {"a+b", "a-b", "a*b", "a/b", "1/b", "a*b+c", "a<b?a:b"};
@@ -48,7 +48,7 @@ static void make_triples(struct probe_triple *triple)
     }
 }
 
-/* How subnormals are treated. */
+/* Whether subnormal operands (in) and results (out) are flushed to zero. */
 struct flush {
     bool in, out;
 };
@@ -61,7 +61,7 @@ static float zero_if(bool flush, float x)
     return flush && subnormal ? float_from_bits(float_bits(x) & 0x80000000u) : x;
 }
 
-/* The same operations, compiled without contraction. */
+/* The operations in C, compiled without contraction. */
 static void evaluate(const struct probe_triple *t, struct flush flush, float out[PROBE_OPS])
 {
     const float a = zero_if(flush.in, t->a), b = zero_if(flush.in, t->b);
@@ -78,7 +78,7 @@ static void evaluate(const struct probe_triple *t, struct flush flush, float out
         out[k] = zero_if(flush.out, out[k]);
 }
 
-/* Bit patterns in the order of the numbers. */
+/* Maps a float's bits to an integer that is ordered like the numbers. */
 static int64_t ordered(float x)
 {
     uint32_t bits = float_bits(x);
@@ -99,7 +99,7 @@ static void judge_ordinary(struct probe_op *op, float want, float got)
         op->worst_ulp = apart > UINT32_MAX ? UINT32_MAX : (uint32_t)apart;
 }
 
-/* A subnormal that became zero may have either sign. */
+/* Returns true if flushing explains the result. A flushed subnormal may have either sign. */
 static bool is_flushed(const struct probe_triple *t, uint32_t op, float got)
 {
     for (size_t i = 0; i < ARRAY_COUNT(flushes); i++) {
@@ -169,7 +169,7 @@ enum status probe_run(struct vk *vk, struct probe_op out[PROBE_OPS], struct reas
     return probe_run_shader(vk, shader_find("probe_ops"), out, reason);
 }
 
-/* In units of u: half an ulp is 1. */
+/* An operation's error in units of u; half an ulp is 1. */
 static double error_of(const struct probe_op *op, double specified)
 {
     double seen = 2.0 * op->worst_ulp + 1.0;

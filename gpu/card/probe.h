@@ -1,5 +1,5 @@
-/* What the running driver's float arithmetic is worth: every operation that the tracing shaders
- * use, against C's on the same numbers. */
+/* Measures the running driver's float arithmetic: every operation that the tracing shaders use is
+ * compared with C on the same numbers. */
 #ifndef PROBE_H
 #define PROBE_H
 
@@ -13,50 +13,50 @@ enum probe_op_id {
     PROBE_MUL,
     PROBE_DIV,
     PROBE_RECIPROCAL,
-    PROBE_MUL_ADD, /* two roundings: it is decorated with NoContraction */
+    PROBE_MUL_ADD, /* two roundings, as it is decorated with NoContraction */
     PROBE_LESS,
     PROBE_OPS
 };
 
-/* One operation. Ordinary triples have magnitudes from 2^-40 to 2^40; special ones are zeros of
- * both signs, subnormals, infinities, NaNs and the ends of the range. Two NaNs are equal. */
+/* One operation. Ordinary triples have magnitudes from 2^-40 to 2^40. Special ones contain zeros of
+ * both signs, subnormals, infinities, NaNs or the ends of the range. Two NaNs are equal. */
 struct probe_op {
     const char *name;
     uint32_t ordinary, ordinary_differs;
     uint32_t special, special_differs;
-    uint32_t flushed;   /* of those that differ: right if subnormals are zeros */
-    uint32_t worst_ulp; /* of the ordinary ones */
+    uint32_t flushed;   /* of those that differ: right if subnormals are flushed to zero */
+    uint32_t worst_ulp; /* of the ordinary triples */
 };
 
-/* Runs the probe, under 10 ms beside the driver's compiler. Errors: as vk_dispatch. */
+/* Runs the probe, in under 10 ms plus the driver's compile time. Errors: as vk_dispatch. */
 enum status probe_run(struct vk *vk, struct probe_op out[PROBE_OPS],
                       struct reason *reason) MUST_USE;
 
-/* The same with another shader of the same interface as probe_ops: for tests of the probe. */
+/* As probe_run with another shader of the interface of probe_ops, for tests of the probe. */
 enum status probe_run_shader(struct vk *vk, const struct shader *shader,
                              struct probe_op out[PROBE_OPS], struct reason *reason) MUST_USE;
 
-/* What the judge may assume. */
+/* What the judge may assume of a device's arithmetic. */
 struct arithmetic {
     struct rounding rounding;
-    bool bits;    /* C's bits may be demanded */
-    bool flushes; /* subnormal operands or results become zeros */
+    bool bits;    /* results must have C's bits */
+    bool flushes; /* subnormal operands or results are flushed to zero */
 };
 
-/* Every bit as in C: ROUNDING_IEEE, bits. Only subnormals differ, and by being zeros:
- * ROUNDING_FLUSHED, bits (where no value is subnormal). Otherwise no bits, and per operation
- * IEEE's error if all ordinary results were C's, else that of Vulkan's specification or what was
- * seen if that is worse. A sum of a product that differs alone (contraction) has smaller errors
- * than its two operations, and other bits. */
+/* Derives what the judge may assume. All bits as in C: ROUNDING_IEEE with bits. Only subnormals
+ * differ, by being flushed to zero: ROUNDING_FLUSHED with bits (where no value is subnormal).
+ * Otherwise no bits. Each operation then has IEEE's error if all ordinary results were C's, else
+ * the larger of Vulkan's specified error and the measured one. If only a*b+c differs (contraction),
+ * its error is smaller than that of the two operations, but its bits differ. */
 struct arithmetic probe_arithmetic(const struct probe_op op[PROBE_OPS]);
 
-/* Measures `vk`; if that fails, Vulkan's specification without bits. */
+/* Measures `vk`. If that fails, returns Vulkan's specified errors without bits. */
 struct arithmetic probe_measure(struct vk *vk);
 
-/* Lines for `raydiff doctor`: the operations that equal C's, and those that do not. */
+/* Writes lines for `raydiff doctor`: which operations equal C's, and how the others differ. */
 void probe_text(const struct probe_op op[PROBE_OPS], char *text, size_t text_bytes);
 
-/* One line: what the judge uses. */
+/* Describes the arithmetic in one line. */
 const char *probe_arithmetic_text(const struct arithmetic *arithmetic);
 
 #endif

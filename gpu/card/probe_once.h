@@ -1,4 +1,4 @@
-/* A shader that measures the driver: one buffer in, one buffer out, one dispatch. */
+/* Runs a shader that measures the driver: one input buffer, one output buffer, one dispatch. */
 #ifndef PROBE_ONCE_H
 #define PROBE_ONCE_H
 
@@ -16,8 +16,8 @@ struct probe_job {
     uint64_t out_bytes;
 };
 
-/* Compiles, runs and reads back; nothing is kept. Errors: as vk_pipeline_make, vk_buffer_make and
- * vk_dispatch. */
+/* Compiles and runs the shader and reads its output; keeps nothing. Errors: as vk_pipeline_make,
+ * vk_buffer_make and vk_dispatch. */
 enum status probe_once(struct vk *vk, const struct probe_job *job, struct reason *reason) MUST_USE;
 
 #endif

@@ -1,6 +1,6 @@
-/* Engine `rayquery`: the driver's own tree and triangle test (VK_KHR_ray_query), where it has
- * them. Nothing is known of its formula, so the judge looks at geometry alone; box and triangle
- * test of the job do not matter. */
+/* Engine `rayquery`: the driver's own tree and triangle test (VK_KHR_ray_query), where available.
+ * Its formula is unknown, so the judge checks geometry only. The job's box and triangle test are
+ * not used. */
 #include "gpu/trace/batch.h"
 #include "gpu/trace/dispatch.h"
 #include "ref/base/text.h"
@@ -16,7 +16,7 @@
 struct rayquery {
     struct batch_engine base;
     struct vk_pipeline *pipeline[QUERIES];
-    struct vk_accel *accel; /* NULL: no triangle */
+    struct vk_accel *accel; /* NULL: no triangles */
 };
 
 _Static_assert(ABI_QUERY_ALL < QUERIES, "a pipeline each");
@@ -133,7 +133,7 @@ static enum status prepare(void *self, const struct job *job, struct reason *rea
     return status;
 }
 
-/* Vulkan asks for tmin < t < tmax; that closed fans are watertight is a "should". */
+/* Vulkan requires tmin < t < tmax; that closed fans are watertight is only a "should". */
 static struct model model(void *self, const struct tri_test *tri)
 {
     (void)self;

@@ -1,5 +1,5 @@
-/* Engine `vulkan`: the shaders of shaders/layouts/layout_<layout>.glsl, and those that render with the same
- * layouts, on any Vulkan 1.1 device. */
+/* Engine `vulkan`: traces and renders with the shaders of shaders/layouts/layout_<layout>.glsl, on
+ * any Vulkan 1.1 device. */
 #include "gpu/frame/framer.h"
 #include "gpu/trace/tracer.h"
 #include "gpu/trace/vulkan_options.h"

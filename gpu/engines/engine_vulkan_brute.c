@@ -1,6 +1,7 @@
-/* Engine `vulkan_brute`: shaders/trace_brute.comp, every triangle for every ray on a Vulkan
- * device. With engine `vulkan` it tells what the tree loses, with engine `brute` what the device's
- * arithmetic does: those two must agree in every bit where the device's operators are C's. */
+/* Engine `vulkan_brute`: shaders/trace_brute.comp tests every triangle for every ray on a Vulkan
+ * device. Compared with engine `vulkan` it shows what the tree loses, compared with engine `brute`
+ * what the device's arithmetic changes. Those two must agree in every bit if the device's operators
+ * equal C's. */
 #include "gpu/trace/batch.h"
 #include "gpu/trace/dispatch.h"
 #include "gpu/frame/framer.h"
@@ -14,8 +15,8 @@
 #define QUERIES 3u
 #define TRIS    5u
 
-/* Ray-triangle tests of one dispatch: begun small, doubled while a dispatch is quick, halved when
- * it is slow, so that no driver's watchdog ends a long job. */
+/* Ray-triangle tests of one dispatch. The number starts small, doubles while dispatches are quick
+ * and halves when one is slow, so that no driver's watchdog ends a long job. */
 #define TESTS_FIRST (1u << 24)
 #define TESTS_MOST  (1u << 30)
 #define QUICK_NS    100000000u
@@ -49,7 +50,7 @@ static void close(void *self)
     free(b);
 }
 
-/* Rays whose tests of one part of the triangles are b->tests. */
+/* The number of rays whose tests with one part of the triangles are b->tests. */
 static uint64_t most(const struct batch_engine *engine)
 {
     const struct brute *b = (const struct brute *)engine;
@@ -57,8 +58,8 @@ static uint64_t most(const struct batch_engine *engine)
     return rays < 1 ? 1 : rays;
 }
 
-/* One part of the triangles: best hits are read from one buffer and written to the other, lists
- * grow in place and their lengths change places. */
+/* Tests one part of the triangles. Best hits are read from one buffer and written to the other;
+ * lists grow in place and their lengths switch buffers. */
 static enum status run_part(struct brute *b, struct batch *batch, const struct push *push, int turn,
                             size_t first, struct vk_time *time, struct reason *reason)
 {
@@ -74,7 +75,7 @@ static enum status run_part(struct brute *b, struct batch *batch, const struct p
     return batch_run(batch, b->base.chosen, buffer, push, first, time, reason);
 }
 
-/* All triangles for `count` rays, which begin at ray `first`. */
+/* Tests all triangles for `count` rays, the first of which is ray `first`. */
 static enum status answer(struct batch_engine *engine, struct batch *batch, const struct ray *ray,
                           size_t first, uint32_t count, const struct batch_answers *to,
                           struct trace_report *report, struct reason *reason)
@@ -83,8 +84,8 @@ static enum status answer(struct batch_engine *engine, struct batch *batch, cons
     int turn = 1;
     uint32_t done = 0;
     enum status status = batch_rays(batch, ray + first, count, reason);
-    report->tris += (uint64_t)count * b->tri_count; /* an upper bound for any-hit */
-    do { /* without a triangle there is one empty part: it writes the misses */
+    report->tris += (uint64_t)count * b->tri_count; /* for any-hit an upper bound */
+    do { /* without triangles there is one empty part, which writes the misses */
         struct vk_time time = {0};
         struct push push = dispatch_brute_push(b->tri_count, done);
         uint32_t part = push.node_count - done;

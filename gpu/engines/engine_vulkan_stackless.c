@@ -1,5 +1,5 @@
-/* Engine `vulkan_stackless`: the same shaders walked without a stack, by links to parents and a
- * trail of bits (shaders/walk_stackless.glsl). Renders ray by ray. */
+/* Engine `vulkan_stackless`: the tracing shaders of binary layouts without a stack, by parent links
+ * and a trail of bits (shaders/walk_stackless.glsl). Rendering is done ray by ray. */
 #include "gpu/trace/tracer.h"
 #include "gpu/trace/vulkan_options.h"
 #include "ref/packed/packed_walk.h"
@@ -28,7 +28,7 @@ static enum status prepare(void *self, const struct job *job, struct reason *rea
     enum status status = packed_links(job->packed, &parent, reason);
     if (status)
         return status;
-    uint32_t none = ABI_NO_PRIM; /* an empty tree has no links, but is traced without a stack too */
+    uint32_t none = ABI_NO_PRIM; /* an empty tree has no links, but needs a pointer */
     linked.parent = parent ? parent : &none;
     status = tracer_prepare(self, &linked, reason);
     free(parent);

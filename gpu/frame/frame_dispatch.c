@@ -4,12 +4,13 @@
 
 #include <stdio.h>
 
-/* lavapipe 22 ends loops after so many iterations of all loops of an invocation. */
+/* lavapipe 22 ends loops after this many iterations of all loops of an invocation. */
 #define LOOPS_MOST 65535u
 
-/* Iterations that a ray may take where it visits everything, at most: a node is visited, pushed,
- * popped and, of leaves, looked through slot by slot (8 of them in a leaf of RTRS's records,
- * which are three a leaf). Elsewhere box tests cull, and the flags of the shader say the rest. */
+/* The most iterations of a ray whose box test may not cull: every node is visited, pushed and
+ * popped, and every leaf is read slot by slot (8 slots in a leaf of RTRS's records, which are three
+ * a leaf). 0 for other box tests, which cull; if a loop still ends early, the shader's flags report
+ * it. */
 static uint64_t steps_of_ray(const struct frame_job *job, bool brute)
 {
     if (brute)
@@ -26,7 +27,7 @@ static uint64_t rays_of_path(const struct frame_job *job)
 
 static enum frame_plan plan_of(const struct frame_job *job, bool brute)
 {
-    if (job->look.bounces == 0) /* there is no step */
+    if (job->look.bounces == 0) /* there are no steps */
         return FRAME_WHOLE;
     if (job->plan != FRAME_AUTO)
         return job->plan;
@@ -39,7 +40,7 @@ static uint32_t look_of(const struct frame_job *job)
     uint32_t look = job->look.camera_light > 0 ? ABI_LOOK_EYE : 0;
     if (job->look.ambience > 0)
         look |= ABI_LOOK_AMBIENCE;
-    if (job->look.profile == PROFILE_RTRS) /* continues paths at any reflectivity */
+    if (job->look.profile == PROFILE_RTRS) /* it continues paths at any reflectivity */
         look |= ABI_LOOK_REFLECT;
     for (uint32_t i = 0; i < job->material_count; i++) {
         look |= job->material[i].reflective > 0 ? ABI_LOOK_REFLECT : 0;
@@ -74,7 +75,8 @@ static uint32_t tile_of(const struct frame_job *job, const struct vk_limits *lim
     return tile;
 }
 
-/* Finds the module of the layout; constants and push constants of the tree are the tracer's. */
+/* Finds the module of the layout. The tree's constants and push constants are those of the
+ * tracer. */
 static enum status find_shader(const struct frame_job *job, bool brute, struct frame_dispatch *out,
                                struct reason *reason)
 {

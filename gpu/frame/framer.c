@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The first submission: each path may visit every node. */
+/* Node and triangle visits of the first submission, if each path visits every node. */
 #define COST_FIRST (1u << 25)
 
-#define BUFFER_MOST ((uint64_t)256 << 20) /* of what grows with the picture */
+#define BUFFER_MOST ((uint64_t)256 << 20) /* of buffers that grow with the picture */
 #define QUAD        ((uint64_t)16)
 
 struct framer *framer_make(struct vk *vk, bool brute)
@@ -46,7 +46,7 @@ uint32_t framer_pipelines(const struct framer *framer)
 
 /* --- preparation ------------------------------------------------------------------------------ */
 
-/* Lights, triangles and materials one after the other. */
+/* Uploads lights, triangles and materials, one after the other. */
 static enum status upload_shading(struct framer *framer, const struct frame_job *job,
                                   struct reason *reason)
 {
@@ -129,7 +129,7 @@ static uint64_t pixel_bytes(const struct framer *framer, uint32_t look, uint32_t
     }
 }
 
-/* Bytes before those. */
+/* Bytes before those of the pixels. */
 static uint64_t head_bytes(const struct framer *framer, uint32_t binding)
 {
     return binding == ABI_BIND_STATE && framer->dispatch.plan == FRAME_STEPS ? ABI_STATE_HEAD * QUAD
@@ -139,7 +139,7 @@ static uint64_t head_bytes(const struct framer *framer, uint32_t binding)
 static const uint32_t per_pixel[] = {ABI_BIND_STATE, ABI_BIND_PIXELS, ABI_BIND_SEGMENTS,
                                      ABI_BIND_COLORS};
 
-/* Rows of whole tiles that all buffers hold. */
+/* Sets *out to the rows, in whole tiles, that all buffers can hold. */
 static enum status rows_at_once(const struct framer *framer, uint32_t look, uint32_t *out,
                                 struct reason *reason)
 {
@@ -156,7 +156,7 @@ static enum status rows_at_once(const struct framer *framer, uint32_t look, uint
             rows = most / bytes / tile * tile;
     }
     if (rows == 0 && worst * tile <= limits->buffer_bytes)
-        rows = tile; /* more than is usual, but possible */
+        rows = tile; /* over BUFFER_MOST, but within the device's limit */
     *out = (uint32_t)rows;
     if (rows == 0)
         return fail(reason, STATUS_LIMIT,
@@ -166,7 +166,7 @@ static enum status rows_at_once(const struct framer *framer, uint32_t look, uint
     return STATUS_OK;
 }
 
-/* Makes the buffers hold `rows` rows. A new one for pixels is zeroed: nothing has serial 0. */
+/* Makes the buffers hold `rows` rows. A new pixel buffer is zeroed; no slab has serial 0. */
 static enum status reserve(struct framer *framer, uint32_t look, uint32_t rows,
                            struct reason *reason)
 {
@@ -190,8 +190,8 @@ static enum status reserve(struct framer *framer, uint32_t look, uint32_t rows,
     return status;
 }
 
-/* Takes serial and flags out of the pixels; *trouble is those of the first that was not finished.
- */
+/* Checks and removes serial and flags of the pixels. *trouble has the flags of the first unfinished
+ * pixel. */
 static enum status check_pixels(struct framer *framer, const struct slab *slab, uint32_t *pixel,
                                 uint32_t *trouble, struct reason *reason)
 {
@@ -241,7 +241,7 @@ static void place_view(const struct view *view, struct frame_push *push)
     push->centre = view->centre;
 }
 
-/* By the plan of framer->dispatch; *trouble: flags of a path that was not finished. */
+/* Draws by the plan of framer->dispatch. *trouble has the flags of an unfinished path. */
 static enum status draw(struct framer *framer, const struct view *view, struct frame *out,
                         struct trace_report *report, uint32_t *trouble, struct reason *reason)
 {

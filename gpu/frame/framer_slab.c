@@ -1,23 +1,23 @@
-/* The dispatches of a frame: whole paths, or their steps one after the other. */
+/* The dispatches of a slab: whole paths, or their steps one after the other. */
 #include "gpu/frame/framer_private.h"
 
 #include <stdlib.h>
 
-/* Submissions double while they are quick and are halved when they are slow, so that neither the
- * wait nor a driver's watchdog ends a frame. */
+/* Submissions double while they are quick and halve when they are slow, so that neither the wait
+ * nor a driver's watchdog ends a frame. */
 #define QUICK_NS 100000000u
 #define SLOW_NS  1000000000u
 
-/* A series of dispatches that grows until it is submitted. */
+/* A series of dispatches. It is submitted when it is full or complete. */
 struct series {
     struct framer *framer;
     struct vk_pipeline *pipeline;
     struct frame_push next; /* of the next dispatch */
     uint32_t groups, count;
-    struct vk_time time; /* of what was submitted */
+    struct vk_time time; /* of the submissions so far */
     struct vk_step step[VK_SERIES_MAX];
     struct frame_push push[VK_SERIES_MAX];
-    uint32_t head[ABI_STATE_HEAD][4]; /* of a state in which no path has a ray */
+    uint32_t head[ABI_STATE_HEAD][4]; /* of the state buffer: no path has a ray yet */
 };
 
 _Static_assert(sizeof(uint32_t[ABI_STATE_HEAD][4]) <= VK_UPDATE_MAX, "the head is written at once");
@@ -52,7 +52,8 @@ static enum status series_add(struct series *s, struct reason *reason)
     return s->count == VK_SERIES_MAX ? series_submit(s, reason) : STATUS_OK;
 }
 
-/* Whole paths, or one of their rays after the other, each with the triangles in parts. */
+/* Draws the tiles by whole paths, or by one ray of each path after the other; in both cases with
+ * the triangles in parts. */
 static enum status draw_tiles(struct series *s, struct reason *reason)
 {
     const struct frame_dispatch *dispatch = &s->framer->dispatch;

@@ -7,7 +7,7 @@
 
 #define DEPTH_MOST 16
 
-/* A text being made. */
+/* The state of glsl_text_make. */
 struct making {
     struct glsl_text *out;
     const char *path; /* the layout's file */
@@ -42,7 +42,7 @@ static enum status append_line(struct making *m, const char *format, ...)
     return append(m, line, length < (int)sizeof line ? (size_t)length : sizeof line - 1);
 }
 
-/* The number of a file, for #line. */
+/* Finds or adds a file's number for #line. */
 static enum status number_of(struct making *m, const char *name, size_t *out)
 {
     struct glsl_text *text = m->out;
@@ -56,7 +56,7 @@ static enum status number_of(struct making *m, const char *name, size_t *out)
     return STATUS_OK;
 }
 
-/* True if the line is an include in quotes; then also the name. */
+/* Returns true and sets `name` if the line includes a file in quotes. */
 static bool is_include(const char *line, size_t length, char name[GLSL_NAME_MOST])
 {
     size_t at = strspn(line, " \t");
@@ -120,7 +120,7 @@ static enum status include(struct making *m, const char *name, const char *from,
     return status;
 }
 
-/* Appends the text of file `name`, its includes in their places. */
+/* Appends the text of file `name` with its includes resolved. */
 static enum status expand(struct making *m, const char *name, const char *text)
 {
     size_t number, line = 1;
@@ -155,7 +155,7 @@ enum status glsl_text_make(const char *path, enum glsl_use use, glsl_read_fn *re
     char *bytes = NULL;
     size_t size;
     enum status status = read(path, &bytes, &size, reason);
-    /* As what the build compiles begins; the order of visits is the one that C has. */
+    /* Begin as the shaders of the build do. Children are visited in the same order as in C. */
     if (!status)
         status = append_line(&m, "#version 450\n#define ORDER_NEAR\n%s",
                              use == GLSL_RENDER ? "#define RENDERING\n" : "");

@@ -4,7 +4,7 @@
 #include <string.h>
 
 struct pipeline_kept {
-    const uint32_t *word; /* which module */
+    const uint32_t *word; /* identifies the module */
     uint32_t constant[VK_CONSTANTS_MAX];
     struct vk_pipeline *pipeline;
 };

@@ -1,4 +1,4 @@
-/* Pipelines by shader and constants: made once, kept. */
+/* A cache of pipelines, by shader and constants. */
 #ifndef PIPELINES_H
 #define PIPELINES_H
 
@@ -9,12 +9,12 @@ struct pipelines {
     size_t count, capacity;
 };
 
-/* Finds or makes the pipeline; it belongs to the list. Errors: as vk_pipeline_make. */
+/* Finds or makes the pipeline, which the list owns. Errors: as vk_pipeline_make. */
 enum status pipelines_find(struct pipelines *pipelines, struct vk *vk,
                            const struct vk_shader *shader, struct vk_pipeline **out,
                            struct reason *reason) MUST_USE;
 
-/* Frees all and zeroes the list. A zero list is fine. */
+/* Frees all pipelines and zeroes the list. Does nothing on a zero list. */
 void pipelines_free(struct pipelines *pipelines, struct vk *vk);
 
 #endif

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of layouts from outside; what they hold lives as long as the program. */
+/* Shaders of plugin layouts. They live until the program ends. */
 static struct shader added[SHADERS_ADDED_MOST];
 static char added_name[SHADERS_ADDED_MOST][64];
 static size_t added_count;
@@ -29,7 +29,7 @@ const struct shader *shader_find(const char *name)
     return NULL;
 }
 
-/* The build's tool has its work looked through by a test; here every module is. */
+/* Checks the decorated module. A test checks the embedded ones; added ones are checked here. */
 static enum status look_through(const char *file, const uint32_t *word, uint32_t count,
                                 struct reason *reason)
 {

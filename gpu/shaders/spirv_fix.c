@@ -33,7 +33,7 @@ struct module {
     struct reason *reason;
 };
 
-/* One instruction: opcode, its words (the first holds opcode and count). */
+/* One instruction: opcode and words. The first word holds opcode and word count. */
 struct instruction {
     uint32_t op;
     uint32_t count;
@@ -45,7 +45,7 @@ struct rule {
     const char *name;
 };
 
-/* Float arithmetic that NoContraction pins down; the result id is word 2. */
+/* Float arithmetic that is decorated with NoContraction. The result id is word 2. */
 static const struct rule decorated[] = {
     {127, "OpFNegate"},
     {129, "OpFAdd"},
@@ -59,7 +59,7 @@ static const struct rule decorated[] = {
     {147, "OpOuterProduct"},
 };
 
-/* Sums whose order is not promised, and derivatives. */
+/* Sums whose order is not specified. */
 static const struct rule refused[] = {
     {144, "OpVectorTimesMatrix"},
     {145, "OpMatrixTimesVector"},
@@ -67,17 +67,17 @@ static const struct rule refused[] = {
     {148, "OpDot"},
 };
 
-/* The extended instructions that are exact: everything else is refused in tracing shaders. */
+/* The exact extended instructions. All others are rejected in tracing shaders. */
 static const struct rule exact_ext[] = {
     {4, "FAbs"},      {5, "SAbs"},    {38, "UMin"},   {39, "SMin"},           {41, "UMax"},
     {42, "SMax"},     {44, "UClamp"}, {45, "SClamp"}, {62, "UnpackHalf2x16"}, {73, "FindILsb"},
     {75, "FindUMsb"},
 };
 
-/* What is allowed beside them where shaders render. */
+/* Additional instructions for rendering shaders. */
 static const struct rule render_ext[] = {{26, "Pow"}, {31, "Sqrt"}};
 
-/* Names for messages only. */
+/* Names of rejected instructions, for messages only. */
 static const struct rule refused_ext[] = {
     {37, "FMin"},  {40, "FMax"},         {43, "FClamp"},  {46, "FMix"},
     {50, "Fma"},   {58, "PackHalf2x16"}, {66, "Length"},  {67, "Distance"},
@@ -93,13 +93,14 @@ static const char *find(const struct rule *rule, size_t count, uint32_t number)
     return NULL;
 }
 
-/* Says why and returns false, so that checks can end with it. */
+/* Sets the reason and returns false. */
 static bool complain(const struct module *m, size_t at, const char *what, const char *rule)
 {
     return fail(m->reason, STATUS_INPUT, "word %zu: %s: %s", at, what, rule) == STATUS_OK;
 }
 
-/* Steps to the instruction at *at; false at the end or if the module is malformed (*ok). */
+/* Reads the instruction at *at and moves to the next. Returns false at the end or if the module is
+ * malformed (then *ok is false). */
 static bool next(const struct module *m, size_t *at, struct instruction *out, bool *ok)
 {
     if (*at >= m->count)
@@ -171,7 +172,7 @@ static bool check(const struct module *m)
     return ok;
 }
 
-/* True for instructions that must precede the annotations. */
+/* Returns true for instructions that must precede the annotations. */
 static bool is_preamble(uint32_t op)
 {
     return op <= 7 || op == OP_EXTENSION || op == OP_EXT_INST_IMPORT ||
@@ -179,7 +180,7 @@ static bool is_preamble(uint32_t op)
            op == OP_EXECUTION_MODE_ID;
 }
 
-/* The words of the result; there is room for them. */
+/* The output, which has room for all words. */
 struct sink {
     uint32_t *word;
     size_t count;
@@ -205,7 +206,7 @@ static void put_decorations(const struct module *m, struct sink *out)
     }
 }
 
-/* Copies the module; every NoContraction in it is replaced by our own. */
+/* Copies the module, replacing its NoContraction decorations with those of put_decorations. */
 static void put_module(const struct module *m, struct sink *out)
 {
     struct instruction i;
@@ -233,7 +234,7 @@ enum status spirv_fix(const uint32_t *word, size_t count, const struct spirv_rul
                     "word 0: no SPIR-V header: a module in this machine's byte order");
     if (!check(&m))
         return STATUS_INPUT;
-    /* A decoration is three words, and so is an operation that gets one, at least. */
+    /* A decoration has three words, and an operation that gets one has at least three. */
     struct sink sink = {.word = alloc_zeroed(count, 2 * sizeof *sink.word)};
     if (!sink.word)
         return fail(reason, STATUS_MEMORY, "no memory for %zu words of SPIR-V", 2 * count);

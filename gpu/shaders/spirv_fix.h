@@ -1,9 +1,9 @@
-/* Rules for SPIR-V and the decoration of its float arithmetic: what every shader of ours goes
- * through at build time (shaders/spirv_tool.c), and one that comes from outside at run time.
- * glslang loses `precise` inside helper functions and struct returns and never decorates dot or
- * cross products, so every float operation gets its NoContraction here, and what cannot be
- * decorated is refused in tracing shaders and in those that render; the latter may take a square
- * root (as an estimate) and a power (of colours). */
+/* Checks SPIR-V and decorates its float arithmetic: all embedded shaders at build time
+ * (shaders/spirv_tool.c), those of plugins at run time. glslang loses `precise` inside helper
+ * functions and struct returns and never decorates dot or cross products. So every float operation
+ * is decorated with NoContraction here, and tracing and rendering shaders are rejected if they
+ * contain an operation that cannot be decorated. Rendering shaders may also use a square root (as
+ * an estimate) and a power (of colours). */
 #ifndef SPIRV_FIX_H
 #define SPIRV_FIX_H
 
@@ -12,11 +12,11 @@
 struct spirv_rules {
     bool tracing;
     bool render;
-    bool query; /* may use ray queries, and nothing else beyond the baseline */
-    bool free;  /* its arithmetic stays as it is: the driver's freedom is what it measures */
+    bool query; /* may use ray queries, but nothing else beyond the baseline */
+    bool free;  /* not decorated: it measures the driver's freedom */
 };
 
-/* Checks a module of `count` words, and makes one with its decorations, to be freed.
+/* Checks a module of `count` words and makes a decorated copy, which the caller frees.
  * Errors: STATUS_INPUT "word N: what: rule"; STATUS_MEMORY. On error *out is NULL. */
 enum status spirv_fix(const uint32_t *word, size_t count, const struct spirv_rules *rules,
                       uint32_t **out, size_t *out_count, struct reason *reason) MUST_USE;

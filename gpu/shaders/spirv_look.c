@@ -4,7 +4,7 @@
 
 #define MAGIC        0x07230203u
 #define HEADER_WORDS 5u
-#define BOUND_MOST   0x3FFFFFu /* what the specification lets a module have */
+#define BOUND_MOST   0x3FFFFFu /* the specification's limit */
 
 enum {
     OP_EXT_INST = 12,
@@ -15,7 +15,7 @@ enum {
     OP_DECORATE = 71,
     OP_FIRST_ARITHMETIC = 126, /* OpSNegate */
     OP_FIRST_SUM = 144,        /* OpVectorTimesMatrix */
-    OP_OUTER_PRODUCT = 147,    /* among them, but no sum */
+    OP_OUTER_PRODUCT = 147,    /* within the range, but not a sum */
     OP_LAST_SUM = 148,         /* OpDot */
     OP_LAST_ARITHMETIC = 152,  /* OpSMulExtended */
     NO_CONTRACTION = 42,
@@ -26,7 +26,7 @@ enum {
 /* Marks of an id. */
 enum { IS_FLOAT = 1, IS_PINNED = 2 };
 
-/* An instruction; words beyond its end read as 0, and so do ids beyond the module's bound. */
+/* An instruction. Words beyond its end and ids beyond the module's bound are read as 0. */
 struct look_instruction {
     const uint32_t *word;
     uint32_t op, count;
@@ -78,7 +78,7 @@ enum status spirv_look(const uint32_t *word, uint32_t count, struct spirv_found 
     if (!id)
         return fail(reason, STATUS_MEMORY, "no memory for %u SPIR-V ids", bound);
     enum status status = STATUS_OK;
-    for (int pass = 0; pass < 2 && !status; pass++) /* decorations come before what they decorate */
+    for (int pass = 0; pass < 2 && !status; pass++) /* decorations precede their ids */
         for (uint32_t at = HEADER_WORDS; at < count && !status;) {
             struct look_instruction i = {word + at, word[at] & 0xFFFFu, word[at] >> 16};
             if (i.count == 0 || i.count > count - at)
