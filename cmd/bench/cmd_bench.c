@@ -15,7 +15,7 @@ static const struct benchmark *const benchmarks[] = {
     &bench_fuzz,    &bench_frames,    &bench_paper, &bench_special,  &bench_fast,
     &bench_matrix,  &bench_tightness, NULL};
 
-/* "takes --a --b", in lines. */
+/* Prints "takes --a --b ..." and breaks the lines before column 80. */
 static void print_takes(const char *takes)
 {
     size_t column = (size_t)printf("  %-12s  takes", "");
@@ -150,20 +150,20 @@ static enum status unknown(const char *name, struct reason *reason)
     return fail(reason, STATUS_INPUT, "unknown benchmark '%.60s'; benchmarks are: %s", name, known);
 }
 
-/* What was named, or all that could be. */
+/* Returns `named`, or all members of the table if none was named. */
 static const struct list *or_all(const struct list *named, enum table table, struct list *all)
 {
     *all = table_all(table);
     return named->count ? named : all;
 }
 
-/* True for the benchmark of that name; for NULL, for each that need not be named. */
+/* True if `name` is this benchmark's; for NULL, true unless it runs only if it is named. */
 static bool is_meant(const struct benchmark *benchmark, const char *name)
 {
     return name ? strcmp(name, benchmark->name) == 0 : !benchmark->alone;
 }
 
-/* An option that the named benchmark, or each of all, would ignore is refused. */
+/* Rejects options that the chosen benchmarks would ignore. */
 static enum status check_given(const struct bench *bench, const char *name, struct reason *reason)
 {
     struct list engine, layout;
@@ -197,7 +197,8 @@ static enum status write_json(struct bench *bench, struct reason *reason)
     return json_write(bench->json_path, root, 9, reason);
 }
 
-/* --out BASE of benchmarks that write rows: BASE.csv, .json and .svg, where no name was given. */
+/* With --out BASE, fills in BASE.csv, .json and .svg where the user gave no name. Only for
+ * benchmarks with rows_out. */
 static enum status name_files(struct bench *bench, const char *name, struct reason *reason)
 {
     const char *out = bench->picture.out;

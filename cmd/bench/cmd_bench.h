@@ -1,4 +1,4 @@
-/* What the benchmarks share. For commands only. */
+/* Shared by the benchmarks. For commands only. */
 #ifndef CMD_BENCH_H
 #define CMD_BENCH_H
 
@@ -14,32 +14,33 @@
 #define BENCH_ROUNDS    99
 #define BENCH_TREE_NAME 120
 
-/* Parts of benchmark.takes: options of processors and drivers, and of engines from outside. */
+/* Parts of benchmark.takes: options of CPUs and Vulkan drivers, and of outside engines and
+ * layouts. */
 #define BENCH_MACHINE " threads driver device workgroup"
 #define BENCH_OUTSIDE " peer-time peer-memory shader"
 
-/* Settings of a run, and where its rows go. */
+/* Settings of a run, and its outputs. */
 struct bench {
-    const char *scene[BENCH_SCENES]; /* the user's, if any */
+    const char *scene[BENCH_SCENES]; /* named by the user, if any */
     size_t scene_count;
-    uint64_t ray_count, rounds, seed;                  /* ray_count 0: the benchmark's own */
-    struct list engine, layout, store, tri, box, rays; /* count 0: the benchmark's own */
+    uint64_t ray_count, rounds, seed;                  /* ray_count 0: the benchmark's default */
+    struct list engine, layout, store, tri, box, rays; /* count 0: the benchmark's default */
     struct engine_options engines;
     struct progress progress;
     const char *csv_path, *json_path, *svg_path;
     struct {
-        uint64_t frames; /* 0: the benchmark's own */
+        uint64_t frames; /* 0: the benchmark's default */
         uint64_t width, height;
         uint64_t turns, warm_up, bounces;
         enum profile profile;
-        const char *out;                       /* base path of files; NULL: the benchmark's own */
-        char csv[4096], json[4096], svg[4096]; /* of `out`, where rows go there */
+        const char *out;                       /* base name of the files; NULL: the default */
+        char csv[4096], json[4096], svg[4096]; /* names made from `out` for the rows */
     } picture;
     bool quick;
-    const char *bvh;      /* of --bvh: a tree of the one scene; NULL: built */
-    struct file_out csv;  /* stream NULL: none */
+    const char *bvh;      /* --bvh: a tree file of the one scene; NULL: built */
+    struct file_out csv;  /* stream NULL: no CSV */
     const char *csv_head; /* benchmark whose column names were written last */
-    json_t *rows;         /* for JSON and SVG; NULL: none */
+    json_t *rows;         /* for JSON and SVG; NULL: not collected */
     int code;             /* the worst exit code so far, see bench_worse */
 };
 
@@ -47,61 +48,63 @@ struct bench {
 typedef enum status bench_play(struct bench *bench, const char *spec, const struct scene *scene,
                                struct reason *reason);
 
-/* A benchmark: plays scenes, or runs by itself. */
+/* A benchmark measures scenes one by one with `play`, or has a `run` of its own. */
 struct benchmark {
     const char *name;
     const char *summary;
-    const char *takes;  /* the options that it uses, by name, blanks between */
-    const char *about;  /* more than a line, for --help; or NULL */
-    const char *scenes; /* where the user names none, ';' between */
-    const char *made;   /* in place of them if none of their files was fetched; or NULL */
+    const char *takes;  /* names of the options it uses, separated by blanks */
+    const char *about;  /* longer text for --help; or NULL */
+    const char *scenes; /* default scenes, separated by ';' */
+    const char *made;   /* used instead if none of those files was fetched; or NULL */
     bench_play *play;
     int (*run)(struct bench *bench); /* returns an exit code, or bench->code; NULL: bench_each */
-    bool titled;                     /* its name is printed before the scenes */
+    bool titled;                     /* prints its name before the scenes */
     bool triangles;                  /* a scene without triangles is an error */
-    bool alone;    /* takes minutes or writes files of its own: runs only if it is named */
-    bool rows_out; /* --out BASE names its files of rows and its plot */
+    bool alone;    /* runs only if it is named: takes minutes or writes files of its own */
+    bool rows_out; /* --out BASE names the files of its rows and its plot */
 };
 
 extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_builders, bench_oracle,
     bench_fuzz, bench_frames, bench_paper, bench_special, bench_fast, bench_matrix, bench_tightness;
 
-/* Counts an exit code into bench->code; that of a signal counts only if nothing else was wrong. */
+/* Merges an exit code into bench->code. A signal's code counts only if nothing else was wrong. */
 void bench_worse(struct bench *bench, int code);
 
-/* Unless STATUS_OK: prints why on the standard error, "raydiff bench: SCENE: why", and counts the
- * exit code. The scene's name is left out if `spec` is NULL or the reason begins with it. */
+/* Prints "raydiff bench: SCENE: why" on standard error and counts the exit code, unless `status` is
+ * STATUS_OK. Leaves out the scene's name if `spec` is NULL or the reason begins with it. */
 void bench_failed(struct bench *bench, const char *spec, enum status status,
                   const struct reason *reason);
 
-/* Opens the user's scenes with the bench's seed, or else those of the benchmark (files that were
- * not fetched are left out with a line), and plays each. Returns bench->code. */
+/* Opens the user's scenes, or else the benchmark's, with the bench's seed and measures each. Skips
+ * default files that were not fetched and prints a line for each. Returns bench->code. */
 int bench_each(struct bench *bench, const struct benchmark *benchmark);
 
-/* The members of a table that the user named, or else those with the names `own` (NULL-terminated).
- * Returns how many pointers to members are in `out`. */
+/* Writes pointers to the table members that the user named to `out`, or else to those named in
+ * `own` (NULL-terminated). Returns their number. */
 size_t bench_members(enum table table, const struct list *named, const char *const *own,
                      const void *out[LIST_MOST]);
 
-/* What trees are made by, as tables name it: "builder median, leaf 4", or "tree FILE". */
+/* Writes the source of the trees as tables show it: "builder median, leaf 4" or "tree FILE".
+ * Returns `text`. */
 const char *bench_tree_name(const struct bench *bench, char text[BENCH_TREE_NAME]);
 
-/* Reads the user's tree of the scene, which must be JSON, since layouts are packed from it; *out is
- * zero where the user named none. Errors: STATUS_INPUT, STATUS_MEMORY. */
+/* Reads the user's tree of the scene. It must be JSON, since layouts are packed from it. *out is
+ * zero if the user named none. Errors: STATUS_INPUT, STATUS_MEMORY. */
 enum status bench_tree_open(const struct bench *bench, const struct scene *scene,
                             struct tree_file *out, struct reason *reason) MUST_USE;
 
-/* The scene's tree: a copy of the user's, or what the default builder makes. Errors: as above, and
- * those of builders. */
+/* Makes the scene's tree: a copy of the user's, or a new one by the default builder. Errors: as
+ * bench_tree_open, and those of builders. */
 enum status bench_tree_make(const struct bench *bench, const struct scene *scene, struct bvh *out,
                             struct reason *reason) MUST_USE;
 
-/* Rays per trace: the user's, or the benchmark's own number. */
+/* Rays per trace: the user's number, or the benchmark's own. */
 size_t bench_rays_count(const struct bench *bench, size_t own);
 
-/* Adds a flat object of named texts, numbers and nulls as a row of the CSV (before the benchmark's
- * first row its names are written as the header) and of the JSON. Takes `row` over; NULL (no
- * memory) is left out. All rows of a benchmark have the same names in the same order. */
+/* Writes `row` to the CSV and adds it to the JSON rows. `row` is a flat object of named texts,
+ * numbers and nulls. Before a benchmark's first row its names are written as the CSV header, so all
+ * rows of a benchmark have the same names in the same order. Takes ownership of `row`; NULL (no
+ * memory) is skipped. */
 void bench_row(struct bench *bench, const struct benchmark *benchmark, json_t *row);
 
 #endif

@@ -1,11 +1,11 @@
-/* Builders: time per triangle and how good the tree is. */
+/* Builders: time per triangle and quality of the tree. */
 #include "cmd/bench/cmd_bench.h"
 
 #include "ref/base/command.h"
 #include "ref/tree/tree_quality.h"
 #include "ref/base/json_record.h"
 
-/* Triangles from which on end-point overlap is estimated. */
+/* End-point overlap is estimated for scenes with more triangles. */
 #define OVERLAP_MOST 50000u
 #define MOST         32
 
@@ -16,7 +16,7 @@ struct builders_contestant {
     double ns[BENCH_ROUNDS];
     struct tree_quality quality;
     double overlap;
-    struct reason refused; /* "" unless it was */
+    struct reason refused; /* "" if it was not refused */
 };
 
 static void add(struct builders_contestant *list, size_t *count, const char *name, uint32_t passes,
@@ -27,8 +27,8 @@ static void add(struct builders_contestant *list, size_t *count, const char *nam
             .builder = builder_find(name), .passes = passes, .threads = threads};
 }
 
-/* All builders, and reinsertion after the fast ones, with one thread and with two; or with the
- * user's number. */
+/* All builders, and reinsertion after the fast ones: with one and with two threads, or with the
+ * user's number of threads. */
 static size_t contestants(const struct bench *bench, struct builders_contestant list[MOST])
 {
     static const char *const optimized[] = {"sah_binned", "lbvh", "ploc"};
@@ -44,7 +44,7 @@ static size_t contestants(const struct bench *bench, struct builders_contestant 
     return count;
 }
 
-/* Builds once; with `look` the tree is judged. */
+/* Builds once. With `look`, also measures the tree's quality. */
 static enum status build_once(struct builders_contestant *c, const struct scene *scene,
                               size_t round, bool look, struct reason *reason)
 {

@@ -24,7 +24,7 @@ void bench_failed(struct bench *bench, const char *spec, enum status status,
     if (status == STATUS_OK)
         return;
     const char *why = reason->text[0] ? reason->text : status_text(status);
-    size_t name = spec ? strcspn(spec, ":") : 0; /* of a generator: without its parameters */
+    size_t name = spec ? strcspn(spec, ":") : 0; /* a generator's name without parameters */
     bool named = !spec || (strncmp(why, spec, name) == 0 && why[name] == ':');
     fprintf(stderr, "raydiff bench: %s%s%s\n", named ? "" : spec, named ? "" : ": ", why);
     bench_worse(bench, exit_of_status(status));
@@ -44,7 +44,8 @@ size_t bench_members(enum table table, const struct list *named, const char *con
     return count;
 }
 
-/* Adds the scenes of a text with ';' between them, which is cut up. */
+/* Adds the scenes of a ';'-separated text and returns their number. Skips files that were not
+ * fetched. Modifies the text. */
 static size_t add_scenes(char *text, const char *out[BENCH_SCENES])
 {
     size_t count = 0;

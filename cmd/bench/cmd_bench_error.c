@@ -1,5 +1,5 @@
-/* Speed against error: every engine, layout and triangle test on the same rays, each answer held
- * against the exact truth. */
+/* Speed against error: every engine, layout and triangle test on the same rays. Each answer is
+ * judged against the exact truth. */
 #include "cmd/bench/cmd_bench_error.h"
 
 #include "ref/base/command.h"
@@ -10,7 +10,8 @@
 #include <string.h>
 
 #define OWN_RAYS 65536
-/* Pairs that brute force may decide per ray set; above, the oracle's own tree is faster. */
+/* Below this many ray-triangle pairs per ray set, brute force finds the truth; above, the oracle's
+ * own tree is faster. */
 #define BRUTE_PAIRS 1000000000u
 
 static const char *const own_sets[] = {"random", "edges", NULL};
@@ -23,7 +24,7 @@ struct error_field {
     struct bvh bvh;
     struct race race;
     struct known_rays leak[LEAK_TARGETS];
-    struct hit *hit; /* of the largest number of rays */
+    struct hit *hit; /* room for the largest number of rays */
 };
 
 static enum status decide(const struct error_field *field, struct known_rays *known,
@@ -41,7 +42,8 @@ static size_t hits_of(const struct known_rays *known)
     return hits;
 }
 
-/* Rays that must hit, if the mesh is closed; none and the reason in *page if it is not. */
+/* Makes rays that must hit if the mesh is closed. An open mesh gets no rays, and page->no_leaks is
+ * the reason. */
 static enum status make_leak_rays(struct error_field *field, size_t count, struct error_page *page,
                                   struct reason *reason)
 {
@@ -102,7 +104,7 @@ static enum status judge_rays(const struct error_field *field, const struct cont
     return STATUS_OK;
 }
 
-/* Leaks and errors of one contestant. */
+/* Counts the leaks and errors of one contestant. */
 static enum status measure(const struct error_field *field, const struct contestant *c,
                            const struct known_rays *known, struct error_row *row,
                            struct reason *reason)
@@ -128,7 +130,7 @@ static enum status measure(const struct error_field *field, const struct contest
     return status;
 }
 
-/* A row of everything but the speed. */
+/* Returns a row with the contestant's members and bytes, without measurements. */
 static struct error_row row_of(const struct contestant *c)
 {
     struct error_row row = {.engine = c->engine, .layout = c->layout, .over = NAN};
@@ -169,7 +171,7 @@ static void take_speeds(struct error_field *field, struct error_page *page)
         }
 }
 
-/* Fills one page: errors first, then the race. */
+/* Fills one page: first the errors, then the speeds of the race. */
 static enum status play(struct error_field *field, const struct ray_set *set,
                         struct error_page *page, struct reason *reason)
 {

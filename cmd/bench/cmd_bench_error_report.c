@@ -1,4 +1,4 @@
-/* What raydiff bench error shows: tables, rows for machines, a plot. */
+/* Output of raydiff bench error: tables, rows for machines, plots. */
 #include "cmd/bench/cmd_bench_error.h"
 #include "bench/chart/json_value.h"
 #include "bench/chart/row_plot.h"
@@ -49,7 +49,7 @@ static void print_quantiles(const struct quantiles *q)
         printf(" %8.3g", value[k]);
 }
 
-/* A factor, or that there is none. */
+/* Prints a factor, or "-" if it is not finite. */
 static void print_factor(double value)
 {
     if (isfinite(value))
@@ -137,8 +137,8 @@ void error_driver(const struct engine_options *options, char *text, size_t text_
         return;
     vulkan->describe(options, line, sizeof line);
     line[strcspn(line, "\n")] = '\0';
-    /* "0: DEVICE (DRIVER)": DRIVER is the last parenthesis; what it holds in parentheses is of the
-     * machine. */
+    /* The line is "0: DEVICE (DRIVER)": DRIVER is the last pair of parentheses. Parentheses inside
+     * it depend on the machine, so the text ends there. */
     size_t end = strlen(line), at = end;
     int depth = 0;
     if (end == 0 || line[end - 1] != ')')

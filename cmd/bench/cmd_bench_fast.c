@@ -1,4 +1,5 @@
-/* Engine fast against Embree's modes: single rays of four kinds, their speed and what they read. */
+/* Engine fast against Embree's modes: single rays of four kinds, their speed and the engines'
+ * bytes. */
 #include "cmd/bench/cmd_bench_race.h"
 #include "bench/measure/shadow_rays.h"
 
@@ -22,7 +23,7 @@ struct contest {
     const struct scene *scene;
     struct bvh bvh;
     struct race race;
-    size_t entry[RIVALS]; /* of each contestant */
+    size_t entry[RIVALS]; /* index in `entries`, per contestant */
     struct hit *hit[RIVALS];
     struct ray *ray;
     size_t count;
@@ -43,7 +44,7 @@ static const struct fast_entry entries[RIVALS] = {
     {"fast", "fast", false, false, false},
 };
 
-/* The answers of contestant i, untimed. */
+/* Traces the rays with contestant i, untimed. */
 static enum status trace(struct contest *c, size_t i, struct reason *reason)
 {
     const struct contestant *who = &c->race.contestant[i];
@@ -51,10 +52,10 @@ static enum status trace(struct contest *c, size_t i, struct reason *reason)
     return who->engine->trace(who->self, c->ray, c->count, c->hit[i], &report, reason);
 }
 
-/* From where primary rays hit to a light. */
+/* Replaces the primary rays by rays from their hits to a light. */
 static enum status make_shadow_rays(struct contest *c, struct reason *reason)
 {
-    size_t fast = c->race.count - 1; /* it runs everywhere */
+    size_t fast = c->race.count - 1; /* the last contestant; it runs everywhere */
     struct ray *out = alloc_zeroed(c->count, sizeof *out);
     if (!out)
         return fail(reason, STATUS_MEMORY, "no memory for %zu rays", c->count);
@@ -82,7 +83,7 @@ static enum status make_rays(struct contest *c, size_t kind, struct reason *reas
     return status;
 }
 
-/* Rays that contestant i misses and another one hits. */
+/* Number of rays that contestant i misses and another contestant hits. */
 static size_t missed_by(const struct contest *c, size_t i)
 {
     size_t missed = 0;
@@ -101,7 +102,7 @@ static void print_rows(struct contest *c, size_t kind, double *log_ratio)
     for (size_t i = c->race.count; i-- > 0;) {
         struct contestant *r = &c->race.contestant[i];
         struct spread ratio = spread_of(r->ratio, rounds), mrays = spread_of(r->mrays, rounds);
-        if (c->entry[0] != 0) /* Embree is not here */
+        if (c->entry[0] != 0) /* Embree cannot run here */
             ratio = (struct spread){NAN, NAN, NAN};
         log_ratio[i] += log(ratio.median);
         double bytes = (double)r->memory_bytes / (double)c->scene->tri_count;

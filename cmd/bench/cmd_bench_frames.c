@@ -1,4 +1,4 @@
-/* Frames around a scene: engines and layouts by turns. */
+/* Frames of an orbiting camera: engines and layouts take turns. */
 #include "cmd/bench/cmd_bench_frames.h"
 
 #include "cmd/bench/cmd_bench.h"
@@ -39,7 +39,7 @@ static enum status add(struct plans *plans, const struct painter_plan *model,
     return STATUS_OK;
 }
 
-/* Engines and layouts of the user, else vulkan on f32 and rf16. */
+/* Adds the user's engines and layouts, by default vulkan on f32 and rf16. */
 static enum status make_plans(const struct bench *bench, const struct painter_plan *model,
                               struct plans *plans, struct reason *reason)
 {

@@ -17,7 +17,7 @@ struct benchmark_run {
     uint32_t *pixel;
     struct frames_run run;
     struct frames_about about;
-    const char *base; /* of the files */
+    const char *base; /* base name of the files */
     struct progress progress;
     char title[200], versions[FRAMES_VERSIONS];
 };
@@ -42,7 +42,7 @@ static enum status tell(void *user, const struct frames_run *run, struct reason 
     return frames_write(run, &b->about, b->base, reason);
 }
 
-/* As RTRS's chart names it. */
+/* The handler's name in RTRS's chart. */
 static const char *handler_name(const struct render_settings *settings)
 {
     static const char *const names[][2] = {
@@ -113,7 +113,7 @@ static int run(const struct render_settings *settings, const char *value)
     b->progress = progress_make("render");
     frames_catch_signals();
     enum status status = open_all(settings, b, &reason);
-    if (!status) /* a file that cannot be written ends it now */
+    if (!status) /* fail now if a file cannot be written */
         status = frames_write(&b->run, &b->about, settings->benchmark.base, &reason);
     if (!status)
         status = frames_measure(&b->run, draw, tell, b, &reason);

@@ -68,7 +68,7 @@ enum status frames_session_measure(struct frames_session *session,
         if (!status)
             session->run.contestant[i].rays_alone = painter->by_waves;
     }
-    if (!status && session->base) /* a file that cannot be written ends it now */
+    if (!status && session->base) /* fail now if a file cannot be written */
         status = tell(session, &session->run, reason);
     if (!status)
         status = frames_measure(&session->run, draw, session->base ? tell : NULL, session, reason);
@@ -125,7 +125,7 @@ void frames_session_free(struct frames_session *session)
     frames_free(&session->run);
 }
 
-/* The notes of the files: what the numbers are of. */
+/* Fills in the notes of the files: the scene and the versions. */
 static void note_all(struct frames_session *session, const char *scene_name,
                      const struct engine_options *options)
 {

@@ -1,4 +1,4 @@
-/* Speed of trials: on one core, and on all cores with a process on each. */
+/* Speed of fuzzing trials: on one core, and on all cores with one process each. */
 #define _POSIX_C_SOURCE 200809L
 #include "cmd/bench/cmd_bench_fuzz.h"
 
@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define TRIALS 512 /* of a worker and turn */
+#define TRIALS 512 /* per worker and turn */
 
 static const char about[] =
     "generated trials of 16 to 64 triangles and 500 rays, played on cpu, vulkan and "
@@ -22,22 +22,23 @@ static const char about[] =
     "the machine takes cores away.\n"
     "";
 
-/* Of the harness. */
+/* Parts of the harness. */
 static const char *const part_name[] = {"generate", "build", "truth", "judge"};
 #define PARTS ARRAY_COUNT(part_name)
 
-/* One setting, a value per round. */
+/* Results for one number of workers, one value per round. */
 struct bench_setting {
     size_t workers;
-    double trials[BENCH_ROUNDS], judged[BENCH_ROUNDS];      /* per second, all workers */
-    double share[BENCH_ROUNDS];                             /* of the harness */
-    double ratio[BENCH_ROUNDS];                             /* harness to engines */
-    double core[BENCH_ROUNDS];                              /* us of core time per trial */
+    double trials[BENCH_ROUNDS], judged[BENCH_ROUNDS]; /* per second, all workers */
+    double share[BENCH_ROUNDS];                        /* the harness's share of the time */
+    double ratio[BENCH_ROUNDS]; /* time of the harness over that of the engines */
+    double core[BENCH_ROUNDS];  /* us of core time per trial */
     double us[FUZZ_CONTESTANTS_MOST + PARTS][BENCH_ROUNDS]; /* per trial: engines, then parts */
     uint64_t all, triangles, wrong, refused;
 };
 
-/* Adds up one round. All workers begin at once; the speed of each is by its own clock. */
+/* Adds up one round. All workers begin at the same time, and each measures its speed by its own
+ * clock. */
 static void take_round(struct bench_setting *setting, const struct fuzz_field *field, size_t round,
                        const struct crew_report *report)
 {
@@ -109,7 +110,7 @@ static void report_setting(struct bench *bench, const struct fuzz_field *field,
     bench_row(bench, &bench_fuzz, row);
 }
 
-/* The members named, or the benchmark's own. */
+/* Makes the field of the members that the user named, or of the benchmark's own. */
 static enum status make_field(const struct bench *bench, struct fuzz_field *out,
                               struct reason *reason)
 {
@@ -159,7 +160,7 @@ static int run(struct bench *bench)
     setting[0].workers = 1;
     setting[1].workers = workers;
     puts("\nfuzz");
-    fflush(stdout); /* or each worker would have it to print, too */
+    fflush(stdout); /* else each worker would print the buffered text again */
     enum status status = make_field(bench, &field, &reason);
     if (!status)
         status = crew_start(&field, bench->seed, workers, &crew, &reason);

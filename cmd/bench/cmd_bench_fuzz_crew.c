@@ -7,12 +7,12 @@
 #include <stdlib.h>
 #include <time.h>
 
-/* Trials that are played before anything is measured, of few rays: enough to meet every pipeline
- * but those of the deepest stacks. */
+/* Trials of few rays, played before anything is measured. They make every pipeline except those of
+ * the deepest stacks. */
 #define WARM_TRIALS 1536u
 #define WARM_RAYS   8u
 
-/* A worker's orders: the first trial and how many. */
+/* An order for a worker: the first trial and the number of trials. */
 struct crew_order {
     uint64_t first, trials;
 };
@@ -68,20 +68,20 @@ static struct crew_report play_turn(struct fuzz_player *player, uint64_t seed,
     return report;
 }
 
-/* Settings of a worker; the child has a copy. */
+/* Settings of a worker. The child process has a copy. */
 struct crew_work {
     const struct fuzz_field *field;
     uint64_t seed;
 };
 
-/* The life of a worker. */
+/* Runs in a worker process until the parent ends it. */
 static void work(struct child *parent, void *user)
 {
     const struct crew_work *of = user;
     struct fuzz_player *player = NULL;
     struct crew_report report = {0};
     struct crew_order order = {0, WARM_TRIALS};
-    /* A core for each worker: the driver's own threads would only wait for each other. */
+    /* Each worker has one core, so further driver threads would only wait for each other. */
     setenv("LP_NUM_THREADS", "0", 0);
     report.status = fuzz_player_open(of->field, &player, &report.reason);
     if (!report.status)

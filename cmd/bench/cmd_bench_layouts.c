@@ -1,4 +1,4 @@
-/* Layouts and engines against each other: speed, bytes, work and errors on the same tree. */
+/* Compares layouts and engines on the same tree: speed, bytes, work and errors. */
 #include "cmd/bench/cmd_bench_race.h"
 
 #include "ref/base/command.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Ray-triangle tests that brute force may spend per scene and ray set on the error figures. */
+/* Budget of ray-triangle tests by brute force for the error figures, per scene and ray set. */
 #define BRUTE_BUDGET 100000000u
 #define OWN_RAYS     262144
 
@@ -24,17 +24,17 @@ struct layouts_field {
     struct row row[CONTESTANTS]; /* errors, from an untimed run */
 };
 
-/* Every engine on every layout, if it can run here and the layout can hold the scene. */
+/* Enters every engine on every layout that can run here and hold the scene. */
 static void enter_all(struct layouts_field *field)
 {
     for (size_t e = 0; engines[e]; e++) {
         bool tree = engines[e]->needs_packed;
         if (engines[e]->reference && !tree)
-            continue; /* its time is the triangle count's, not a layout's */
+            continue; /* its time depends on the triangles, not on a layout */
         for (size_t l = 0; tree ? layouts[l] != NULL : l == 0; l++) {
             struct reason reason = {""};
             if (tree && layouts[l]->faithful)
-                continue; /* as published they test every node: no speed to compare */
+                continue; /* as published they test every node, so speed cannot be compared */
             const struct contestant who = {.engine = engines[e],
                                            .layout = tree ? layouts[l] : NULL,
                                            .box = field->match.options.box,
@@ -46,7 +46,7 @@ static void enter_all(struct layouts_field *field)
     }
 }
 
-/* Errors of every contestant, from the match's judge. */
+/* Counts every contestant's errors with the match's judge. */
 static void judge_all(struct layouts_field *field)
 {
     for (size_t i = 0; i < field->race.count; i++) {

@@ -1,5 +1,5 @@
-/* raydiff bench matrix: builders, layouts, triangle storages and engines on all kinds of rays:
- * speed beside Embree's, bytes, lines read, errors. */
+/* raydiff bench matrix: builders, layouts, triangle storages and engines on all kinds of rays.
+ * Measures speed relative to Embree's, bytes, cache lines read, and errors. */
 #include "cmd/bench/cmd_bench_matrix.h"
 
 #include "bench/measure/shadow_rays.h"
@@ -13,7 +13,7 @@
 #define OWN_RAYS     65536
 #define OWN_RAYS_GPU 8192
 #define FEW          8 /* engine cpu traces every eighth ray */
-#define GROUP        8 /* GPU contestants at a time: each holds a device */
+#define GROUP        8 /* GPU contestants at a time: each opens a device */
 
 const char *const matrix_kinds[MATRIX_KINDS] = {"prim", "rand", "diff", "o-shad", "o-rand"};
 
@@ -24,14 +24,15 @@ static enum query query_of(int kind)
 
 /* --- trees and rays --------------------------------------------------------------------------- */
 
-/* Leaves of one triangle for layouts and engines that collapse the tree into wider nodes. */
+/* Leaf size of an entry's tree: 1 for layouts and engines that collapse the tree into wider
+ * nodes. */
 static uint32_t leaf_of(const struct matrix_entry *e)
 {
     bool collapses = layout_is_wide(e->layout) || e->engine->own_tree;
     return collapses ? 1 : BUILD_LEAF_DEFAULT;
 }
 
-/* The tree of an entry, built at the first call. */
+/* Returns the tree of an entry, which the first call builds. */
 static enum status tree_of(struct matrix *m, const struct matrix_entry *e, const struct bvh **out,
                            struct reason *reason)
 {
@@ -55,7 +56,7 @@ static enum status tree_of(struct matrix *m, const struct matrix_entry *e, const
     return status;
 }
 
-/* From the hits of engine fast, which needs a tree. */
+/* Makes shadow rays from the hits of engine fast, which needs a tree. */
 static enum status make_shadow_rays(struct matrix *m, struct reason *reason)
 {
     const struct contestant fast = {.engine = engine_find("fast"),
@@ -82,7 +83,7 @@ static enum status make_rays(struct matrix *m, struct reason *reason)
 {
     static const char *const sets[MATRIX_KINDS] = {"primary", "random", "bounce", NULL, "random"};
     enum status status = STATUS_OK;
-    size_t room = m->count > 8192 ? m->count : 8192; /* leak rays are answered there, too */
+    size_t room = m->count > 8192 ? m->count : 8192; /* the leak rays' answers must fit, too */
     m->hit = alloc_zeroed(room, sizeof *m->hit);
     m->few = alloc_zeroed(m->count / FEW + 1, sizeof *m->few);
     for (int kind = 0; kind < MATRIX_KINDS; kind++) {
@@ -90,7 +91,7 @@ static enum status make_rays(struct matrix *m, struct reason *reason)
         if (!m->ray[kind] || !m->hit || !m->few)
             return fail(reason, STATUS_MEMORY, "no memory for %zu rays", m->count);
         progress_step(&m->bench->progress, "%s: %s rays", m->spec, matrix_kinds[kind]);
-        /* Other random rays for any hit than for the closest. */
+        /* Any-hit random rays differ from the closest-hit ones. */
         if (sets[kind])
             status = ray_set_make(ray_set_find(sets[kind]), m->scene,
                                   m->bench->seed + (kind == KIND_O_RAND), m->count, m->ray[kind],
@@ -105,7 +106,7 @@ static enum status make_rays(struct matrix *m, struct reason *reason)
 
 /* --- a group of contestants ------------------------------------------------------------------- */
 
-/* Adds an entry, or prints why it cannot run here. */
+/* Adds an entry to the race, or prints why it cannot run here. */
 static enum status enter(struct matrix *m, const struct matrix_entry *e, unsigned threads,
                          bool *entered, struct reason *reason)
 {
@@ -133,7 +134,7 @@ static enum status enter(struct matrix *m, const struct matrix_entry *e, unsigne
         printf("  %s left out: %s\n", e->name, reason->text);
         return STATUS_OK;
     }
-    if (status == STATUS_REFUSED) { /* the others go on */
+    if (status == STATUS_REFUSED) { /* the others continue */
         bench_failed(m->bench, m->spec, status, reason);
         return STATUS_OK;
     }
@@ -176,8 +177,8 @@ static enum status race_kinds(struct matrix *m, struct matrix_row **row, struct 
     return status;
 }
 
-/* Entries first to last - 1, and before them the one that the others are compared with, if it is
- * not among them. */
+/* Races entries first to last - 1. Also enters the entry that they are compared with, if it is not
+ * among them. */
 static enum status play_group(struct matrix *m, size_t first, size_t last, unsigned threads,
                               const struct matrix_row *known, struct reason *reason)
 {
@@ -212,7 +213,8 @@ static enum status play_group(struct matrix *m, size_t first, size_t last, unsig
     return status;
 }
 
-/* All contestants with that many threads; what was measured beside speed is taken from `known`. */
+/* Measures all contestants with that many threads. All results but speeds are taken from `known`,
+ * if it is not NULL. */
 static enum status play_threads(struct matrix *m, unsigned threads, const struct matrix_row *known,
                                 struct reason *reason)
 {
@@ -280,7 +282,7 @@ static enum status play(struct matrix *m, struct reason *reason)
     return status;
 }
 
-/* Drops engines that were named and cannot run here, each with a line. */
+/* Drops engines that were named and cannot run here. Prints a line for each. */
 static void drop_absent(struct bench *bench)
 {
     size_t kept = 0;
@@ -317,7 +319,7 @@ static int run(struct bench *bench)
     drop_absent(bench);
     if (bench->code != EXIT_AGREE && bench->engine.count == 0)
         return bench->code;
-    if (matrix_is_gpu(bench)) /* without the largest */
+    if (matrix_is_gpu(bench)) /* leaves out the largest scene */
         matrix.scenes = "scenes/fetched/dragon-11k.ply.gz;scenes/fetched/dragon-203k.ply.gz";
     bench_each(bench, &matrix);
     struct reason reason = {""};

@@ -1,4 +1,4 @@
-/* Who takes part in the matrix. */
+/* The contestants of the matrix. */
 #include "cmd/bench/cmd_bench_matrix.h"
 
 #include "ref/engines/embree_modes.h"
@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-/* The benchmark's own: modes of Embree, and engines on trees. */
+/* The default contestants: modes of Embree, and engines on trees. */
 static const struct {
     const char *engine;
     bool compact, avx512;
@@ -45,7 +45,7 @@ static const struct engine *engine_of(const char *name)
     return engine_find(name);
 }
 
-/* "cpu tiny8 compact, sah_binned", "fast, sah_binned reinsert=4", "embree compact". */
+/* Writes the name: "cpu tiny8 compact", "fast sah_binned reinsert=4", "embree compact". */
 static void name_entry(struct matrix_entry *e)
 {
     bool fast = e->engine->own_tree;
@@ -93,7 +93,8 @@ static enum status add_own(struct matrix_entries *out, struct reason *reason)
     return status;
 }
 
-/* The entry's layout on each storage that was named; with `once` it was added on `indexed` before. */
+/* Adds the entry's layout on each named storage. With `once`, `indexed` was added before and is
+ * skipped. */
 static enum status add_stores(const struct bench *bench, const struct matrix_entry *entry,
                               bool once, struct matrix_entries *out, struct reason *reason)
 {

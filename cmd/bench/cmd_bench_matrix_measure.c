@@ -1,16 +1,16 @@
-/* What the matrix measures beside speed: bytes, errors, lines. */
+/* What the matrix measures besides speed: bytes, errors, cache lines. */
 #include "cmd/bench/cmd_bench_matrix.h"
 #include "ref/store.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define SAMPLE   4096 /* prim rays, and rand rays, with exact answers */
-#define LEAKS    4096 /* rays at edges, and at vertices */
-#define RUNS     4    /* whose lines are counted, but of the first, which fills the cache */
+#define SAMPLE   4096 /* prim rays, and as many rand rays, with exact answers */
+#define LEAKS    4096 /* rays aimed at edges, and as many at vertices */
+#define RUNS     4    /* runs of rays; the first fills the cache, the others are counted */
 #define RUN_RAYS 512
 
-/* Half prim, half rand rays, evenly spread. */
+/* Makes the sample: half prim and half rand rays, evenly spread. */
 static enum status make_sample(struct matrix *m, struct reason *reason)
 {
     size_t each = m->count < SAMPLE ? m->count : SAMPLE;
@@ -34,7 +34,7 @@ static enum status make_leaks(struct matrix *m, struct reason *reason)
                                 m->leak.ray + (target ? each : 0), reason);
     if (status)
         known_free(&m->leak);
-    return status == STATUS_INPUT ? STATUS_OK : status; /* not closed: none */
+    return status == STATUS_INPUT ? STATUS_OK : status; /* an open mesh has no leak rays */
 }
 
 enum status matrix_known_make(struct matrix *matrix, struct reason *reason)
@@ -68,7 +68,7 @@ static enum status count_errors(struct matrix *m, const struct contestant *c,
 
 /* --- lines ------------------------------------------------------------------------------------ */
 
-/* Either of the two traversals that can be watched. */
+/* A traversal whose reads are recorded: of engine fast, or of a packed tree. */
 struct watched {
     struct touch *touch;
     const struct fast_tree *fast;
@@ -154,8 +154,8 @@ static enum status watch_packed(struct matrix *m, const struct contestant *c,
 
 /* --- all -------------------------------------------------------------------------------------- */
 
-/* What Embree's traversal reads is what it holds without the buffers of vertices and indices: its
- * leaves have copies, except in the compact mode, which has only indices. */
+/* Embree's traversal reads what Embree holds without the buffers of vertices and indices. Its
+ * leaves have copies of the vertices, except in compact mode, where they have only indices. */
 static void measure_embree(const struct matrix *m, struct matrix_row *row)
 {
     uint64_t arrays = 12 * ((uint64_t)m->scene->vertex_count + m->scene->tri_count);

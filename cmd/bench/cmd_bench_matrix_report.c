@@ -1,4 +1,4 @@
-/* What the matrix shows: tables, rows for machines, the front, a figure. */
+/* Output of the matrix: tables, rows for machines, the Pareto front, a plot. */
 #include "cmd/bench/cmd_bench_matrix.h"
 
 #include "bench/chart/pareto.h"
@@ -22,7 +22,8 @@ static uint64_t bytes_of(const struct matrix_row *row)
 
 static const char *const worth_text[PARETO_WORTH] = {"fastest", "smallest", "balanced"};
 
-/* True if another row with the same engine, layout and storage is faster, by a better tree. */
+/* True if another row with the same engine, layout and storage is faster because of a better
+ * tree. */
 static bool has_better_tree(const struct matrix *m, const struct matrix_row *row)
 {
     for (size_t i = 0; i < m->row_count; i++) {
@@ -34,7 +35,8 @@ static bool has_better_tree(const struct matrix *m, const struct matrix_row *row
     return false;
 }
 
-/* Marks the rows of the GPU, or the others. Only our own can be worth using, each on its best tree. */
+/* Marks the front of the GPU rows, or of the others. Only our own layouts can be worth using, each
+ * on its best tree. */
 static void mark_front(struct matrix *m, bool gpu)
 {
     struct pareto_point point[CONTESTANTS] = {{0}}, own[CONTESTANTS] = {{0}};
@@ -118,7 +120,7 @@ static void print_part(const struct matrix *m, uint64_t bytes, bool known)
         printf(" %6s", "-");
 }
 
-/* "0 of 8192" */
+/* Prints "0 of 8192". */
 static void print_of(size_t events, size_t count)
 {
     char text[48];

@@ -1,5 +1,5 @@
-/* The oracle: what a ray-triangle pair costs in the double filter, vectorised and one at a time,
- * and what whole answers cost. */
+/* The oracle's cost: of a ray-triangle pair in the double filter, vectorised and scalar, and of
+ * whole answers. */
 #include "cmd/bench/cmd_bench.h"
 
 #include "ref/base/command.h"
@@ -11,10 +11,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define RAYS    10000 /* of whole answers */
-#define FILTER  1000  /* of them, for the filter on one core */
+#define RAYS    10000 /* for whole answers */
+#define FILTER  1000  /* rays for the filter on one core */
 #define KERNELS 4
-#define THREADS 2 /* of brute force */
+#define THREADS 2 /* for brute force */
 
 static const char about[] =
     "every ray against every triangle. filter: the first look with the kernel that this "
@@ -25,7 +25,7 @@ static const char about[] =
     "tree on one.\n"
     "";
 
-/* How many pairs the filter decides, and how. */
+/* How many pairs the filter decides, by result. */
 struct oracle_tally {
     uint64_t pairs, missed, inside, undecided;
 };
@@ -94,7 +94,7 @@ static struct oracle_tally filter_vector(const struct oracle *oracle,
     return tally;
 }
 
-/* Times of one scene, a value per round. */
+/* Times of one scene, one value per round. */
 struct times {
     double scalar[BENCH_ROUNDS], kernel[KERNELS][BENCH_ROUNDS], ratio[BENCH_ROUNDS];
     double brute[BENCH_ROUNDS], tree[BENCH_ROUNDS];
@@ -105,7 +105,7 @@ struct measured {
     struct oracle *oracle;
     struct ray *ray;
     struct oracle_answer *brute, *tree;
-    size_t count, filtered; /* rays: of answers, of the filter */
+    size_t count, filtered; /* rays for answers, rays for the filter */
     struct oracle_tally scalar, vector;
 };
 

@@ -1,4 +1,4 @@
-/* The paper's tables, reproduced and made honest. */
+/* Reproduces the paper's tables, and adds fair comparisons. */
 #define _POSIX_C_SOURCE 200809L
 #include "cmd/bench/cmd_bench_paper.h"
 
@@ -22,8 +22,8 @@ static const char about[] =
     "frames in BASE-default and BASE-teapot .svg and .png.\n"
     "";
 
-/* Two lights, the default red with some reflection, and a camera that sees the whole mesh: the
- * paper's teapot scene has as many lights, but where is not in the paper. */
+/* Adds two lights and the default red with some reflection; the default camera shows the whole
+ * mesh. The paper's teapot scene has as many lights, but the paper does not give their places. */
 static enum status furnish(struct scene *scene)
 {
     struct box bounds = scene_bounds(scene);
@@ -69,7 +69,7 @@ enum status paper_scene_open(unsigned which, struct paper_scene *out, struct rea
     return status;
 }
 
-/* All scenes, or those that the user named. */
+/* True for all scenes if the user named none, else for those named. */
 static bool is_wanted(const struct bench *bench, unsigned which)
 {
     for (size_t i = 0; i < bench->scene_count; i++)
@@ -95,7 +95,8 @@ static size_t open_scenes(struct bench *bench, struct paper_scene scene[PAPER_FI
     return count;
 }
 
-/* The performance table of a scene; *out is for the words and the plot, NULL without memory. */
+/* Measures and prints the performance table of a scene. *out is for the text and the plot at the
+ * end; NULL without memory. */
 static void measure_scene(struct bench *bench, const struct paper_scene *scene,
                           struct paper_table **out)
 {

@@ -1,4 +1,4 @@
-/* Figure 8: bytes, with the trees that give them. */
+/* Figure 8: bytes, and the trees that give them. */
 #include "cmd/bench/cmd_bench_paper.h"
 
 #include "ref/base/command.h"
@@ -6,7 +6,7 @@
 
 #include <stdio.h>
 
-/* Rows of the CSV, a header each. */
+/* Two kinds of CSV rows, each with its own header. */
 static const struct benchmark figure8 = {.name = "figure8"}, same_tree = {.name = "same_tree"};
 
 static double percent(uint64_t part, uint64_t whole)
@@ -50,7 +50,7 @@ static void add_figure_row(struct bench *bench, const struct paper_scene *scene,
                           figure->rf));
 }
 
-/* Figure 8 of one scene. */
+/* Prints Figure 8 of one scene. */
 static enum status print_figure(struct bench *bench, const struct paper_scene *scene,
                                 struct reason *reason)
 {

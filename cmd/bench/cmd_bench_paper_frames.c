@@ -1,4 +1,4 @@
-/* The paper's performance table: its lines, the check of a frame of each, the measurement. */
+/* The paper's performance table: its lines, the check of a frame of each, and the measurement. */
 #include "cmd/bench/cmd_bench_paper.h"
 
 #include "ref/base/command.h"
@@ -11,14 +11,14 @@
 #define BOUNCES     4u
 #define TILE        16u
 
-/* What a line is made of, by names. */
+/* The members of a line, by name. */
 static const struct frames_recipe {
     const char *name, *engine, *layout, *builder;
     uint32_t leaf;
     const char *box, *tri;
     enum profile profile;
     enum frame_plan plan;
-    enum paper_line_id other; /* that its ratio is to */
+    enum paper_line_id other; /* line that its ratio is relative to */
 } recipes[LINE_COUNT] = {
 #define PUBLISHED(name, layout, leaf, box, plan, other)                                            \
     {                                                                                              \
@@ -98,7 +98,7 @@ struct painter_plan paper_plan(const struct paper_table *table, enum paper_line_
     };
 }
 
-/* Draws a frame with another painter than the measured one, which is closed again. */
+/* Draws a frame with a temporary painter, not with the measured one. */
 static enum status draw_once(const struct paper_table *table, const struct painter_plan *plan,
                              struct sheet *sheet, struct reason *reason)
 {
@@ -112,15 +112,15 @@ static enum status draw_once(const struct paper_table *table, const struct paint
     return status;
 }
 
-/* What the line's frame must be to the bit: engine cpu's, or that of brute force for an engine of
- * that kind, with the same members. Embree's arithmetic is its own. */
+/* The engine whose frame the line must equal to the bit, with the same members: cpu, or brute force
+ * for an engine without a tree. NULL for Embree, which has its own arithmetic. */
 static const struct engine *peer_of(const struct painter_plan *plan)
 {
     bool packed = plan->engine->needs_packed;
     return !packed && plan->engine->own_tri ? NULL : engine_reference(packed);
 }
 
-/* Compares a frame of the line and sets table->slow. */
+/* Compares a frame of the line with `truth` and its peer's frame, and sets table->slow. */
 static enum status check_line(struct paper_table *table, enum paper_line_id id,
                               const struct sheet *truth, struct reason *reason)
 {
@@ -134,7 +134,7 @@ static enum status check_line(struct paper_table *table, enum paper_line_id id,
         return status;
     progress_step(&table->bench->progress, "%s: checking %s", table->scene->spec, plan.handler);
     status = painter_sheet(painter, 0, &drawn, &first, reason);
-    if (!status) /* the first may have compiled something */
+    if (!status) /* drawing the first may have compiled something */
         status = painter_draw(painter, 0, &second, reason);
     table->slow = table->slow || fmin(first.ms, second.ms) > SLOW_MS;
     line->wrong = plan.blank ? 0 : sheet_pixels_apart(&drawn, truth);
@@ -155,14 +155,14 @@ static enum status check_line(struct paper_table *table, enum paper_line_id id,
     return status;
 }
 
-/* The published shader visits everything: whole paths can be cut short by a driver. That is a
- * finding, not a failure. */
+/* The published shader visits every node, so a driver can cut whole paths short. That is a finding,
+ * not a failure. */
 static bool may_be_cut(enum paper_line_id id)
 {
     return recipes[id].profile == PROFILE_RTRS && recipes[id].plan == FRAME_WHOLE;
 }
 
-/* Removes the painter that was entered last. */
+/* Leaves out a line and closes its painter, which must be the last that was entered. */
 static void leave_out(struct paper_table *table, enum paper_line_id id, enum status status,
                       const char *why)
 {
@@ -176,7 +176,7 @@ static void leave_out(struct paper_table *table, enum paper_line_id id, enum sta
         bench_worse(table->bench, exit_of_status(status));
 }
 
-/* The picture by brute force on the CPU, of either look. */
+/* Draws the picture by brute force on the CPU, in the look of line `like`. */
 static enum status draw_truth(const struct paper_table *table, enum paper_line_id like,
                               struct sheet *out, struct reason *reason)
 {
@@ -188,7 +188,8 @@ static enum status draw_truth(const struct paper_table *table, enum paper_line_i
     return status ? status : draw_once(table, &plan, out, reason);
 }
 
-/* Enters a line and checks a frame of it; one that cannot draw it is left out with the reason. */
+/* Enters a line and checks a frame of it. A line that cannot be drawn is left out with the
+ * reason. */
 static void enter_line(struct paper_table *table, enum paper_line_id id, const struct sheet *truth)
 {
     struct paper_line *line = &table->line[id];

@@ -1,4 +1,4 @@
-/* The paper's performance table as text, rows, words and plot. */
+/* Output of the paper's performance table: text, rows, summary and plots. */
 #include "cmd/bench/cmd_bench_paper.h"
 
 #include "bench/chart/chart.h"
@@ -11,7 +11,7 @@
 
 static const struct benchmark paper_frames = {.name = "paper_frames"};
 
-/* Ratios are near 1 or far below. */
+/* Writes a ratio. Ratios are near 1 or far below. */
 static void print_ratio(char text[40], struct spread ratio)
 {
     if (ratio.median < 0.1)
@@ -31,7 +31,8 @@ static struct spread ratio_of(const struct paper_table *table, enum paper_line_i
     return frames_ratio(&table->session.run, table->line[a].contestant, table->line[b].contestant);
 }
 
-/* A line's frame is that of engine cpu: paths to the bit, pixels as far as rounding allows. */
+/* True if the line's frame equals its peer's (peer_of): paths to the bit, pixels as far as rounding
+ * allows. */
 static bool is_right(const struct paper_line *line)
 {
     return !line->checked || (line->diff.paths_apart == 0 && line->diff.excess == 0);
@@ -42,7 +43,7 @@ static json_t *count(bool known, uint64_t value)
     return known ? json_integer((json_int_t)value) : json_null();
 }
 
-/* Adds the row of a line; of one that was left out, with the reason. */
+/* Adds the row of a line. A line that was left out gets the reason. */
 static void add_row(struct paper_table *table, enum paper_line_id id)
 {
     const struct frames_run *run = &table->session.run;
@@ -123,7 +124,7 @@ static void print_head(const struct paper_table *table)
          "wrong  ratio of times (least-most)              clock");
 }
 
-/* Before lines. */
+/* Printed before these lines. */
 static const char *const headings[LINE_COUNT] = {
     [LINE_DIRECT] = " published shader",
     [LINE_DIRECT_WHOLE] = " published shader, whole paths in one dispatch, as it was",
@@ -152,7 +153,8 @@ void paper_print_table(struct paper_table *table)
            table->width * table->height);
 }
 
-/* Printed for a scene: the time of `to` against that of `from`, or only a line of text. */
+/* The summary of a scene: the time of `to` against that of `from`; or only a text, if both are
+ * equal. */
 static const struct {
     const char *text;
     enum paper_line_id from, to;
@@ -175,7 +177,8 @@ static const struct {
     {"the same, whole paths against published RF: ", LINE_RF, LINE_RF16_4_WHOLE},
 };
 
-/* "  TEXT 12.3 % less time (ratio 1.140, 1.120-1.160)", where both were measured. */
+/* Prints the summary, " TEXT 12.3 % less time (ratio 1.140, 1.120-1.160)" for each pair that was
+ * measured. */
 static void say_scene(const struct paper_table *table)
 {
     printf("%s%s:\n", table->scene->spec, table->scene->same ? "" : " (another mesh)");
@@ -211,7 +214,7 @@ void paper_print_words(struct paper_table *const *table, size_t count)
             say_scene(table[i]);
 }
 
-/* One panel a scene: every line a point, its frames a bar. */
+/* One panel per scene: every line is a point with a bar from its fastest to its slowest frame. */
 enum status paper_write_plot(struct paper_table *const *table, size_t count, const char *path,
                              struct reason *reason)
 {
@@ -244,7 +247,7 @@ enum status paper_write_plot(struct paper_table *const *table, size_t count, con
     return figure.panel_count ? plot_write_file(path, &figure, 1, reason) : STATUS_OK;
 }
 
-/* Direct and RF over the frames, as the paper's own charts have them. */
+/* Plots direct and RF over the frames, like the paper's own charts. */
 enum status paper_write_chart(const struct paper_table *table, const char *base,
                               struct reason *reason)
 {

@@ -54,8 +54,8 @@ enum status race_prepare(struct race *race, enum query query, struct reason *rea
     return status;
 }
 
-/* True if member i takes part: named, or (nothing being named) one of `own`; where there is no
- * `own`, unless it is to be left out. */
+/* True if member i takes part: it was named; or nothing was named and it is in `own`; or there is
+ * no `own` and it is not left out by default. */
 static bool wanted(const struct list *list, size_t i, const char *own, const char *name,
                    bool left_out)
 {
@@ -84,7 +84,7 @@ static void enter_one(struct race *race, const struct engine *engine, const stru
         bench_worse(bench, exit_of_status(status));
 }
 
-/* The first box test that keeps the triangle test's promise. */
+/* Returns the first watertight box test for a watertight triangle test, else the first box test. */
 static const struct box_test *box_for(const struct tri_test *tri)
 {
     for (size_t b = 0; box_tests[b] && tri->watertight; b++)
@@ -119,7 +119,7 @@ void race_enter(struct race *race)
         for (size_t t = 0; tri_tests[t]; t++) {
             bool take = wanted(&race->bench->tri, t, NULL, tri_tests[t]->name,
                                tri_tests[t]->faithful || !tri_tests[t]->core);
-            if (!take || (entered && engines[e]->own_tri)) /* whose formula is its own: once */
+            if (!take || (entered && engines[e]->own_tri)) /* own formula: only once */
                 continue;
             entered = true;
             if (engines[e]->needs_packed)
@@ -139,7 +139,8 @@ void race_leave(struct race *race)
     race->count = 0;
 }
 
-/* On a GPU the same tests on the first layout, else Embree; itself where that does not run. */
+/* Index of the contestant that contestant i is compared with: on a GPU the same engine and tests on
+ * the first layout, else Embree; i itself if that does not run. */
 static size_t base_of(const struct race *race, size_t i)
 {
     const struct contestant *c = &race->contestant[i];
@@ -168,7 +169,7 @@ enum status race_run(struct race *race, const struct ray *ray, size_t count, str
     struct rng rng = rng_make(bench->seed, count);
     size_t order[CONTESTANTS];
     turns_start(order, race->count);
-    /* Round 0 warms up: pipelines, caches, page faults. */
+    /* Round 0 is for warming up: pipelines, caches, page faults. */
     for (size_t round = 0; round <= bench->rounds; round++) {
         turns_next(&rng, order, race->count);
         for (size_t i = 0; i < race->count; i++) {

@@ -9,7 +9,8 @@
 #include <string.h>
 
 #define OWN_RAYS 50000
-/* Pairs that brute force may decide per row; above, the oracle's own tree is faster. */
+/* Below this many ray-triangle pairs per row, brute force finds the truth; above, the oracle's own
+ * tree is faster. */
 #define BRUTE_PAIRS 200000000u
 
 static const struct spawn_place {
@@ -26,9 +27,9 @@ struct spawn_field {
     struct race race;
     struct spawn_hit *hit;
     struct spawn_near *near;
-    float (*origin)[3]; /* one array per row, each of hit_count */
+    float (*origin)[3]; /* one array of hit_count per row */
     double *steps[SPAWN_POINTS];
-    struct known_rays known; /* of the row being played, as `answer` */
+    struct known_rays known; /* of the current row, as is `answer` */
     struct hit *answer;
     size_t hit_count;
 };
@@ -41,7 +42,7 @@ static float (*origins_of(const struct spawn_field *field, size_t row))[3]
 static const double constants[SPAWN_RULES] = {
     [RULE_NONE] = 0, [RULE_CONST_5] = 1e-5, [RULE_CONST_4] = 1e-4, [RULE_CONST_3] = 1e-3};
 
-/* All origins of one hit, and how far the farthest is. */
+/* Makes all origins of one hit. Returns the distance of the farthest. */
 static double move_origins(const struct spawn_field *field, size_t i)
 {
     const struct spawn_hit *hit = &field->hit[i];
@@ -74,7 +75,7 @@ static void add_fate(struct spawn_count *count, const struct spawn_fate *fate)
     count->skipped += fate->skipped;
 }
 
-/* What the rays of one row exactly do; the rays are made on the way. */
+/* Makes the rays of one row and counts their exact outcomes. */
 static enum status exact_row(struct spawn_field *field, size_t index, struct spawn_row *row,
                              struct reason *reason)
 {
@@ -109,7 +110,7 @@ static enum status engine_row(const struct spawn_field *field, size_t index, siz
     return status;
 }
 
-/* Quantiles of one row's offsets and steps. Errors: STATUS_MEMORY. */
+/* Computes the quantiles of one row's offsets and steps. Errors: STATUS_MEMORY. */
 static enum status take_sizes(const struct spawn_field *field, size_t index, struct spawn_row *row,
                               struct reason *reason)
 {
@@ -131,7 +132,7 @@ static enum status take_sizes(const struct spawn_field *field, size_t index, str
     return STATUS_OK;
 }
 
-/* Hits of `count` rays of a set; fewer than rays. */
+/* Makes the hits of `count` rays of a set. There are fewer hits than rays. */
 static enum status make_hits(struct spawn_field *field, const struct ray_set *set, size_t count,
                              struct reason *reason)
 {
@@ -155,7 +156,7 @@ static enum status make_hits(struct spawn_field *field, const struct ray_set *se
     return status;
 }
 
-/* Origins of all rules, and what is near. */
+/* Makes the origins of all rules, and finds the nearest surface of each hit. */
 static enum status make_origins(struct spawn_field *field, size_t *undecided, struct reason *reason)
 {
     size_t count = field->hit_count, open = 0;
@@ -215,7 +216,7 @@ static void field_free(struct spawn_field *field)
     oracle_free(field->oracle);
 }
 
-/* "embree_robust", "cpu mt", "cpu rf16 mt". */
+/* Writes a judge's name: "embree_robust", "cpu mt", "cpu rf16 mt". */
 static void name_judge(const struct contestant *c, char *text, size_t text_bytes)
 {
     bool own = c->layout || c->engine->brute;
@@ -267,8 +268,8 @@ static enum status play_block(struct bench *bench, const struct scene *scene,
     return status;
 }
 
-/* The scene `from`, scaled, then moved by `far` times its new size along all axes, as a user's file
- * at that place would hold it: rounded to float32. */
+/* Makes a copy of `from`: scaled, then moved by `far` times its new size along all axes, and
+ * rounded to float32 as in a user's file of a scene at that place. */
 static enum status place_scene(const struct scene *from, const struct spawn_place *place,
                                struct scene *out, struct reason *reason)
 {

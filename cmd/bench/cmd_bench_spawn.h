@@ -1,5 +1,5 @@
-/* Rays that start on a surface: what one block of the benchmark holds, and how it is shown. For
- * commands only. */
+/* Rays that start on a surface: the results of one block of the benchmark, and functions that print
+ * them. For commands only. */
 #ifndef CMD_BENCH_SPAWN_H
 #define CMD_BENCH_SPAWN_H
 
@@ -7,7 +7,7 @@
 #include "bench/measure/error_measure.h"
 #include "bench/measure/spawn.h"
 
-/* The ways off the surface, in the order of the table. */
+/* The rules that move an origin off the surface, in the order of the table. */
 enum spawn_rule {
     RULE_NONE,
     RULE_CONST_5,
@@ -19,9 +19,9 @@ enum spawn_rule {
     SPAWN_RULES
 };
 
-#define SPAWN_JUDGES 6 /* engines beside the exact answer */
+#define SPAWN_JUDGES 6 /* engines besides the exact answer */
 
-/* Outcomes of the rays of one rule, by the answers of one engine or the oracle. */
+/* Outcomes of the rays of one rule, from the answers of one engine or the oracle. */
 struct spawn_count {
     size_t self, beside, skipped;
 };
@@ -30,9 +30,9 @@ struct spawn_row {
     enum spawn_point point;
     enum spawn_rule rule;
     size_t near;             /* rays with a surface nearer than their origin was moved */
-    struct quantiles offset; /* how far origins are from the exact point */
-    struct quantiles steps;  /* RULE_LEAST; else none */
-    size_t never;            /* RULE_LEAST: rays for which no offset suffices */
+    struct quantiles offset; /* distances of the origins from the exact points */
+    struct quantiles steps;  /* only for RULE_LEAST */
+    size_t never;            /* RULE_LEAST: rays that no offset frees */
     struct spawn_count exact;
     struct spawn_count engine[SPAWN_JUDGES];
 };
@@ -40,7 +40,7 @@ struct spawn_row {
 /* One scene at one scale and place. */
 struct spawn_block {
     const char *scene, *rays;
-    double scale, far; /* times the size; offset from the origin in sizes */
+    double scale, far; /* factor of the size; distance from the origin in sizes */
     uint32_t tri_count;
     size_t ray_count, hit_count;
     size_t undecided; /* hits whose first surface is not known for certain */
@@ -49,10 +49,10 @@ struct spawn_block {
     size_t judge_count;
 };
 
-/* "none", "1e-4", "bound", ... */
+/* Returns "none", "1e-4", "bound", ... */
 const char *spawn_rule_name(enum spawn_rule rule);
 
-/* Prints the block's table and hands its rows to CSV and JSON. */
+/* Prints the block's table and adds its rows to CSV and JSON. */
 void spawn_print(struct bench *bench, const struct spawn_block *block);
 
 #endif

@@ -1,4 +1,4 @@
-/* What raydiff bench spawn shows: tables, and rows for machines. */
+/* Output of raydiff bench spawn: tables, and rows for machines. */
 #include "cmd/bench/cmd_bench_spawn.h"
 #include "ref/base/json_record.h"
 

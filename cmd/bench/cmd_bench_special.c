@@ -1,4 +1,4 @@
-/* Only what the scene needs: the pipeline that a scene gets against the one that takes any. */
+/* Compares the pipeline made for a scene with the general one. */
 #define _POSIX_C_SOURCE 200809L
 #include "cmd/bench/cmd_bench.h"
 #include "cmd/bench/cmd_bench_frames.h"
@@ -29,11 +29,11 @@ extern const struct benchmark bench_special;
 
 enum { SPECIAL, GENERAL, ONE_BOUNCE, CONTESTANTS };
 
-/* A scene, and what of its furniture is used. */
+/* A scene, and which of its lights and reflections are kept. */
 struct special_scene {
     const char *name, *spec;
-    uint32_t lights; /* of its own, at most */
-    bool dull;       /* nothing reflects */
+    uint32_t lights; /* at most so many of its lights */
+    bool dull;       /* reflections are removed */
 };
 
 static const struct special_scene scenes[] = {
@@ -45,9 +45,9 @@ static const struct special_scene scenes[] = {
 
 /* Results of a scene. */
 struct special_result {
-    struct spread ratio, paid; /* general to special; four bounces asked to one */
-    double ratio_most;         /* upper end of its median's interval */
-    bool equal;                /* bits of the frames that were checked */
+    struct spread ratio, paid; /* general to special; four bounces to one */
+    double ratio_most;         /* upper end of the median's 95 % interval */
+    bool equal;                /* the checked frames have the same bits */
     bool slower;               /* special than general, beyond noise */
 };
 
@@ -97,7 +97,7 @@ static enum status enter(struct bench *bench, const struct scene *scene, bool du
     return status;
 }
 
-/* Whether the two pipelines draw the same bits, at some angles of the run. */
+/* Checks whether the two pipelines draw the same bits, at some angles of the run. */
 static enum status check(struct frames_session *session, bool *equal, struct reason *reason)
 {
     struct sheet sheet[2] = {{.width = 0}};

@@ -1,4 +1,4 @@
-/* The bounds of t: the smallest rejected error beside the real ones, per formula and rounding. */
+/* The bounds of t: the smallest rejected errors and the real ones, per formula and rounding. */
 #include "cmd/bench/cmd_bench.h"
 #include "bench/measure/tightness.h"
 
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 #define PAIRS 100000
-/* Draws per pair; of a scene of slivers most rays hit no inside. */
+/* Draws per pair. In a scene of slivers most rays hit no inside. */
 #define DRAWS_MOST 1000
 
 static const char about[] =
@@ -28,7 +28,7 @@ static const char about[] =
     "  no bound  pairs of which any t is accepted\n"
     "";
 
-/* Formulas, each with every rounding of its kind. */
+/* Formulas. Each is measured with every rounding of its kind. */
 static const struct tightness_formula {
     const char *name;
     enum twin_formula formula;
@@ -54,7 +54,7 @@ static const struct tightness_rounding {
     {"embree", ROUNDING_EMBREE, true},
 };
 
-/* A scene, and the pairs drawn of it. */
+/* A scene, and the pairs drawn from it. */
 struct tightness_field {
     struct bench *bench;
     const char *spec;
