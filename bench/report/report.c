@@ -65,7 +65,7 @@ enum status report_add(struct report *report, const struct report_part *part, st
 
 /* --- what is read --------------------------------------------------------------------------- */
 
-/* Who writes the JSON of a kind, and the arrays that it has. */
+/* The command that writes the JSON of a kind, and the arrays it must contain. */
 static const struct {
     const char *writer, *array[2];
 } kinds[REPORT_KINDS] = {
@@ -116,7 +116,7 @@ enum status report_read(const char *path, enum report_kind kind, json_t **out,
 
 /* --- what counts ---------------------------------------------------------------------------- */
 
-/* A finding that is still there, and known. */
+/* True for a known finding that still fails. */
 bool report_part_known(const struct report_part *part)
 {
     return part->kind == REPORT_FINDING && part->code == EXIT_MISMATCH &&
@@ -130,7 +130,7 @@ int report_part_code(const struct report_part *part)
     if (part->kind == REPORT_MACHINE && part->code == EXIT_SKIPPED && part->json)
         return EXIT_AGREE;
     if (part->state == REPORT_FAILED && (part->code == EXIT_AGREE || part->code == EXIT_MISMATCH))
-        return EXIT_INTERNAL; /* it ran to its end, and what it wrote cannot be read */
+        return EXIT_INTERNAL; /* it finished, but its output cannot be read */
     if (part->state == REPORT_SKIPPED && part->code == EXIT_AGREE)
         return EXIT_SKIPPED;
     return part->code;

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ROWS_MOST   2048u /* of a scene */
+#define ROWS_MOST   2048u /* per scene */
 #define SCENES_MOST 64u
 
 enum row_look row_look(const json_t *row)
@@ -74,7 +74,7 @@ static void put_facts(struct html *html, const json_t *scene, const struct check
     html_end(html, "p");
 }
 
-/* Each reason once. */
+/* Prints each reason once. */
 static void put_reasons(struct html *html, const struct check_rows *rows)
 {
     for (size_t i = 0; i < rows->count; i++) {
@@ -116,7 +116,7 @@ static void put_scene(struct html *html, const json_t *scene, const json_t *all)
     free(row);
 }
 
-/* A scene that was named twice has all its rows at the first. */
+/* True if the scene was listed before. A repeated scene shows all its rows at the first place. */
 static bool is_repeated(const json_t *scenes, size_t i)
 {
     for (size_t k = 0; k < i; k++)

@@ -1,4 +1,4 @@
-/* Section 7: how to make every part again. */
+/* Section 7: the commands that make every part again. */
 #include "bench/report/report_inner.h"
 
 #include <string.h>
@@ -12,7 +12,7 @@ void report_commands(struct html *html, const struct report *report)
         "other machines may differ in speed, and where a driver's arithmetic does.");
     for (size_t i = 0; i < report->part_count; i++) {
         const struct report_part *part = &report->part[i];
-        if (part->kind != REPORT_FINDING) /* those are beside the finding */
+        if (part->kind != REPORT_FINDING) /* the findings section shows its own */
             html_element(html, "pre", "line", part->command);
     }
     html_element(html, "p", NULL, "The whole:");

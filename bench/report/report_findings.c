@@ -1,14 +1,15 @@
-/* Section 5: what is wrong: findings of the fuzzer, played again and explained, and the mismatches
- * that check met. */
+/* Section 5: faults. Findings of the fuzzer, replayed and explained, and the mismatches found by
+ * check. */
 #include "bench/report/report_inner.h"
 
 #include <string.h>
 
-#define MISMATCHES_MOST 60u /* shown */
+#define MISMATCHES_MOST 60u /* limit of those shown */
 
 /* --- findings of a folder ----------------------------------------------------------------- */
 
-/* The line of the explanation that begins with "cause", without it; "" if there is none. */
+/* Copies the explanation's line that begins with "cause", without that word; "" if there is
+ * none. */
 static void cause_of(const char *text, char *cause, size_t cause_bytes)
 {
     cause[0] = '\0';
@@ -118,7 +119,8 @@ static void put_mismatch(struct html *html, const json_t *row, const json_t *fin
         html_element(html, "pre", "line", value_text(finding, "explain"));
 }
 
-/* Those of one part of check; `count` is of those before. */
+/* Prints the mismatches of one part of check. `count` is the number before it; returns the new
+ * number. */
 static size_t put_mismatches_of(struct html *html, const json_t *rows, size_t count)
 {
     for (size_t r = 0; r < json_array_size(rows); r++) {

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 #define HANDLERS_MOST 16u
-#define FRAMES_MOST   5000u /* of a handler */
+#define FRAMES_MOST   5000u /* per handler */
 
 bool report_is_frames(const json_t *json)
 {

@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Inside these a line of its own for each child keeps the file readable and changes nothing. */
+/* True for elements whose children go on separate lines. This keeps the file readable and does not
+ * change the page. */
 static bool is_block(const char *tag)
 {
     static const char *const blocks[] = {"html",  "head",    "body",  "main", "section",
@@ -79,7 +80,7 @@ static void put_format(struct html *html, const char *format, va_list args)
     if (large)
         vsnprintf(large, (size_t)length + 1, format, again);
     va_end(again);
-    html_text(html, large ? large : small); /* without memory as much as fits */
+    html_text(html, large ? large : small); /* without memory the text is cut */
     free(large);
 }
 

@@ -7,10 +7,11 @@
 #include <string.h>
 #include <sys/utsname.h>
 
-#define LINES_MOST   64u /* of a card; the program's own have 17 */
+#define LINES_MOST   64u /* per card; the program's own cards have 17 */
 #define DRIVERS_MOST 16u
 
-/* "Intel(R) ...", or "unknown"; where that cannot be read, standard error has the reason. */
+/* Reads a name such as "Intel(R) ...", or "unknown". If it cannot be read, the reason goes to
+ * standard error. */
 static void processor(char *text, size_t text_bytes)
 {
     static const char key[] = "model name";
@@ -86,7 +87,7 @@ static void put_scalar(struct html *html, const json_t *value)
         html_text(html, json_is_true(value) ? "yes" : "no");
 }
 
-/* An operation beside C's: "as in C", or what differs. */
+/* Prints how an operation compares with C's: "as in C", or the differences. */
 static void put_operation(struct html *html, const json_t *op)
 {
     size_t ordinary = value_count(op, "ordinary_differs"),
@@ -101,14 +102,14 @@ static void put_operation(struct html *html, const json_t *op)
                     special, value_count(op, "special"), flushed);
 }
 
-/* A member's name as words. */
+/* Prints a member's name with blanks instead of '_'. */
 static void put_name(struct html *html, const char *name)
 {
     for (const char *at = name; *at; at++)
         html_format(html, "%c", *at == '_' ? ' ' : *at);
 }
 
-/* "name value, name value" of an object or list, in parentheses where it is inside another one. */
+/* Prints an object or list as "name value, name value", in parentheses if it is nested. */
 static void put_card_value(struct html *html, const json_t *value, int depth)
 {
     const char *name, *comma = "";
@@ -146,7 +147,7 @@ static const json_t *find_operation(const json_t *card, const char *name)
     return NULL;
 }
 
-/* The first card: its members are the lines of the table. */
+/* Finds the first card. Its members are the lines of the table. */
 static const json_t *first_card(const json_t *drivers)
 {
     for (size_t i = 0; i < json_array_size(drivers); i++) {
@@ -226,7 +227,7 @@ static void put_drivers(struct html *html, const json_t *drivers)
     html_table_end(html);
 }
 
-/* Drivers that run are columns of a table; the others have a reason. */
+/* Shows running drivers as columns of a table, and the others with a reason. */
 static void put_all_drivers(struct html *html, const json_t *drivers)
 {
     json_t *running = json_array();

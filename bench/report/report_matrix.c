@@ -1,15 +1,15 @@
-/* The agreement matrix of a scene: a line for each engine on each layout, a column for each query,
- * triangle test and box test. */
+/* The agreement matrix of a scene, with a line for each engine and layout, and a column for each
+ * query, triangle test and box test. */
 #include "bench/report/report_inner.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Lines and groups of columns are named by the first row of each; a group's columns by its box
- * tests. Engines without a tree have no box test: their cell is as wide as the group. */
+/* Lines and groups of columns are named by their first row; a group's columns are its box tests.
+ * Engines without a tree have no box test, so their cell is as wide as the group. */
 #define BOXES_MOST 8
 
-#define CELLS_MOST 5000u /* of a matrix; more cannot be read */
+#define CELLS_MOST 5000u /* limit of a readable matrix */
 
 struct group {
     const json_t *first;
@@ -17,9 +17,9 @@ struct group {
     size_t box_count;
 };
 
-/* The rows of a line in a group. */
+/* The rows of one line in one group. */
 struct cells {
-    const json_t *plain; /* of an engine without a tree, or of a layout that no engine was given */
+    const json_t *plain; /* for an engine without a tree, or a layout given to no engine */
     const json_t *box[BOXES_MOST];
 };
 
@@ -28,7 +28,7 @@ struct matrix_plan {
     struct group *group;
     size_t line_count, group_count;
     struct cells *cells; /* line by line */
-    bool builders;       /* more than one: shown */
+    bool builders;       /* more than one builder: show them */
 };
 
 static bool same_line(const json_t *a, const json_t *b)
@@ -86,7 +86,7 @@ static void plan_row(struct matrix_plan *plan, const json_t *row)
     plan->builders = plan->builders || !value_same(row, plan->line[0], "builder");
 }
 
-/* The first row for a cell has it. */
+/* Stores the row in its cell. The first row for a cell wins. */
 static void fill_cell(struct matrix_plan *plan, const json_t *row)
 {
     size_t g = group_of(plan, row);
@@ -126,7 +126,7 @@ static void put_head(struct html *html, const struct matrix_plan *plan)
     }
 }
 
-/* The word of a cell, and below it how it differs from the exact truth. */
+/* Prints the word of a cell, and below it the differences from the exact truth. */
 static void put_result(struct html *html, const json_t *row, enum row_look look)
 {
     size_t wrong = value_count(json_object_get(row, "counts"), "wrong");

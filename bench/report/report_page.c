@@ -39,7 +39,7 @@ static void put_head(struct html *html, const struct report *report)
     html_void(html, "meta", "charset", "utf-8", NULL);
     html_void(html, "meta", "name", "viewport", "content", "width=device-width, initial-scale=1",
               NULL);
-    /* The page loads nothing; with this policy a browser would refuse to load anything. */
+    /* The page loads nothing. This policy makes browsers refuse to load anything. */
     html_void(html, "meta", "http-equiv", "Content-Security-Policy", "content",
               "default-src 'none'; style-src 'unsafe-inline'; img-src data:", NULL);
     html_element(html, "title", NULL, report->title);

@@ -8,17 +8,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the file, for pictures as base64; the rest is for tables and figures. */
+/* Part of the file for pictures in base64; the rest is for tables and figures. */
 #define PICTURE_BYTES_MOST (REPORT_BYTES_MOST / 5 * 4)
 
-#define PAIRS_MOST 64u /* of a part */
+#define PAIRS_MOST 64u /* per part */
 
 static size_t base64_size(size_t bytes)
 {
     return (bytes + 2) / 3 * 4;
 }
 
-/* Every picture is decoded once, so that none can be broken in the page. */
+/* Reads a picture and decodes it once, so that the page contains no broken picture. */
 static enum status look(const char *path, struct report_picture *picture, struct reason *reason)
 {
     struct image image = {0};
@@ -79,7 +79,7 @@ static void put_picture(struct html *html, const struct report_picture *picture)
     html_end(html, "figure");
 }
 
-/* Why pixels differ, of one engine against another. */
+/* Prints why pixels of one engine differ from another's. */
 static void put_pair(struct html *html, const char *scene, const json_t *pair)
 {
     static const char *const whys[] = {"rounding", "allowed", "drift", "published"};

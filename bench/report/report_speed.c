@@ -1,22 +1,21 @@
-/* Section 3: what was measured. Benchmarks error and layouts are drawn, every other one is a table.
- */
+/* Section 3: measurements. Benchmarks error and layouts are drawn; all others are tables. */
 #include "bench/report/report_inner.h"
 
 #include "bench/chart/row_plot.h"
 
 #include <string.h>
 
-#define TABLE_ROWS      400u /* of a benchmark */
+#define TABLE_ROWS      400u /* per benchmark */
 #define COLUMNS_MOST    64u
-#define BENCHMARKS_MOST 16 /* of a part */
+#define BENCHMARKS_MOST 16 /* per part */
 
-/* The rows of one benchmark; a new array that the caller owns, NULL without memory. */
+/* The rows of one benchmark, in a new array owned by the caller; NULL if out of memory. */
 static json_t *rows_of(const json_t *json, const char *benchmark)
 {
     return value_where(json_object_get(json, "rows"), "benchmark", benchmark);
 }
 
-/* What engine vulkan ran on, from the machine's card: the first driver that runs. */
+/* The driver of engine vulkan, from the machine's card: the first driver that runs. */
 static const char *driver_of(const struct report *report)
 {
     for (size_t p = 0; p < report->part_count; p++) {
@@ -52,7 +51,7 @@ static void put_value(struct html *html, const json_t *value)
         html_element(html, "td", "n z", "\xE2\x80\x93");
 }
 
-/* The heads (row NULL), or the values of a row. */
+/* Prints the heads (row NULL) or the values of a row. */
 static void put_line(struct html *html, const json_t *first, const json_t *row)
 {
     const char *name;
@@ -61,7 +60,7 @@ static void put_line(struct html *html, const json_t *first, const json_t *row)
     json_object_foreach((json_t *)(uintptr_t)first, name, value)
     {
         if (strcmp(name, "benchmark") == 0 || ++columns > COLUMNS_MOST)
-            continue; /* the same in all */
+            continue; /* the benchmark's name is the same in all rows */
         if (row)
             put_value(html, json_object_get(row, name));
         else
@@ -69,7 +68,8 @@ static void put_line(struct html *html, const json_t *first, const json_t *row)
     }
 }
 
-/* A table of flat rows. Members of the first row are the columns, numbers to the right. */
+/* Prints a table of flat rows. The members of the first row are the columns; numbers are
+ * right-aligned. */
 static void put_rows(struct html *html, const json_t *rows)
 {
     const json_t *first = json_array_get(rows, 0);
@@ -130,8 +130,8 @@ static enum status put_plots(struct html *html, const json_t *rows, int kind, co
     return STATUS_OK;
 }
 
-/* Whether the rows of a benchmark have figures of a kind. Sizes are drawn from layouts, and from
- * error only where there is nothing else. */
+/* Returns whether a benchmark has figures of a kind. Sizes are drawn from layouts, and from error
+ * only if no part has layouts. */
 static bool is_drawn(const char *benchmark, int kind, bool layouts)
 {
     if (strcmp(benchmark, "error") == 0)
@@ -198,7 +198,7 @@ static enum status put_benchmark(struct html *html, const struct report *report,
     return status;
 }
 
-/* The benchmarks of a part in the order of their first rows. */
+/* Shows the benchmarks of a part in the order of their first rows. */
 static enum status put_part(struct html *html, const struct report *report,
                             const struct report_part *part, struct reason *reason)
 {

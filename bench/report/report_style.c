@@ -1,5 +1,5 @@
-/* How a report looks: light or dark as the reader's system is, numbers aligned, headings that stay
- * in sight. Nothing is fetched; fonts are the system's. */
+/* The style of a report: light or dark like the reader's system, aligned numbers, sticky headings.
+ * Nothing is fetched; fonts are the system's. */
 #include "bench/report/report_inner.h"
 
 const char report_style[] =

@@ -1,9 +1,9 @@
-/* Section 1: what it is, and the verdict. */
+/* Section 1: the report's contents and the verdict. */
 #include "bench/report/report_inner.h"
 
 #include "ref/base/command.h"
 
-/* What an exit code means, of a part. */
+/* The meaning of a part's exit code. */
 static const char *code_text(const struct report_part *part)
 {
     switch (part->code) {

@@ -1,10 +1,10 @@
-/* The table behind the matrix: every row of check with its rays, hits, verdicts, bits and speed. */
+/* The table below the matrix: every row of check with its rays, hits, verdicts, bits and speed. */
 #include "bench/report/report_inner.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Classes in the order of the judge. */
+/* Classes in the judge's order. */
 static const char *const classes[] = {"tie",      "near_tie", "boundary", "border",
                                       "in_plane", "slab",     "noise",    "out_of_contract"};
 
@@ -20,7 +20,7 @@ void report_number(struct html *html, const char *format, double value)
     html_element(html, "td", "n", isfinite(value) ? text : "");
 }
 
-/* "missed 3, phantom 1" */
+/* Prints kinds with their counts, such as "missed 3, phantom 1". */
 static void put_kinds(struct html *html, const json_t *row)
 {
     const char *name, *comma = "";
