@@ -29,7 +29,7 @@ struct chart {
     size_t x_count;
 };
 
-/* Writes one SVG document. Write errors are left in the stream for its owner. */
+/* Writes one SVG document. Write errors stay in the stream for its owner. */
 void chart_svg(FILE *stream, const struct chart *chart);
 
 /* The same picture in pixels. Errors: STATUS_INPUT so many series that it is too large;
@@ -37,7 +37,7 @@ void chart_svg(FILE *stream, const struct chart *chart);
 enum status chart_image(const struct chart *chart, struct image *out,
                         struct reason *reason) MUST_USE;
 
-/* Writes it to files, each whole or not at all; NULL: not that one.
+/* Writes the chart to files, each completely or not at all; NULL: not that file.
  * Errors: STATUS_INPUT cannot write; those of chart_image. */
 enum status chart_write(const struct chart *chart, const char *svg_path, const char *png_path,
                         struct reason *reason) MUST_USE;

@@ -80,7 +80,7 @@ static void put_format(struct html *html, const char *format, va_list args)
     if (large)
         vsnprintf(large, (size_t)length + 1, format, again);
     va_end(again);
-    html_text(html, large ? large : small); /* without memory the text is cut */
+    html_text(html, large ? large : small); /* without memory as much as fits */
     free(large);
 }
 

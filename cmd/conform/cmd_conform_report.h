@@ -8,7 +8,7 @@
 #include "fuzz/findings/ci.h"
 #include "fuzz/findings/waivers.h"
 
-/* The options of raydiff conform. */
+/* Options of raydiff conform. */
 struct conform_options {
     const char *pattern, *junit, *waivers, *markdown, *html; /* each may be NULL */
     bool list_only, verbose, tap, hard, summary, quick;

@@ -289,7 +289,7 @@ void fuzz_report(void *user, const struct campaign_view *view)
                   ? EXIT_MISMATCH
                   : EXIT_AGREE;
     if ((view->unplayed || view->unshrunk) &&
-        *c->signalled) /* for a script that waits for a shard */
+        *c->signalled) /* tells a script that waits for a shard */
         c->code = 128 + *c->signalled;
     for (size_t i = 0; i < findings_count(view->findings); i++)
         print_finding(c, view, i);

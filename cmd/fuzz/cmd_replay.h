@@ -24,7 +24,7 @@ enum replay_fate {
 struct replay_played {
     struct fuzz_contestant who;
     enum replay_fate fate;
-    char reason[REPLAY_REASON]; /* empty if REPLAYED */
+    char reason[REPLAY_REASON]; /* set unless REPLAYED */
     struct fuzz_finding finding[FUZZ_FINDINGS_MOST];
     size_t finding_count;
     size_t expected;          /* index of the finding that the file expects; finding_count: none */

@@ -130,8 +130,7 @@ static enum status draw(struct gallery *gallery, const char *engine, bool *there
     if (status || gallery->stopped)
         return status;
     if (how.code == EXIT_SKIPPED && !gallery->named) {
-        gallery_complain(gallery, engine,
-                         how.said); /* as in check: unnamed engines may be missing */
+        gallery_complain(gallery, engine, how.said); /* unnamed engines may be missing */
         return STATUS_OK;
     }
     gallery->code = exit_worse(gallery->code, how.code);

@@ -140,7 +140,7 @@ static void obey(struct child *parent, void *user)
     }
     fflush(NULL);
     if (!child_send(parent, &code, sizeof code, CHILD_FOREVER))
-        _exit(EXIT_INTERNAL); /* no output is left to report this */
+        _exit(EXIT_INTERNAL); /* no output is left to report the error */
 }
 
 /* Reads the child's standard error without progress lines such as "raydiff check: 10 s: ...". */
