@@ -99,7 +99,7 @@ enum status batch_run(struct batch *batch, struct vk_pipeline *pipeline,
                       size_t first, struct vk_time *time, struct reason *reason)
 {
     const uint64_t flag_bytes = push->ray_count * sizeof *batch->flag;
-    memset(batch->flag, 0, flag_bytes); /* so that a ray never traced has no DONE */
+    memset(batch->flag, 0, flag_bytes); /* so that a ray that is not traced has no DONE */
     enum status status =
         vk_buffer_write(batch->vk, batch->flags, 0, batch->flag, flag_bytes, reason);
     uint32_t groups = (push->ray_count + batch->workgroup - 1) / batch->workgroup;

@@ -14,14 +14,15 @@
 #define GROUP    64u
 #define BINDINGS (ABI_BIND_ASKED + 1)
 
-/* A record and one of its slots, and what the shader decodes there. As in shaders/decode.glsl. */
+/* A question, a record and one of its slots, and what the shader decodes there, as in
+ * shaders/decode.glsl. */
 struct decode_question {
     uint32_t ref, what;
 };
 struct answer {
     uint32_t lo[3], kind;
     uint32_t hi[3], count;
-    uint32_t more[4]; /* leaf: the item; two children: their references; wide: below */
+    uint32_t more[4]; /* leaf: the item; binary: the children; wide: MORE_* */
 };
 enum { MORE_CHILD_SUM = 1, MORE_RECORD_SUM = 2, MORE_CHILD_WORD = 3 };
 
@@ -30,7 +31,7 @@ struct decode_comparing {
     struct decode_question *asked;
     struct answer *answer;
     size_t count, capacity;
-    size_t *first; /* of each reference: its first question */
+    size_t *first; /* index of each reference's first question */
     bool *reached;
     struct decoded *out;
 };
@@ -55,7 +56,7 @@ static uint32_t slot_of(const struct packed *packed, uint32_t child)
     return (child - packed->node_count) % packed->layout->width;
 }
 
-/* Every slot of the record, then the further items of its leaves. */
+/* Adds every slot of the record, then the further items of its leaves. */
 static enum status put_wide(struct decode_comparing *c, uint32_t ref, const struct wide *record)
 {
     const uint32_t width = c->packed->layout->width;
@@ -118,7 +119,7 @@ static enum status fill(struct vk *vk, struct decode_comparing *c,
     return status;
 }
 
-/* Has the shader answer all questions. */
+/* Runs the shader on all questions. */
 static enum status ask(struct vk *vk, const struct shader *shader, struct decode_comparing *c,
                        struct reason *reason)
 {
@@ -158,7 +159,7 @@ static enum status ask(struct vk *vk, const struct shader *shader, struct decode
 
 /* --- the comparison -------------------------------------------------------------------------- */
 
-/* Describes the first record that differs. Returns false. */
+/* Describes the first difference and returns false. */
 static bool differs(struct decode_comparing *c, uint32_t ref, const char *field, const char *mine,
                     const char *theirs)
 {
@@ -209,13 +210,13 @@ static bool same_kind(struct decode_comparing *c, uint32_t ref, uint32_t mine, u
     return mine == theirs || differs(c, ref, "kind", kind_name(mine), kind_name(theirs));
 }
 
-/* How many slots of `count` are compared. */
+/* Returns how many of `count` slots are compared. */
 static uint32_t compared(uint32_t count)
 {
     return count;
 }
 
-/* The items of a leaf whose first is answered at `answer`, the next ones from `more` on. */
+/* Compares the items of a leaf. The first item is in `answer`, the next ones are from `more` on. */
 static bool same_leaf(struct decode_comparing *c, uint32_t ref, const struct wide *leaf,
                       const struct answer *answer, const struct answer *more)
 {
@@ -246,7 +247,8 @@ static bool same_binary(struct decode_comparing *c, uint32_t ref)
            same_number(c, ref, "second child", node.child[1], answer->more[1]);
 }
 
-/* The slots of C's children: those of leaves are their references', the others come in order. */
+/* Finds the slots of C's children. References to leaves contain their slot; inner nodes are matched
+ * in order. */
 static bool match_slots(struct decode_comparing *c, uint32_t ref, const struct wide *record,
                         uint32_t slot[WIDE_MAX])
 {
@@ -275,7 +277,8 @@ static bool match_slots(struct decode_comparing *c, uint32_t ref, const struct w
                        theirs[ABI_DECODED_LEAF]);
 }
 
-/* Whether GLSL goes from the slot to where C's reference leads, by its own decoding of both. */
+/* Returns true if GLSL's slot leads to the record of C's reference, judged by what GLSL decodes at
+ * both. */
 static bool same_child(struct decode_comparing *c, uint32_t ref, uint32_t slot, uint32_t child)
 {
     const struct answer *answer = &c->answer[c->first[ref] + slot];

@@ -3,7 +3,7 @@
 
 #include <stdio.h>
 
-/* The smallest stack class that is enough. */
+/* Finds the smallest stack size that suffices: 16, 32, 64 and so on. */
 static enum status stack_class(const struct packed *packed, uint32_t *out, struct reason *reason)
 {
     uint32_t most = layout_stack_most(packed->layout);

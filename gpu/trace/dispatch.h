@@ -1,5 +1,5 @@
-/* One dispatch of a tracing shader: which module, its specialization constants, its push constants.
- * Used by the engines, and by `raydiff export`, which writes it to a file. */
+/* One dispatch of a tracing shader: its module, specialization constants and push constants. Used
+ * by the engines, and by `raydiff export`, which writes it to a file. */
 #ifndef DISPATCH_H
 #define DISPATCH_H
 
@@ -13,7 +13,8 @@
 _Static_assert(ABI_BIND_FOUND == DISPATCH_BINDINGS - 1, "the tracing shaders have bindings 0 to 6");
 _Static_assert(ABI_SPEC_LAYOUT_1 == DISPATCH_CONSTANTS - 1, "the tracing shaders have 0 to 7");
 
-/* Triangles of one dispatch of engine vulkan_brute: under lavapipe 22's loop cap of 65,535. */
+/* Triangles of one dispatch of engine vulkan_brute: fewer than lavapipe 22's limit of 65,535
+ * iterations. */
 #define DISPATCH_PART 16384u
 
 struct dispatch {
@@ -23,26 +24,27 @@ struct dispatch {
     bool accel;       /* binding DISPATCH_BINDINGS is an acceleration structure */
 };
 
-/* Of engine vulkan: job->packed is needed. The stack is the smallest that is enough: a larger
- * private array costs every ray. Errors: STATUS_LIMIT the tree needs a deeper stack than there is;
- * STATUS_UNSUPPORTED no shader for the layout. */
+/* Makes the dispatch of engine vulkan; job->packed must be set. The stack is the smallest that
+ * suffices, as a larger private array costs every ray. Errors: STATUS_LIMIT the tree needs a deeper
+ * stack than there is; STATUS_UNSUPPORTED no shader for the layout. */
 enum status dispatch_tree(const struct job *job, uint32_t workgroup, struct dispatch *out,
                           struct reason *reason) MUST_USE;
 
-/* Of engine vulkan_brute: the first DISPATCH_PART triangles; `push` for those from `first` on. */
+/* Makes the dispatch of engine vulkan_brute for the first DISPATCH_PART triangles, or the push
+ * constants for those from `first` on. */
 struct dispatch dispatch_brute(const struct job *job, uint32_t workgroup);
 struct push dispatch_brute_push(uint32_t tri_count, uint32_t first);
 
-/* Of engine rayquery. */
+/* Makes the dispatch of engine rayquery. */
 struct dispatch dispatch_query(const struct job *job, uint32_t workgroup);
 
-/* Workgroups for so many rays. */
+/* Returns the number of workgroups for `ray_count` rays. */
 uint32_t dispatch_groups(const struct dispatch *dispatch, uint32_t ray_count);
 
-/* Describes why a ray was not finished, by its flags. */
+/* Returns why a ray was not finished, from its flags. */
 const char *dispatch_cause(uint32_t flag);
 
-/* What vk_pipeline_make needs; borrows the dispatch. */
+/* Returns the argument for vk_pipeline_make; borrows the dispatch. */
 struct vk_shader dispatch_shader(const struct dispatch *dispatch);
 
 #endif

@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-/* Triangles gathered at a time while uploading. */
+/* Triangles gathered at a time. */
 #define GATHER 8192u
 
 #define QUAD_BYTES 16u

@@ -1,11 +1,12 @@
-/* Triangles as the tracing shaders read them. */
+/* Buffers of triangles in the form that the tracing shaders read. */
 #ifndef GATHER_H
 #define GATHER_H
 
 #include "gpu/vk/vk.h"
 #include "ref/scene/scene.h"
 
-/* Bytes of that: ABI_TRI_FLOATS floats a triangle, padded to whole quads, which shaders read. */
+/* Bytes of the buffer: ABI_TRI_FLOATS floats a triangle, padded to whole quads, which shaders
+ * read. */
 uint64_t gather_bytes(const struct scene *scene);
 
 /* Makes a buffer of all triangles, in scene order. *out is NULL on error. Errors: as vk_buffer_make

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* By digits of a byte from the lowest on; a digit that all have in common is left out. */
+/* A radix sort by bytes, lowest first. A byte that is the same in all values is skipped. */
 void ray_order_by_work(const uint32_t *work, size_t count, uint32_t *order, uint32_t *spare)
 {
     uint32_t *from = order, *to = spare;

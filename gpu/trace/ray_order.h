@@ -5,8 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Invocations of a group wait for the slowest of them, so that rays which take alike should be
- * neighbours. Writes the indices 0 .. count - 1 by rising work[index], equal ones in their order.
+/* Sorts the indices 0 .. count - 1 by work[index], ascending and stable. Invocations of a group
+ * wait for the slowest of them, so rays with similar work should be neighbours.
  *   order, spare  room for `count` each */
 void ray_order_by_work(const uint32_t *work, size_t count, uint32_t *order, uint32_t *spare);
 

@@ -6,21 +6,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rays of one dispatch: begun small (all of them may visit every node), doubled while a dispatch is
- * quick, halved when it is slow, so that neither the wait nor a driver's watchdog ends a long job.
- */
+/* Rays of one dispatch. The number starts small (all rays may visit every node), doubles while
+ * dispatches are quick and halves when one is slow, so that neither the wait nor a driver's
+ * watchdog ends a long job. */
 #define BATCH_FIRST 16384u
 #define QUICK_NS    100000000u
 #define SLOW_NS     1000000000u
 
-/* Hits that one dispatch of QUERY_ALL may list, 64 MiB of them; a ray alone may list more. */
+/* Hits that one dispatch of QUERY_ALL may list, 64 MiB. A single ray may list more. */
 #define LIST_MOST (1u << 22)
 
-/* Where the answers go. */
+/* The caller's arrays for results. */
 struct tracer_answers {
     struct hit *hit;
-    uint32_t capacity; /* hits a ray: 1 unless QUERY_ALL */
-    uint32_t *found;   /* QUERY_ALL: hits of each ray; else NULL */
+    uint32_t capacity; /* hits per ray: 1 unless QUERY_ALL */
+    uint32_t *found;   /* QUERY_ALL: number of hits of each ray; else NULL */
 };
 
 enum status tracer_open(const struct vk_options *options, uint32_t workgroup, struct tracer **out,
@@ -88,7 +88,7 @@ enum status tracer_pipeline(struct tracer *tracer, const struct dispatch *dispat
     return pipelines_find(&tracer->pipelines, tracer->vk, &shader, out, reason);
 }
 
-/* Without a stack the links lie behind the items. */
+/* Uploads the items. For traversal without a stack the parent links follow them. */
 static enum status upload_items(struct tracer *tracer, const struct job *job, struct reason *reason)
 {
     const struct packed *packed = job->packed;
@@ -153,7 +153,7 @@ static uint64_t least_of(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-/* Buffers for *at_once rays: `count`, or as many as the device allows. */
+/* Makes buffers for *at_once rays: `count`, or as many as the device allows. */
 static enum status reserve_rays(struct tracer *tracer, size_t count, uint32_t capacity,
                                 uint32_t *at_once, struct reason *reason)
 {
@@ -205,7 +205,7 @@ static enum status check_flags(struct tracer *tracer, size_t first, uint32_t cou
     return STATUS_OK;
 }
 
-/* Copies the answers of `count` rays, the first of which is ray `first`. */
+/* Reads the results of `count` rays, the first of which is ray `first`. */
 static enum status read_answers(struct tracer *tracer, size_t first, uint32_t count,
                                 const struct tracer_answers *to, struct reason *reason)
 {
@@ -220,14 +220,14 @@ static enum status read_answers(struct tracer *tracer, size_t first, uint32_t co
     return status;
 }
 
-/* Traces `count` rays from `ray` on, which is ray `first`. */
+/* Traces `count` rays from `ray` on, the first of which is ray `first`. */
 static enum status trace_batch(struct tracer *tracer, const struct ray *ray, size_t first,
                                uint32_t count, const struct tracer_answers *to,
                                struct vk_time *time, struct reason *reason)
 {
     struct vk_buffer *flags = tracer->buffer[ABI_BIND_FLAGS];
     const uint64_t flag_bytes = (uint64_t)count * sizeof *tracer->flag;
-    memset(tracer->flag, 0, flag_bytes); /* so that a ray never traced has no DONE */
+    memset(tracer->flag, 0, flag_bytes); /* so that a ray that is not traced has no DONE */
     enum status status = vk_buffer_write(tracer->vk, flags, 0, tracer->flag, flag_bytes, reason);
     if (!status)
         status = vk_buffer_write(tracer->vk, tracer->buffer[ABI_BIND_RAYS], 0, ray,

@@ -1,5 +1,5 @@
-/* Rays on a Vulkan device: uploads a packed tree, picks the pipeline, traces in batches. What
- * engine `vulkan` is made of; tests use it with options that no command has. */
+/* Traces rays on a Vulkan device: uploads a packed tree, selects the pipeline and traces in
+ * batches. Used by engine `vulkan`, and by tests with options that no command has. */
 #ifndef TRACER_H
 #define TRACER_H
 
@@ -8,13 +8,13 @@
 
 struct tracer;
 
-/* `workgroup` 0 is ABI_WORKGROUP. *out is NULL on error.
+/* Opens a device. `workgroup` 0: ABI_WORKGROUP. *out is NULL on error.
  * Errors: as vk_open; STATUS_UNSUPPORTED workgroup over the device's limit. */
 enum status tracer_open(const struct vk_options *options, uint32_t workgroup, struct tracer **out,
                         struct reason *reason) MUST_USE;
 
-/* As engine.prepare; job->packed is needed. Pipelines are kept from job to job.
- * Errors: STATUS_LIMIT stack_need over ABI_STACK_MAX, or a buffer over the device's limits;
+/* As engine.prepare; job->packed must be set. Pipelines are kept from job to job.
+ * Errors: STATUS_LIMIT stack_need over layout_stack_most, or a buffer over the device's limits;
  * STATUS_UNSUPPORTED no shader for the layout; STATUS_DEVICE; STATUS_MEMORY. */
 enum status tracer_prepare(struct tracer *tracer, const struct job *job,
                            struct reason *reason) MUST_USE;
@@ -25,8 +25,9 @@ enum status tracer_trace(struct tracer *tracer, const struct ray *ray, size_t ra
                          struct hit *hit, struct trace_report *report,
                          struct reason *reason) MUST_USE;
 
-/* As engine.trace_tasks: all tasks in few submissions, each with buffers of its own as far as its
- * shader can see. Errors: as engine.trace_tasks; STATUS_DEVICE validation messages since open. */
+/* As engine.trace_tasks. All tasks are traced in few submissions; each shader sees only its own
+ * parts of the buffers. Errors: as engine.trace_tasks; STATUS_DEVICE validation messages since
+ * open. */
 enum status tracer_trace_tasks(struct tracer *tracer, struct engine_task *task, size_t count,
                                struct reason *reason) MUST_USE;
 
@@ -37,16 +38,16 @@ enum status tracer_trace_all(struct tracer *tracer, const struct ray *ray, size_
                              uint32_t capacity, struct hit *hit, uint32_t *hit_count,
                              struct reason *reason) MUST_USE;
 
-/* Returns vk_close's count of validation messages, those about leaks included; NULL is fine. */
+/* Returns vk_close's count of validation messages, including those about leaks. NULL is fine. */
 uint32_t tracer_close(struct tracer *tracer, struct reason *reason);
 
-/* The device's arithmetic, measured by the first call. */
+/* Returns the device's arithmetic, which the first call measures. */
 struct arithmetic tracer_arithmetic(struct tracer *tracer);
 
-/* Its device, for other work on it before tracer_close. */
+/* Returns the device, for other work on it before tracer_close. */
 struct vk *tracer_device(struct tracer *tracer);
 
-/* Pipelines made since open. */
+/* Returns the number of pipelines made since open. */
 uint32_t tracer_pipelines(const struct tracer *tracer);
 
 #endif

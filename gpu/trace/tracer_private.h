@@ -1,4 +1,4 @@
-/* What tracer.c and tracer_tasks.c share; private to them. */
+/* Shared by tracer.c and tracer_tasks.c; private to them. */
 #ifndef TRACER_PRIVATE_H
 #define TRACER_PRIVATE_H
 
@@ -6,7 +6,8 @@
 #include "gpu/shaders/pipelines.h"
 #include "gpu/trace/tracer.h"
 
-/* Node visits of one submission, at most: neither a wait nor a driver's watchdog ends it. */
+/* The most node visits of one submission, so that neither a wait nor a driver's watchdog ends
+ * it. */
 #define TRACER_VISITS_MOST (1u << 25)
 #define TRACER_RAYS_MOST   (1u << 20) /* of one dispatch */
 
@@ -14,16 +15,16 @@ struct tracer {
     struct vk *vk;
     uint32_t workgroup;
     struct pipelines pipelines;
-    struct vk_pipeline *pipeline; /* of the job; borrowed */
+    struct vk_pipeline *pipeline; /* for the job; borrowed */
     struct vk_buffer *buffer[DISPATCH_BINDINGS];
-    uint32_t *flag; /* ray_capacity read back */
+    uint32_t *flag; /* room for the flags of ray_capacity rays */
     uint32_t ray_capacity, batch;
     uint32_t trouble; /* flags of the first ray that was not finished */
     bool lists;       /* prepared for QUERY_ALL */
     struct push push;
     struct arithmetic arithmetic;
     bool measured;
-    struct tracer_tasks *tasks; /* what tracer_trace_tasks keeps, or NULL */
+    struct tracer_tasks *tasks; /* kept by tracer_trace_tasks, or NULL */
 };
 
 /* Finds or makes the pipeline of the dispatch. Errors: as vk_pipeline_make. */

@@ -1,5 +1,5 @@
-/* Many small jobs in one submission: what all of them need lies in seven large buffers, one after
- * the other, and each dispatch sees its own parts. */
+/* Traces many small jobs in one submission. Their data lie in seven large buffers, one after the
+ * other, and each dispatch sees only its own parts. */
 #include "gpu/trace/ray_order.h"
 #include "gpu/trace/tracer_private.h"
 #include "ref/store.h"
@@ -8,23 +8,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Dispatches of one submission, at most. */
+/* The most dispatches of one submission. */
 #define GROUP_MOST 128u
 
 #define QUAD_BYTES 16u
 
-/* Host's side of one buffer. */
+/* The host's copy of one buffer. */
 struct arena {
     uint8_t *byte;
     size_t capacity, used;
 };
 
-/* A task of the submission being made. */
+/* A task of the current submission. */
 struct tasks_entry {
     struct engine_task *task;
     struct push push;
-    size_t order; /* where in tasks.order; ray i of the dispatch is the task's order[i] */
-    bool ordered; /* else its i */
+    size_t order; /* offset in tasks.order; ray i of the dispatch is ray order[i] of the task */
+    bool ordered; /* else ray i of the task */
 };
 
 struct tracer_tasks {
@@ -33,9 +33,9 @@ struct tracer_tasks {
     struct arena arena[DISPATCH_BINDINGS];
     struct vk_work work[GROUP_MOST];
     struct tasks_entry entry[GROUP_MOST];
-    struct arena order; /* of all entries; not for the device */
+    struct arena order; /* orders of all entries; not uploaded */
     uint32_t count;
-    uint64_t visits; /* that they can make at most */
+    uint64_t visits; /* most node visits of all entries */
 };
 
 void tracer_tasks_free(struct tracer *tracer)
@@ -63,7 +63,8 @@ static enum status need_tasks(struct tracer *tracer, struct reason *reason)
                         reason);
 }
 
-/* Takes `bytes` of the arena, at least one quad, where a part may begin; NULL without memory. */
+/* Allocates `bytes` of the arena, at least one quad, zeroed and aligned for a part of a buffer.
+ * Returns NULL without memory. */
 static void *take(struct tracer *tracer, struct vk_work *work, uint32_t binding, uint64_t bytes)
 {
     struct arena *arena = &tracer->tasks->arena[binding];
@@ -77,7 +78,7 @@ static void *take(struct tracer *tracer, struct vk_work *work, uint32_t binding,
     arena->used = first + size;
     work->part[binding].offset = first;
     work->part[binding].bytes = size;
-    memset(arena->byte + first, 0, size); /* so that a ray never traced has no DONE */
+    memset(arena->byte + first, 0, size); /* so that a ray that is not traced has no DONE */
     return arena->byte + first;
 }
 
@@ -90,14 +91,14 @@ static bool put(struct tracer *tracer, struct vk_work *work, uint32_t binding, c
     return at != NULL;
 }
 
-/* The order of the entry's rays, if it has one. */
+/* Returns the order of the entry's rays, or NULL. */
 static const uint32_t *order_of(const struct tracer_tasks *tasks, const struct tasks_entry *entry)
 {
     return entry->ordered ? (const uint32_t *)(const void *)(tasks->order.byte + entry->order)
                           : NULL;
 }
 
-/* Orders the rays by what they may take. */
+/* Orders the rays by their expected work. */
 static bool make_order(struct tracer_tasks *tasks, const struct engine_task *task,
                        struct tasks_entry *entry)
 {
@@ -110,7 +111,7 @@ static bool make_order(struct tracer_tasks *tasks, const struct engine_task *tas
         return false;
     uint32_t *order = (void *)(tasks->order.byte + tasks->order.used);
     ray_order_by_work(task->expected, task->ray_count, order, order + task->ray_count);
-    tasks->order.used += bytes; /* the rest is free again */
+    tasks->order.used += bytes; /* the spare part is free again */
     return true;
 }
 
@@ -136,7 +137,7 @@ static bool put_triangles(struct tracer *tracer, struct vk_work *work, const str
     return tri != NULL;
 }
 
-/* Node visits that a task can need. */
+/* The most node visits of a task. */
 static uint64_t visits_of(const struct engine_task *task)
 {
     return (uint64_t)task->ray_count * (task->job.packed->ref_count + 1);
@@ -175,7 +176,7 @@ static enum status add(struct tracer *tracer, struct engine_task *task, struct r
     return STATUS_OK;
 }
 
-/* Makes the buffers large enough and fills those that shaders read. Flags are written too. */
+/* Makes the buffers large enough and uploads those that shaders read, and the flags. */
 static enum status upload(struct tracer *tracer, struct reason *reason)
 {
     struct tracer_tasks *tasks = tracer->tasks;
@@ -190,7 +191,7 @@ static enum status upload(struct tracer *tracer, struct reason *reason)
     return status;
 }
 
-/* The first ray of a task that was not finished decides its status. */
+/* Sets the task's status from its first ray that was not finished. */
 static void check_flags(struct tracer *tracer, struct engine_task *task)
 {
     task->status = STATUS_OK;
@@ -201,7 +202,7 @@ static void check_flags(struct tracer *tracer, struct engine_task *task)
                      vk_limits(tracer->vk)->device, i, dispatch_cause(task->flag[i]));
 }
 
-/* Hands the answers out in the task's own order. */
+/* Copies the results to the task, in the task's order of rays. */
 static void take_answers(const struct tasks_entry *entry, const uint32_t *order, const void *hits,
                          const void *flags)
 {
@@ -244,7 +245,7 @@ static int by_pipeline(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Traces what was added. */
+/* Traces the tasks that were added. */
 static enum status flush(struct tracer *tracer, struct reason *reason)
 {
     struct tracer_tasks *tasks = tracer->tasks;
@@ -268,7 +269,8 @@ static enum status flush(struct tracer *tracer, struct reason *reason)
     return status;
 }
 
-/* True if a task is too large to be one of many: it is traced in batches of its own. */
+/* Returns true if a task is too large for a shared submission. It is then traced in batches of its
+ * own. */
 static bool is_large(const struct tracer *tracer, const struct engine_task *task)
 {
     const struct vk_limits *limits = vk_limits(tracer->vk);
@@ -276,7 +278,7 @@ static bool is_large(const struct tracer *tracer, const struct engine_task *task
            task->ray_count / tracer->workgroup >= limits->groups;
 }
 
-/* By prepare and trace. */
+/* Traces a task with tracer_prepare and tracer_trace. */
 static enum status trace_large(struct tracer *tracer, struct engine_task *task,
                                struct reason *reason)
 {

@@ -25,7 +25,7 @@ void vulkan_describe(const struct engine_options *options, char *text, size_t te
     struct reason reason;
     vk_describe(&vk_options, text, text_bytes);
     if (vk_open(&vk_options, &vk, &reason))
-        return; /* the list has the reason */
+        return; /* the list contains the reason */
     struct arithmetic arithmetic = probe_measure(vk);
     text_append(text, text_bytes, "arithmetic of %s: %s\n", vk_limits(vk)->device,
                 probe_arithmetic_text(&arithmetic));

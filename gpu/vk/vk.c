@@ -1,4 +1,4 @@
-/* Opening and closing a device; submitting work to it. */
+/* Opens and closes a device, and submits work to it. */
 #include "gpu/vk/vk_private.h"
 
 #include <dlfcn.h>
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How long a device that hung may still take before its objects are left behind. */
+/* How long to wait for a device that hung before its objects are left undestroyed. */
 #define GRACE_NS 10000000000u
 
 static const char *result_text(VkResult result)
@@ -46,8 +46,8 @@ enum status vk_check(struct vk *vk, VkResult result, const char *what, struct re
                 what, result_text(result), (int)result);
 }
 
-/* Robust buffer access, which every device has, keeps a broken tree from hurting the driver; where
- * accesses are watched, it would excuse them. */
+/* Enables robust buffer access, which every device has, so that a broken tree does not hurt the
+ * driver. It is off where accesses are checked, as it would hide errors. */
 static enum status make_device(struct vk *vk, struct reason *reason)
 {
     VkPhysicalDeviceFeatures features = {.robustBufferAccess = !vk->options.watch};
@@ -109,7 +109,7 @@ static enum status make_commands(struct vk *vk, struct reason *reason)
                     "vkCreateQueryPool", reason);
 }
 
-/* Library, instance and functions, without a device. */
+/* Opens library, instance and functions, without a device. */
 static enum status open_instance(const struct vk_options *options, struct vk **out,
                                  struct reason *reason)
 {
@@ -183,7 +183,7 @@ uint32_t vk_close(struct vk *vk, struct reason *reason)
         vk->fn.DestroyInstance(vk->instance, NULL);
     uint32_t messages = vk_messages(vk, reason);
     /* The loader stays loaded. Unloading it unloads drivers whose threads and thread-local
-     * destructors may still run, and leak checkers could not name the owner of lost memory. */
+     * destructors may still run, and leak checkers could then not name the owner of lost memory. */
     free(vk);
     return messages;
 }
@@ -246,7 +246,7 @@ enum status vk_submit(struct vk *vk, const char *what, struct reason *reason)
                     vk->limits.device, (double)wait_ns * 1e-9);
     }
     vk->pending = false;
-    /* The layer may report accesses from a thread of its own, which this waits for. */
+    /* Waits for the layer, which may report accesses from a thread of its own. */
     if (result == VK_SUCCESS && vk->options.watch)
         result = vk->fn.DeviceWaitIdle(vk->device);
     return vk_check(vk, result, what, reason);

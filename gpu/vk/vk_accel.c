@@ -69,7 +69,7 @@ static VkPhysicalDeviceAccelerationStructurePropertiesKHR limits_of(struct vk *v
     return limits;
 }
 
-/* Memory and handle of one level. */
+/* Makes memory and handle of one level. */
 static enum status make_level(struct vk *vk, VkAccelerationStructureTypeKHR type, uint64_t bytes,
                               struct level *out, struct reason *reason)
 {
@@ -116,8 +116,8 @@ static enum status build_level(struct vk *vk, VkAccelerationStructureTypeKHR typ
         const VkAccelerationStructureBuildRangeInfoKHR range = {.primitiveCount = count};
         const VkAccelerationStructureBuildRangeInfoKHR *ranges = &range;
         vk->fn.CmdBuildAccelerationStructuresKHR(vk->command, 1, &info, &ranges);
-        /* Read by the next build and by shaders; both are later submissions, which wait for this
-         * one's fence. */
+        /* It is read by the next build and by shaders. Both are later submissions, which wait for
+         * this one's fence. */
         vk_barrier(vk, VK_PIPELINE_STAGE_ACCELERATION_STRUCTURE_BUILD_BIT_KHR,
                    VK_ACCESS_ACCELERATION_STRUCTURE_WRITE_BIT_KHR,
                    VK_PIPELINE_STAGE_ACCELERATION_STRUCTURE_BUILD_BIT_KHR |
@@ -146,7 +146,7 @@ static enum status build_bottom(struct vk *vk, struct vk_buffer *vertices, uint3
                 .indexType = VK_INDEX_TYPE_UINT32,
                 .indexData.deviceAddress = address_of(vk, indices),
             },
-        /* For queries that list candidates: each triangle once. */
+        /* So that queries which list candidates get each triangle once. */
         .flags = VK_GEOMETRY_NO_DUPLICATE_ANY_HIT_INVOCATION_BIT_KHR,
     };
     return build_level(vk, VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, &geometry, tri_count,

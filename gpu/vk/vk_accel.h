@@ -7,8 +7,8 @@
 
 struct vk_accel; /* one mesh, and one instance of it without a transform */
 
-/* Builds from `tri_count` triples of indices (uint32_t) into vertices (three floats), 1 or more of
- * both; the buffers may be freed afterwards. *out is NULL on error.
+/* Builds a structure from `tri_count` triples of indices (uint32_t) into vertices (three floats),
+ * at least 1 of each. The buffers may be freed afterwards. *out is NULL on error.
  * Errors: STATUS_LIMIT more triangles than the device allows, or too large a structure;
  * STATUS_MEMORY; STATUS_DEVICE. */
 enum status vk_accel_make(struct vk *vk, struct vk_buffer *vertices, uint32_t vertex_count,
@@ -18,7 +18,7 @@ enum status vk_accel_make(struct vk *vk, struct vk_buffer *vertices, uint32_t ve
 void vk_accel_free(struct vk *vk, struct vk_accel *accel); /* NULL is fine */
 uint64_t vk_accel_bytes(const struct vk_accel *accel);     /* NULL: 0 */
 
-/* Binds the structure to a pipeline made with vk_shader.accel, for its later dispatches. */
+/* Binds the structure to a pipeline made with vk_shader.accel, for later dispatches. */
 void vk_pipeline_use(struct vk *vk, struct vk_pipeline *pipeline, const struct vk_accel *accel);
 
 #endif

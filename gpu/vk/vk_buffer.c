@@ -1,4 +1,4 @@
-/* Storage buffers, mapped where memory is shared, else filled and read through a staging buffer. */
+/* Storage buffers: mapped where memory is shared, else copied through a staging buffer. */
 #include "gpu/vk/vk_private.h"
 
 #include <stdlib.h>
@@ -15,7 +15,7 @@
      VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR |                        \
      VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR)
 
-/* The first allowed memory type with all of `wanted`; false if there is none. */
+/* Finds the first allowed memory type with all of `wanted`; returns false if there is none. */
 static bool find_type(const struct vk *vk, uint32_t allowed, VkMemoryPropertyFlags wanted,
                       uint32_t *type)
 {
@@ -27,7 +27,8 @@ static bool find_type(const struct vk *vk, uint32_t allowed, VkMemoryPropertyFla
     return false;
 }
 
-/* Memory for reading back is slow unless cached, but only coherence is promised to exist. */
+/* Prefers cached memory for reading back, as other is slow, but only coherent memory is
+ * guaranteed. */
 static bool choose_type(const struct vk *vk, uint32_t allowed, bool host, uint32_t *type)
 {
     if (host)
@@ -154,7 +155,7 @@ void vk_buffer_free(struct vk *vk, struct vk_buffer *buffer)
         return;
     if (buffer->buffer)
         vk->fn.DestroyBuffer(vk->device, buffer->buffer, NULL);
-    if (buffer->memory) /* freeing unmaps */
+    if (buffer->memory) /* freeing memory unmaps it */
         vk->fn.FreeMemory(vk->device, buffer->memory, NULL);
     free(buffer);
 }
@@ -173,7 +174,8 @@ static enum status copy(struct vk *vk, struct vk_buffer *from, uint64_t from_off
         return status;
     VkBufferCopy region = {from_offset, to_offset, bytes};
     vk->fn.CmdCopyBuffer(vk->command, from->buffer, to->buffer, 1, &region);
-    /* The host reads next, or a shader in a later submission, which waits for this one's fence. */
+    /* The host reads it next, or a shader in a later submission, which waits for this one's
+     * fence. */
     vk_barrier(vk, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
                VK_PIPELINE_STAGE_HOST_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
                VK_ACCESS_HOST_READ_BIT | VK_ACCESS_SHADER_READ_BIT);

@@ -1,4 +1,4 @@
-/* Listing the devices and choosing one. */
+/* Lists the devices and chooses one. */
 #include "ref/base/text.h"
 #include "gpu/vk/vk_private.h"
 
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The answers of one device, chained for vkGetPhysicalDeviceProperties2. */
+/* The properties of one device, chained for vkGetPhysicalDeviceProperties2. */
 struct choose_answers {
     VkPhysicalDeviceProperties2 base;
     VkPhysicalDeviceMaintenance3Properties allocation;
@@ -31,8 +31,8 @@ bool vk_has_extension(struct vk *vk, VkPhysicalDevice device, const char *name)
     return found;
 }
 
-/* Asks only for what the device's version or extensions define: an unknown struct in the chain
- * would be left unanswered. */
+/* Reads the properties that the device's version or extensions define. An unknown struct in the
+ * chain would not be filled in. */
 static void ask(struct vk *vk, VkPhysicalDevice device, struct choose_answers *out)
 {
     *out = (struct choose_answers){
@@ -59,8 +59,8 @@ static void ask(struct vk *vk, VkPhysicalDevice device, struct choose_answers *o
     vk->fn.GetPhysicalDeviceProperties2(device, &out->base);
 }
 
-/* The compute queue family with timestamps if there is one, else any that can compute; false if
- * none can. *bits is the number of valid bits of its timestamps. */
+/* Finds the compute queue family with the most timestamp bits; returns false if the device cannot
+ * compute. *bits is the number of valid bits of its timestamps. */
 static bool find_family(struct vk *vk, VkPhysicalDevice device, uint32_t *family, uint32_t *bits)
 {
     VkQueueFamilyProperties properties[16];
@@ -80,7 +80,7 @@ static bool find_family(struct vk *vk, VkPhysicalDevice device, uint32_t *family
     return found;
 }
 
-/* Memory of an integrated or a software device is the host's own: mapping it costs nothing. */
+/* Integrated and software devices share the host's memory, so mapping it costs nothing. */
 static bool is_shared(const VkPhysicalDeviceProperties *properties)
 {
     return properties->deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU ||
@@ -119,7 +119,7 @@ static struct vk_limits limits_of(const struct choose_answers *answers, uint32_t
     return limits;
 }
 
-/* True if `part` occurs in `text`, ignoring case. */
+/* Returns true if `part` occurs in `text`, ignoring case. */
 static bool contains(const char *text, const char *part)
 {
     size_t length = strlen(part);
@@ -134,7 +134,7 @@ static bool contains(const char *text, const char *part)
     return length == 0;
 }
 
-/* True if the device belongs to the driver in the options. */
+/* Returns true if the device belongs to the driver in the options. */
 static bool is_wanted(const struct vk *vk, const struct vk_limits *limits)
 {
     const struct driver *driver = &vk->driver;
@@ -145,7 +145,7 @@ static bool is_wanted(const struct vk *vk, const struct vk_limits *limits)
     return true;
 }
 
-/* *device is the loader's list, to be freed by the caller. */
+/* Sets *device to the loader's list, which the caller frees. */
 static enum status enumerate(struct vk *vk, VkPhysicalDevice **device, uint32_t *count,
                              struct reason *reason)
 {

@@ -10,11 +10,11 @@
 
 const char *const driver_names[] = {"stock", "mesa25", "swiftshader", "hardware", NULL};
 
-/* Folders above the program that are searched: build/raydiff, build/tests/test_x,
- * build/sanitize/tests/test_x and build/mutants/NAME/raydiff all mean build/drivers. */
+/* How many folders above the program are searched: build/raydiff, build/tests/test_x,
+ * build/sanitize/tests/test_x and build/mutants/NAME/raydiff all lead to build/drivers. */
 #define FOLDERS_ABOVE 4
 
-/* Joins into `out`; false if it does not fit. */
+/* Joins folder and name in `out`; returns false if they do not fit. */
 static bool join(char out[DRIVER_PATH_BYTES], const char *folder, const char *name)
 {
     int length = snprintf(out, DRIVER_PATH_BYTES, "%s/%s", folder, name);
@@ -50,7 +50,7 @@ static bool ends_in(const char *text, const char *end)
     return length >= end_length && strcmp(text + length - end_length, end) == 0;
 }
 
-/* The first lvp_icd*.json that the system's own folders hold. */
+/* Finds the first lvp_icd*.json in the system's folders. */
 static bool find_stock(char out[DRIVER_PATH_BYTES])
 {
     static const char *const folders[] = {"/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d",
@@ -111,7 +111,7 @@ enum status driver_find(const char *text, struct driver *out, struct reason *rea
     return STATUS_OK;
 }
 
-/* The folder of the driver's JSON file. */
+/* Writes the folder of the driver's JSON file. */
 static bool folder_of(const struct driver *driver, char out[DRIVER_PATH_BYTES])
 {
     snprintf(out, DRIVER_PATH_BYTES, "%s", driver->icd);
@@ -149,8 +149,8 @@ static bool is_driver(const char *name)
     return strncmp(name, "libvulkan_", 10) == 0 || strncmp(name, "libvk_", 6) == 0;
 }
 
-/* Loads what lies beside the driver. A library may need another one of them, so they are tried
- * until nothing new can be loaded; what cannot be loaded is the loader's to report. */
+/* Loads the libraries beside the driver. One may need another, so they are tried until no new one
+ * can be loaded. The loader reports those that are missing. */
 static void load_companions(const struct driver *driver)
 {
     char folder[DRIVER_PATH_BYTES], path[DRIVER_PATH_BYTES];
@@ -170,7 +170,8 @@ static void load_companions(const struct driver *driver)
     } while (loaded > last);
 }
 
-/* *earlier is a copy of the variable's value, NULL if it is unset; false without memory. */
+/* Sets *earlier to a copy of the variable's value, or NULL if unset. Returns false without
+ * memory. */
 static bool keep(const char *name, char **earlier)
 {
     const char *now = getenv(name);

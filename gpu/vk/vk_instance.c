@@ -6,9 +6,9 @@
 
 #define VALIDATION_LAYER "VK_LAYER_KHRONOS_validation"
 
-/* Messages of the layer about its own checks, which are not counted: features that it enables,
- * accesses that it cannot check and our shaders do not make (buffer addresses; ray queries on a
- * device without them), and a warning that both kinds of checks together are slow. */
+/* Messages of the layer about its own checks. They are not counted: features that it enables,
+ * accesses that it cannot check and raydiff's shaders do not make (buffer addresses; ray queries on
+ * a device without them), and a warning that both kinds of checks together are slow. */
 static const struct note {
     const char *name, *text;
 } watch_notes[] = {
@@ -44,7 +44,7 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlag
     return VK_FALSE;
 }
 
-/* Without general messages: the loader sends those about drivers that are not used. */
+/* Excludes general messages: the loader sends them about drivers that are not used. */
 static VkDebugUtilsMessengerCreateInfoEXT messenger_info(struct vk_log *log)
 {
     return (VkDebugUtilsMessengerCreateInfoEXT){
@@ -103,7 +103,7 @@ enum status vk_instance_make(struct vk *vk, struct reason *reason)
     VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(&vk->log);
     const VkValidationFeaturesEXT watch = {
         .sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
-        .pNext = &messenger, /* so that making and destroying the instance is watched too */
+        .pNext = &messenger, /* so that creation and destruction of the instance are checked, too */
         .enabledValidationFeatureCount = vk->options.watch ? ARRAY_COUNT(watched) : 0,
         .pEnabledValidationFeatures = watched,
     };

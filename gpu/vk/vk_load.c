@@ -1,4 +1,4 @@
-/* Finding the Vulkan loader and its functions at run time. */
+/* Finds the Vulkan loader and its functions at run time. */
 #define _GNU_SOURCE /* dl_iterate_phdr */
 #include "gpu/vk/vk_private.h"
 
@@ -10,7 +10,7 @@
 
 #define LOADER "libvulkan.so.1"
 
-/* An entry point: its name and its place in struct vk_fn. */
+/* An entry point: its name and its offset in struct vk_fn. */
 struct entry {
     const char *name;
     size_t offset;
@@ -104,7 +104,7 @@ static const struct entry ray_entry[] = {
     ENTRY(CmdBuildAccelerationStructuresKHR),
 };
 
-/* Stores one function; all function pointers have one representation here (POSIX). */
+/* Stores one function. All function pointers have the same representation (POSIX). */
 static enum status store(struct vk *vk, const struct entry *entry, PFN_vkVoidFunction function,
                          struct reason *reason)
 {
@@ -115,7 +115,7 @@ static enum status store(struct vk *vk, const struct entry *entry, PFN_vkVoidFun
     return STATUS_OK;
 }
 
-/* Loads the functions of the device once there is one, until then those of the instance. */
+/* Loads functions of the device if there is one, else of the instance. */
 static enum status load(struct vk *vk, const struct entry *entry, size_t count,
                         struct reason *reason)
 {
@@ -163,8 +163,8 @@ static int note(struct dl_phdr_info *info, size_t bytes, void *user)
     return 0;
 }
 
-/* Drivers and layers are never unloaded, though the loader would do it with each instance: Mesa's
- * leak when they are, and are slow to load again. Nothing depends on its success. */
+/* Keeps drivers and layers loaded, which the loader would unload with each instance: Mesa's leak
+ * when unloaded, and are slow to load again. Failure is ignored. */
 static void keep_drivers_loaded(void)
 {
     struct loaded loaded = {.count = 0};

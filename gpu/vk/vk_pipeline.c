@@ -139,7 +139,8 @@ static void record_step(struct vk *vk, VkDescriptorSet set, const struct vk_step
         vk->fn.CmdDispatch(command, step->groups, 1, 1);
 }
 
-/* Descriptor sets of pipelines with the same bindings can take each other's place. */
+/* One set serves all steps: descriptor sets are compatible with all pipelines of the same
+ * bindings. */
 static void record(struct vk *vk, VkDescriptorSet set, const struct vk_step *step, uint32_t count)
 {
     VkCommandBuffer command = vk->command;
@@ -159,7 +160,7 @@ static void record(struct vk *vk, VkDescriptorSet set, const struct vk_step *ste
     vk_barrier_for_reading(vk);
 }
 
-/* Reads the timestamps over the host's measure, if they can be had. */
+/* Replaces the host's time with the timestamps, if available. */
 static void read_clock(struct vk *vk, struct vk_time *time)
 {
     uint64_t tick[2];

@@ -1,4 +1,4 @@
-/* What the vk_*.c files share; private to them. */
+/* Shared by the vk_*.c files; private to them. */
 #ifndef VK_PRIVATE_H
 #define VK_PRIVATE_H
 
@@ -87,7 +87,7 @@ struct vk_fn {
     PFN_vkCmdBuildAccelerationStructuresKHR CmdBuildAccelerationStructuresKHR;
 };
 
-/* Messages of the validation layer; the callback may run on any thread. */
+/* Messages of the validation layer. The callback may run on any thread. */
 struct vk_log {
     atomic_uint count;
     atomic_bool has_first;
@@ -98,14 +98,14 @@ struct vk {
     void *library;
     struct vk_fn fn;
     struct vk_options options;
-    struct driver driver; /* what options.driver means */
+    struct driver driver; /* the meaning of options.driver */
     struct vk_log log;
     VkInstance instance;
     VkDebugUtilsMessengerEXT messenger;
     VkPhysicalDevice physical;
     VkPhysicalDeviceMemoryProperties memory;
     struct vk_limits limits;
-    uint64_t allocation_bytes; /* the largest piece of memory */
+    uint64_t allocation_bytes; /* largest memory allocation; 0: not known */
     uint32_t family;           /* queue family */
     VkDevice device;
     VkQueue queue;
@@ -114,20 +114,20 @@ struct vk {
     VkFence fence;
     VkQueryPool query; /* two timestamps, or null */
     struct vk_buffer *staging;
-    bool given_up; /* lost, or hung: the fence may still be pending */
-    bool pending;  /* submitted and not seen to end */
+    bool given_up; /* lost or hung; the fence may still be pending */
+    bool pending;  /* submitted and not known to have finished */
     bool stuck;    /* still pending after the grace time */
 };
 
 struct vk_buffer {
     VkBuffer buffer;
     VkDeviceMemory memory;
-    uint8_t *map; /* NULL if the host cannot see it */
+    uint8_t *map; /* NULL if not visible to the host */
     uint64_t bytes;
 };
 
 struct vk_sets {
-    VkDescriptorSetLayout layout; /* as every pipeline's of so many bindings */
+    VkDescriptorSetLayout layout; /* same as that of every pipeline with these bindings */
     VkDescriptorPool pool;
     uint32_t bindings; /* storage buffers of a set */
     bool accel;        /* followed by an acceleration structure */
@@ -136,18 +136,19 @@ struct vk_sets {
 };
 
 struct vk_pipeline {
-    struct vk_sets *sets; /* one, for vk_dispatch_series */
+    struct vk_sets *sets; /* one set, for vk_dispatch_series */
     VkPipelineLayout layout;
     VkPipeline pipeline;
     uint32_t push_bytes;
 };
 
-/* STATUS_OK if the call `what` returned VK_SUCCESS. Errors: STATUS_MEMORY for the out-of-memory
- * results, else STATUS_DEVICE, with the call and its result. Marks a lost device. */
+/* Returns STATUS_OK if `result`, of the call `what`, is VK_SUCCESS, and marks a lost device.
+ * Errors: STATUS_MEMORY for the out-of-memory results, else STATUS_DEVICE, with the call and its
+ * result. */
 enum status vk_check(struct vk *vk, VkResult result, const char *what,
                      struct reason *reason) MUST_USE;
 
-/* Fill in the table. Errors: STATUS_UNSUPPORTED with the library or the missing function. */
+/* Fill in vk->fn. Errors: STATUS_UNSUPPORTED with the library or the missing function. */
 enum status vk_load_library(struct vk *vk, struct reason *reason) MUST_USE;
 enum status vk_load_instance(struct vk *vk, struct reason *reason) MUST_USE;
 enum status vk_load_device(struct vk *vk, struct reason *reason) MUST_USE;
@@ -158,16 +159,16 @@ enum status vk_instance_make(struct vk *vk, struct reason *reason) MUST_USE;
 /* Chooses vk->physical, vk->family and fills in vk->limits and vk->memory. */
 enum status vk_choose(struct vk *vk, struct reason *reason) MUST_USE;
 
-/* One line per device into text, for messages. */
+/* Lists the devices in one line, or in several if `details`. */
 void vk_list(struct vk *vk, bool details, char *text, size_t text_bytes);
 
-/* True if the device has the extension. */
+/* Returns true if the device has the extension. */
 bool vk_has_extension(struct vk *vk, VkPhysicalDevice device, const char *name);
 
-/* True if the device, of Vulkan `version`, has what vk_options.ray_query requires. */
+/* Returns true if the device, of Vulkan `version`, has all that vk_options.ray_query requires. */
 bool vk_can_query_rays(struct vk *vk, VkPhysicalDevice device, uint32_t version);
 
-/* The features that vkCreateDevice is given for ray queries. */
+/* Features for vkCreateDevice if ray queries are used. */
 struct vk_ray_features {
     VkPhysicalDeviceBufferDeviceAddressFeatures address;
     VkPhysicalDeviceAccelerationStructureFeaturesKHR accel;
@@ -178,28 +179,29 @@ extern const char *const vk_ray_extensions[VK_RAY_EXTENSIONS];
 /* Chains the features, enabled if `wanted`; returns the head of the chain. */
 void *vk_ray_chain(struct vk_ray_features *features, bool wanted);
 
-/* Makes a buffer that no shader binds, up to the largest piece of memory. */
+/* Makes a buffer that no shader binds, up to the largest memory allocation. */
 enum status vk_buffer_make_unbound(struct vk *vk, uint64_t bytes, struct vk_buffer **out,
                                    struct reason *reason) MUST_USE;
 
-/* True if nothing is running, after some waiting for what hung. If false, no object that a shader
- * can use may be destroyed. */
+/* Returns true if no work is running, after waiting a limited time for work that hung. If false, no
+ * object that a shader can use may be destroyed. */
 bool vk_idle(struct vk *vk);
 
-/* Writes the buffers of set `i`: info[b] is that of binding b. */
+/* Writes the buffers of set `i`; info[b] is that of binding b. */
 void vk_set_write(struct vk *vk, const struct vk_sets *sets, uint32_t i,
                   const VkDescriptorBufferInfo *info);
 
-/* Recorded in vk->command: a set and the push constants of a pipeline; a barrier, so that what was
- * written in stage `from` is visible in stage `to`; a barrier for what copies or the host read of
- * what shaders wrote. */
+/* Record in vk->command: a pipeline's descriptor set and push constants; a barrier that makes what
+ * was written in stage `from` visible in stage `to`; a barrier before copies or the host read what
+ * shaders wrote. */
 void vk_bind(struct vk *vk, const struct vk_pipeline *pipeline, VkDescriptorSet set,
              const void *push);
 void vk_barrier(struct vk *vk, VkPipelineStageFlags from, VkAccessFlags written,
                 VkPipelineStageFlags to, VkAccessFlags access);
 void vk_barrier_for_reading(struct vk *vk);
 
-/* Begins vk->command; vk_submit ends and submits it and waits. `what` names the work. */
+/* vk_begin begins vk->command; vk_submit ends it, submits it and waits. `what` names the work for
+ * messages. */
 enum status vk_begin(struct vk *vk, struct reason *reason) MUST_USE;
 enum status vk_submit(struct vk *vk, const char *what, struct reason *reason) MUST_USE;
 

@@ -86,7 +86,7 @@ void vk_set_write(struct vk *vk, const struct vk_sets *sets, uint32_t i,
     const VkWriteDescriptorSet write = {
         .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
         .dstSet = sets->set[i],
-        .descriptorCount = sets->bindings, /* runs on into the following bindings */
+        .descriptorCount = sets->bindings, /* also writes the following bindings */
         .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
         .pBufferInfo = info,
     };
