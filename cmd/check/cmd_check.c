@@ -1,4 +1,4 @@
-/* raydiff check: the main job. Engines and layouts on one scene, compared ray by ray. */
+/* raydiff check: compares engines and layouts on scenes, ray by ray. */
 #include "cmd/check/cmd_check.h"
 
 #include "cmd/common/cmd_tree.h"
@@ -12,23 +12,25 @@
 
 #include <stdlib.h>
 
-/* Storages of grids are played on the decoded scene, the others on the scene as it is. */
+/* True for storages of grids (quantised). They run on the decoded scene, the others on the scene as
+ * it is. */
 static bool store_is_of_grids(const struct check_options *o, size_t i)
 {
     return tri_stores[o->store.index[i]]->head != NULL;
 }
 
-/* What one run of the command holds. */
+/* State of one run of the command. */
 struct check_run {
     struct check_options options;
     struct pool pool;
     struct progress progress;
-    struct tree_file tree;           /* of --bvh; rows refer to it */
-    struct turnout turnout;          /* of what was named */
-    const struct original *original; /* of the decoded scene that is played; NULL: as it was */
+    struct tree_file tree;           /* from --bvh; rows point to it */
+    struct turnout turnout;          /* of the named members */
+    const struct original *original; /* of the decoded scene in use; NULL: not decoded */
 };
 
-/* Rows of one engine over all box tests and queries; engines without a tree have no box test. */
+/* Adds the rows of one engine for all box tests and queries. Engines without a tree have no box
+ * test. */
 static enum status play_engine(struct check_run *check, struct match *match,
                                const struct engine *engine, struct check_scene *result)
 {
@@ -91,8 +93,8 @@ static enum status play_layouts(struct check_run *check, struct match *match,
     return STATUS_OK;
 }
 
-/* All layouts and engines on the match's tree; engines without a tree with the first builder only,
- * to which they are the same. */
+/* Runs all layouts and engines on the match's tree. Engines without a tree run only with the first
+ * builder, since builders make no difference to them. */
 static enum status play_match(struct check_run *check, struct match *match, bool first_builder,
                               struct check_scene *result, struct reason *reason)
 {
@@ -141,7 +143,7 @@ static enum status play_scene(struct check_run *check, const struct scene *scene
     return status;
 }
 
-/* The storages of grids, on the scene that they decode to. */
+/* Runs the storages of grids on the scene that they decode to. */
 static enum status play_decoded(struct check_run *check, const struct scene *scene,
                                 const struct ray *rays, struct check_scene *result,
                                 struct reason *reason)
@@ -248,7 +250,7 @@ static int check_all(struct check_run *check, char *const *spec, size_t count)
     return code;
 }
 
-/* Refuses options that this run does not use. -1: there are none. */
+/* Rejects options that this run does not use. Returns -1 if all are used, else the exit code. */
 static int check_use(const struct check_options *o, char *const *spec, size_t count)
 {
     const struct list rays = {.index = {o->rays}, .count = 1};

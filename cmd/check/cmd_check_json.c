@@ -10,7 +10,7 @@
 #include <jansson.h>
 #include <string.h>
 
-/* Floats that matter stand as bit patterns beside the readable text. */
+/* Bit patterns are exact; t is also given as a number. */
 static json_t *hit_json(const struct hit *hit)
 {
     if (hit->prim == ABI_NO_PRIM)
@@ -20,7 +20,7 @@ static json_t *hit_json(const struct hit *hit)
                        json_bits(hit->u), json_bits(hit->v));
 }
 
-/* JSON has no infinity: 1e300 stands for it. */
+/* JSON has no infinity; 1e300 replaces it. */
 static double finite(double x)
 {
     return x <= 1e300 ? x : 1e300;
@@ -138,7 +138,8 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
     return out;
 }
 
-/* Why layouts refuse the scene, a line each: those that --layout auto passed over, and others. */
+/* Writes why layouts refuse the scene, one per line: those that --layout auto passed over, and
+ * others. */
 static void refusals(const struct check_scene *scene, char *text, size_t text_bytes)
 {
     snprintf(text, text_bytes, "%s", scene->refused);

@@ -1,4 +1,4 @@
-/* What raydiff check prints: the table, what is wrong, and what it means. */
+/* Output of raydiff check: the table, the findings, and a summary. */
 #include "cmd/check/cmd_check.h"
 
 #include "cmd/common/cmd_finding.h"
@@ -15,7 +15,7 @@ static void print_bytes(const struct row *row)
         printf("%9.1f %9.1f", (double)row->node_bytes / 1e3, (double)row->item_bytes / 1e3);
 }
 
-/* The kinds of what is wrong, or of what a member as published does. */
+/* Prints the kinds of wrong answers, also of members as published. */
 static void print_wrong(const struct row *row)
 {
     if (row->count[VERDICT_WRONG] == 0)
@@ -26,7 +26,7 @@ static void print_wrong(const struct row *row)
             printf(" %s %zu", wrong_name(w), row->wrong[w]);
 }
 
-/* Counters that only lists of all hits have. */
+/* Prints counters that exist only for lists of all hits. */
 static void print_lists(const struct row *row)
 {
     if (row->options.query != QUERY_ALL)
@@ -38,7 +38,7 @@ static void print_lists(const struct row *row)
         printf(" no parity (the mesh is open)");
 }
 
-/* Only where more was lost than rounding explains. */
+/* Prints hits lost beside edges, if there are more than rounding explains. */
 static void print_edges(const struct row *row)
 {
     char text[MATCH_EDGES_TEXT];
@@ -94,7 +94,7 @@ static void print_findings(const struct check_scene *scene, const struct row *ro
         printf("  ... and %zu more of this row\n", row->differences - row->finding_count);
 }
 
-/* The row of `engine` with a layout of that name, the first in the table, or NULL. */
+/* The first row of `engine` with a layout of that name (NULL: any layout), or NULL. */
 static const struct row *row_of(const struct check_scene *scene, const char *engine,
                                 const char *layout)
 {
@@ -107,7 +107,8 @@ static const struct row *row_of(const struct check_scene *scene, const char *eng
     return NULL;
 }
 
-/* What engine cpu reads of each layout and storage, if there are several storages. */
+/* Prints how many bytes engine cpu reads of each layout and storage, if any storage is not the
+ * default. */
 static void print_stored(const struct check_scene *scene)
 {
     char text[STORED_NAME_MOST];
@@ -131,7 +132,7 @@ static void print_stored(const struct check_scene *scene)
     }
 }
 
-/* Of rows on a decoded scene: what their answers are for the original. */
+/* For rows on a decoded scene, prints how their answers fit the original. */
 static void print_originals(const struct check_scene *scene)
 {
     char text[STORED_NAME_MOST];
@@ -158,7 +159,8 @@ static void print_originals(const struct check_scene *scene)
     }
 }
 
-/* Smallest and, per engine, fastest layout, as ratios within this run. */
+/* Prints ratios within this run: size and speed of each layout relative to f32, per engine, and the
+ * speed of cpu relative to Embree. */
 static void print_winners(const struct check_scene *scene)
 {
     static const char *const players[] = {"vulkan", "cpu"};
@@ -192,7 +194,7 @@ static void print_winners(const struct check_scene *scene)
     }
 }
 
-/* All named layouts refuse, or no engine plays on them. */
+/* True if all layouts refuse, or no engine can run on them. */
 static bool is_idle(const struct check_scene *scene)
 {
     bool idle = true;
@@ -201,8 +203,8 @@ static bool is_idle(const struct check_scene *scene)
     return idle;
 }
 
-/* A storage other than the default, so one that was named, that no layout was played with; or NULL.
- */
+/* Returns a storage on which no layout ran; or NULL. The default storage is not considered, so the
+ * storage was named. */
 static const struct tri_store *idle_store(const struct check_scene *scene)
 {
     for (size_t i = 0; i < scene->row_count; i++) {
@@ -258,7 +260,7 @@ static void print_agreement(const struct check_scene *scene)
         printf("  members as published are wrong in %zu answers: counted, not judged\n", counted);
 }
 
-/* The member that refused, was skipped or failed. */
+/* Name of the member that refused, was skipped or failed. */
 static const char *subject_name(const struct row *row)
 {
     if (row->status == ROW_REFUSED && row->layout && !row->declined)
@@ -363,7 +365,7 @@ int check_unused(float displacement, const struct check_scene *scene, size_t cou
 
 enum status check_add_row(struct check_scene *result, const struct row *row)
 {
-    size_t capacity = result->row_count; /* grown one by one: rows are few */
+    size_t capacity = result->row_count; /* grows one by one, since rows are few */
     void *rows = result->row;
     enum status status = array_reserve(&rows, &capacity, result->row_count + 1, sizeof *row);
     if (status)

@@ -27,7 +27,7 @@ void print_floats(int indent, const char *title, const float *x, int count)
     }
 }
 
-/* How the tree was built, as far as its builder reads it. */
+/* Appends the build options that differ from the defaults and that the builder reads. */
 static void append_build(const struct explain_of *of, const struct option_use *use,
                          char text[EXPLAIN_COMMAND_MOST])
 {
@@ -58,7 +58,7 @@ void explain_command(const struct explain_of *of, const struct ray *ray,
     struct reason why;
     const struct list engine = list_of_one(TABLE_ENGINES, of->engine);
     const struct list builder = list_of_one(TABLE_BUILDERS, of->builder);
-    char *const scene[] = {(char *)(uintptr_t)of->spec}; /* is read alone */
+    char *const scene[] = {(char *)(uintptr_t)of->spec}; /* only read */
     const struct option_use use = {
         .engine = &engine, .builder = &builder, .scene = scene, .scene_count = 1};
     snprintf(text, EXPLAIN_COMMAND_MOST, "raydiff explain");

@@ -5,7 +5,7 @@
 
 #include <stdio.h>
 
-/* How far before the place at fault of a list its explanation begins, relative to its t. */
+/* How far before the faulty hit of a list the explained ray begins, relative to that hit's t. */
 #define BEFORE 0x1p-18f
 
 static void start_before(const struct finding *finding, struct ray *ray)
@@ -26,20 +26,20 @@ bool finding_command(const struct row *row, const struct finding *finding, const
     struct ray ray = finding->ray;
     enum wrong kind = finding->bits ? WRONG_NOT : finding->judgement.wrong;
     text[0] = '\0';
-    /* One run cannot explain answers that vary, nor can a closest hit explain a whole list. */
+    /* One run cannot explain answers that vary, and a closest hit cannot explain a whole list. */
     if (kind == WRONG_NOT_REPEATABLE || kind == WRONG_TWICE || kind == WRONG_ORDER)
         return false;
-    if (row->options.rest) /* explain reads the scene as it was */
+    if (row->options.rest) /* explain cannot move the scene */
         return false;
     if (row->options.store && row->options.store->head)
-        return false; /* it is of a decoded scene, which no file has */
+        return false; /* no file has the decoded scene */
     if (of.query == QUERY_ALL) {
         of.query = QUERY_CLOSEST;
         start_before(finding, &ray);
     }
     char name[RECORDED_NAME_MOST];
     struct engine answered = *row->engine;
-    if (row->engine->recorded) { /* the engine cannot answer again */
+    if (row->engine->recorded) { /* cannot trace again: the name holds the answer */
         recorded_name(row->engine->name, &finding->got, name);
         answered.name = name;
         of.engine = &answered;

@@ -9,7 +9,7 @@ struct nearest_name nearest_make(const char *word, size_t length)
     return (struct nearest_name){.word = word, .length = length, .distance = 1 + length / 4};
 }
 
-/* Characters inserted, deleted, replaced, or swapped with the next. */
+/* Number of characters inserted, deleted, replaced, or swapped with the next. */
 static size_t distance_of(const char *a, size_t a_length, const char *b, size_t b_length)
 {
     size_t row[3][WORD_MOST + 1];

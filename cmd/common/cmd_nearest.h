@@ -1,16 +1,16 @@
-/* The name that a typo may have meant. For commands only. */
+/* Finds the name that a mistyped word may mean. For commands only. */
 #ifndef CMD_NEAREST_H
 #define CMD_NEAREST_H
 
 #include "ref/base/base.h"
 
-/* A word that is none of some names: nearest_make, nearest_try on each name, and then `name` is the
- * one with the fewest changes of a character (inserted, deleted, replaced, swapped with the next),
- * at most one and one more for every four characters; the first of several. */
+/* Call nearest_make with a word that is no known name, then nearest_try with each name. `name` is
+ * then the name with the fewest changed characters (inserted, deleted, replaced, swapped with the
+ * next), the first of several. At most 1 + length / 4 changes are allowed. */
 struct nearest_name {
     const char *word;
     size_t length;
-    const char *name; /* NULL: nothing is near */
+    const char *name; /* NULL: no name is near */
     size_t distance;
 };
 

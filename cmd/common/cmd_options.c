@@ -41,20 +41,20 @@ enum status output_try(const char *path, struct reason *reason)
     struct stat what;
     if (!path || strcmp(path, "-") == 0 ||
         (stat(path, &what) == 0 && !S_ISREG(what.st_mode) && !S_ISDIR(what.st_mode)))
-        return STATUS_OK; /* a reader of a pipe would see it end */
+        return STATUS_OK; /* opening a pipe would end its reader's input */
     enum status status = file_out_open(path, &out, reason);
     file_out_discard(&out);
     return status;
 }
 
-#define GIVEN_MOST   128 /* more than any table has */
+#define GIVEN_MOST   128 /* more than any command has */
 #define OUTPUTS_MOST 16
 
-/* Names of a table, which outlives the command. */
+/* Names from a table, which outlives the command. */
 static const char *given[GIVEN_MOST];
 static size_t given_count;
 
-/* The outputs that were named, tried when all options are known to be right. */
+/* The named outputs. They are tried after all options are known to be right. */
 static const char *outputs[OUTPUTS_MOST];
 static size_t output_count;
 

@@ -1,37 +1,37 @@
-/* Which options a command was given, and the files that they name to be written. For commands only. */
+/* The options that a command was given, and the output files that they name. For commands only. */
 #ifndef CMD_OPTIONS_H
 #define CMD_OPTIONS_H
 
 #include "ref/match/match.h"
 #include "ref/files/file.h"
 
-/* Name of the i-th option that the last options_read was given, without dashes and each once; NULL
+/* Name of the i-th option given to the last options_read, without dashes and each only once; NULL
  * past the end. */
 const char *option_given(size_t i);
 
-/* Whether that option was given. */
+/* True if that option was given. */
 bool option_was_given(const char *name);
 
-/* For readers of command lines. Forgets all options that were given. */
+/* For functions that read command lines. Forgets all given options. */
 void options_begin(void);
-/* Notes an option. Errors: STATUS_INPUT it was given before and does not repeat. */
+/* Notes an option. Errors: STATUS_INPUT it was given before and may not repeat. */
 enum status option_note(const char *name, bool repeats, struct reason *reason) MUST_USE;
-/* Notes an output (NULL: none); outputs_try is output_try of all of them. */
+/* Notes an output (NULL: none). outputs_try calls output_try for all of them. */
 void output_note(const char *path);
 enum status outputs_try(struct reason *reason) MUST_USE;
-/* For "-": prints go to the standard error output from here on. Errors: STATUS_INPUT a second "-". */
+/* For "-": redirects standard output to standard error from here on. Errors: STATUS_INPUT a second
+ * "-", or cannot redirect. */
 enum status output_aside(struct reason *reason) MUST_USE;
-/* Prints why an option is wrong. Returns the exit code: EXIT_ENGINE of STATUS_DEVICE, else
- * EXIT_USAGE. */
+/* Prints why an option is wrong. Returns EXIT_ENGINE for STATUS_DEVICE, else EXIT_USAGE. */
 int option_error(const char *command, enum status status, const struct reason *reason);
 
-/* Tests that a file can be written, before work is done for it. An existing file stays as it is, and
- * no file is left behind. NULL, "-" and what is no regular file are not opened. Errors: as
+/* Tests that a file can be written, before the work for it begins. Existing files stay unchanged,
+ * and no new file remains. NULL, "-" and special files such as pipes are not opened. Errors: as
  * file_out_open. */
 enum status output_try(const char *path, struct reason *reason) MUST_USE;
 
-/* Opens the file of an option: `path`, or for "-" what was the standard output, once. Errors: as
- * file_out_open. */
+/* Opens the file of an option: `path`, or for "-" the former standard output, which works only
+ * once. Errors: as file_out_open. */
 enum status options_out(const char *path, struct file_out *out, struct reason *reason) MUST_USE;
 
 #endif

@@ -18,7 +18,7 @@ bool process_standard_files(void)
     return true;
 }
 
-/* Everything from here to process_signals is called in handlers of signals. */
+/* Signal handlers call the functions from here to process_signals. */
 static void end_by(int number)
 {
     const struct sigaction by_default = {.sa_handler = SIG_DFL};
@@ -57,8 +57,9 @@ static void on_caught(int number)
     set_grace(0, PROCESS_GRACE_MS * 1000000L);
 }
 
-/* What was ignored at the start stays so: under nohup, and in the background of a script. Commands
- * that end by themselves listen to SIGINT and SIGTERM there, too, as scripts send them. */
+/* Signals ignored at the start stay ignored, as under nohup or in the background of a script.
+ * Commands that end by themselves (`listens`) still catch SIGINT and SIGTERM, since scripts send
+ * these. */
 static void install(void (*handler)(int number), bool listens)
 {
     for (size_t i = 0; i < ARRAY_COUNT(ends); i++) {
@@ -80,7 +81,7 @@ void process_signals_caught(volatile sig_atomic_t *caught)
     struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGALRM};
     if (caught_flag == caught)
         return;
-    /* Without a timer the process is ended at once. */
+    /* Without a timer, a signal ends the process at once. */
     if (timer_create(CLOCK_MONOTONIC, &event, &grace) != 0)
         return;
     sigaction(SIGALRM, &late, NULL);

@@ -1,4 +1,4 @@
-/* Options from rows: the command line, flag by flag. */
+/* Options from rows: reads the command line. */
 #include "cmd/common/cmd_rows.h"
 
 #include "cmd/common/cmd_nearest.h"
@@ -41,7 +41,7 @@ static enum status take_real(const struct option_row *row, const char *flag, con
     return fail(reason, STATUS_INPUT, "%s: '%.60s' is below %g", flag, text, row->low);
 }
 
-/* "a, b or c" */
+/* Writes "a, b or c". */
 static void name_choices(const char *const *choice, char *text, size_t text_bytes)
 {
     text[0] = '\0';
@@ -80,7 +80,7 @@ static enum status take_place(const struct option_row *row, const char *flag, co
     return status;
 }
 
-/* Stores a value, or that a flag was given, in the row's member. */
+/* Stores a value in the row's member; for a flag, true. */
 static enum status take(void *owner, const struct option_value *given, struct reason *reason)
 {
     const struct option_row *row = given->row;
@@ -147,17 +147,17 @@ static void take_defaults(const struct option_set *set, void *options)
             if (row->type >= OPTION_TEXT && row->type <= OPTION_DATA)
                 memcpy((char *)owner + row->place, &row->value, row->size);
             else if (option_put(set, options, row->name, text, &reason))
-                abort(); /* a default that its row refuses is our bug */
+                abort(); /* a default that its own row rejects is a bug */
         }
 }
 
-/* The command line as it is read. */
+/* State of reading the command line. */
 struct option_reading {
     const struct option_set *set;
     void *options;
-    int argc, at; /* the word that is next */
+    int argc, at; /* index of the next word */
     char **argv;
-    int first; /* what is before it are options and their values */
+    int first; /* all before it are options and their values */
 };
 
 static bool is_flag(const struct option_reading *r, const char *word)
@@ -177,7 +177,7 @@ static int unknown_option(const struct option_reading *r, const char *name, size
                        nearest.name ? "?" : "");
 }
 
-/* In sets of words. Errors: not as many words as the row wants. */
+/* For sets with `words`. Errors: STATUS_INPUT the row needs another number of words. */
 static enum status count_words(const struct option_row *row, size_t count, struct reason *reason)
 {
     const bool none = !row->word, own = row->type == OPTION_OWN;
@@ -191,7 +191,7 @@ static enum status count_words(const struct option_row *row, size_t count, struc
                 count, plural(count), count == 1 ? "s" : "");
 }
 
-/* The value's words; those up to r->at are the option's. */
+/* Finds the option's value and moves r->at past it. Errors: STATUS_INPUT. */
 static enum status find_value(struct option_reading *r, char *text, struct option_value *value,
                               struct reason *reason)
 {
@@ -223,7 +223,7 @@ static enum status find_value(struct option_reading *r, char *text, struct optio
     return STATUS_OK;
 }
 
-/* Puts a word before the arguments that stood before it. */
+/* Moves word i before the arguments that preceded it. */
 static void put_first(struct option_reading *r, int i)
 {
     char *word = r->argv[i];
@@ -231,7 +231,7 @@ static void put_first(struct option_reading *r, int i)
     r->argv[r->first++] = word;
 }
 
-/* Takes the option that stands at r->at. -1, or the exit code. */
+/* Reads the option at r->at. Returns -1, or the exit code. */
 static int read_option(struct option_reading *r)
 {
     const int start = r->at++;

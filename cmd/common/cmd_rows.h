@@ -1,9 +1,9 @@
-/* Options as rows: one row a flag. Rows give parsing, refusals, --help, the man page and the shell
- * completions. For commands only.
+/* Options as rows: one row per flag. Rows define parsing, error messages, --help, the man page and
+ * shell completions. For commands only.
  *   #define ROWS_OF struct my_options
  *   static const struct option_row rows[] = {
  *       {"count", "N", "rays", OF_COUNT(count, 1, 1u << 30), .value = "1000"},
- *       {"json", "FILE", "all rows, for machines", OF_JSON(struct my_options, json)},
+ *       {"json", "FILE", "all rows, for machines", OF_DATA(json)},
  *       {0}};
  *   static const struct option_set set = {.command = "my", .group = {GROUP(rows),
  *       GROUP_AT(engine_rows, engines)}, ...};
@@ -17,21 +17,21 @@
 #include <stddef.h>
 
 enum option_type {
-    OPTION_FLAG,    /* no value; a bool becomes true */
-    OPTION_COUNT,   /* a whole number, into 4 or 8 bytes */
+    OPTION_FLAG,    /* no value; stores true in a bool */
+    OPTION_COUNT,   /* a whole number; stores 4 or 8 bytes */
     OPTION_REAL,    /* a float */
-    OPTION_CHOICE,  /* a word of `choice`; its place */
-    OPTION_ONE,     /* a member of a table; its place */
-    OPTION_MEMBER,  /* the same; a pointer to the member */
-    OPTION_LIST,    /* members of a table; a struct list */
-    OPTION_TEXT,    /* kept as it is */
-    OPTION_FILE,    /* a file that is read */
+    OPTION_CHOICE,  /* a word of `choice`; stores its index */
+    OPTION_ONE,     /* a member of a table; stores its index */
+    OPTION_MEMBER,  /* the same; stores a pointer to the member */
+    OPTION_LIST,    /* members of a table; stores a struct list */
+    OPTION_TEXT,    /* text; stored unchanged */
+    OPTION_FILE,    /* a file to read */
     OPTION_FOLDER,  /* a folder */
-    OPTION_OUTPUT,  /* a file, or a name that begins those of files; not "-" */
-    OPTION_WRITTEN, /* a file that is written at the end, and tried before; not "-" */
-    OPTION_DATA,    /* the same; "-" is the standard output, for one of them */
+    OPTION_OUTPUT,  /* a file, or a prefix of file names; not "-" */
+    OPTION_WRITTEN, /* a file written at the end and tried before; not "-" */
+    OPTION_DATA,    /* the same; for one of them "-" is standard output */
     OPTION_OWN,     /* `take` reads the value */
-    OPTION_ACT      /* `take` is called, there is no value */
+    OPTION_ACT      /* no value; `take` is called */
 };
 
 struct option_row;
@@ -39,38 +39,38 @@ struct option_row;
 /* A flag as it was given. */
 struct option_value {
     const struct option_row *row;
-    char *text;        /* the value; NULL: none was given */
-    char *const *word; /* in sets of words: all values */
-    size_t count;      /* of them */
+    char *text;        /* the value; NULL: none */
+    char *const *word; /* in sets with `words`: all values */
+    size_t count;      /* number of values */
 };
 
-/* Takes an option into the struct that its rows are of. Errors: STATUS_INPUT with the flag, text and
- * rule. */
+/* Stores an option in the struct of its rows. Errors: STATUS_INPUT with the flag, text and rule. */
 typedef enum status option_take_fn(void *options, const struct option_value *given,
                                    struct reason *reason);
 
 struct option_row {
     const char *name; /* without dashes; NULL ends the rows */
-    const char *word; /* what stands for the value in a help text; NULL: there is none */
+    const char *word; /* placeholder of the value in help texts; NULL: no value */
     const char *help;
     enum option_type type;
-    size_t place, size;   /* of the member */
-    uint64_t least, most; /* of counts; with `words` their number, and another allowed one or 0 */
-    const char *words;    /* in sets of words: what they are; NULL: `take` counts them */
+    size_t place, size;   /* offset and size of the member */
+    uint64_t least, most; /* of counts; with `words` their number, and another one or 0 */
+    const char *words;    /* in sets with `words`: describes them; NULL: `take` counts them */
     double low, high;     /* of reals */
     unsigned table;       /* enum table + 1; 0: no table */
     const char *const *choice;
     option_take_fn *take;
-    const char *value; /* the default, read as if it was given; NULL: what the struct holds */
-    const char *shown; /* the default in words */
-    double standard;   /* the default that a 0 in the struct stands for */
-    char letter;       /* a second name, as in -w; or 0 */
+    const char *value; /* the default as text; NULL: the struct holds it */
+    const char *shown; /* the default in words, for help texts */
+    double standard;   /* the default that 0 in the struct stands for */
+    char letter;       /* a short name, as in -w; or 0 */
     bool repeats;      /* may be given more than once */
-    bool optional;     /* the value may be left out */
-    bool file;         /* of OPTION_OWN: the value is a file's name */
+    bool optional;     /* the value may be omitted */
+    bool file;         /* for OPTION_OWN: the value is a file's name */
 };
 
-/* Types and places of rows. What they are of is ROWS_OF: #define ROWS_OF struct my_options */
+/* Types and members of rows. ROWS_OF is the struct of the members: #define ROWS_OF struct
+ * my_options */
 #define OF_PLACE(of, member)                                                                       \
     .type = OPTION_##of, .place = offsetof(ROWS_OF, member), .size = sizeof(((ROWS_OF *)0)->member)
 #define OF_FLAG(member)            OF_PLACE(FLAG, member)
@@ -81,7 +81,7 @@ struct option_row {
 #define OF_WRITTEN(member)         OF_PLACE(WRITTEN, member)
 #define OF_DATA(member)            OF_PLACE(DATA, member)
 #define OF_COUNT(member, from, to) OF_PLACE(COUNT, member), .least = from, .most = to
-/* `to` INFINITY: no upper end; `from` ABOVE_0: that is the rule. */
+/* `to` INFINITY: no upper limit. `from` ABOVE_0: must be above 0. */
 #define OF_REAL(member, from, to)   OF_PLACE(REAL, member), .low = from, .high = to
 #define OF_LIST(member, of_table)   OF_PLACE(LIST, member), .table = 1 + (of_table)
 #define OF_ONE(member, of_table)    OF_PLACE(ONE, member), .table = 1 + (of_table)
@@ -91,7 +91,7 @@ struct option_row {
 #define OF_ACT(function)            .type = OPTION_ACT, .take = function
 #define ABOVE_0                     (-0.0)
 
-/* Groups of rows: of ROWS_OF, or of a member of it. */
+/* Groups of rows: for members of ROWS_OF, or of a struct inside it. */
 #define GROUP(rows)                                                                                \
     {                                                                                              \
         .row = rows                                                                                \
@@ -101,29 +101,30 @@ struct option_row {
         .row = rows, .place = offsetof(ROWS_OF, member)                                            \
     }
 
-/* What a command takes. Texts are filled to 80 columns: each line is a paragraph, one that begins
- * with a blank stays as it is. */
+/* The options and texts of a command. Texts are filled to 80 columns. Each line is a paragraph, but
+ * a line that begins with a blank is not filled. */
 struct option_set {
     const char *command;
-    const char *usage; /* lines: what follows "raydiff" */
+    const char *usage; /* lines that follow "raydiff" */
     const char *about;
     struct option_group {
         const struct option_row
-            *row;     /* NULL ends the groups; of rows with one name the first counts */
-        size_t place; /* of their struct in the command's */
+            *row;     /* NULL ends the groups; of rows with the same name the first counts */
+        size_t place; /* offset of their struct in the command's */
         const char *title;
     } group[9];
     const char *notes;
     const char *codes;     /* exit codes */
-    const char *example;   /* lines: what follows "raydiff" */
-    option_take_fn *taken; /* called with each option that was taken; or NULL */
-    void (*more)(void);    /* prints what follows in --help and the man page; or NULL */
+    const char *example;   /* lines that follow "raydiff" */
+    option_take_fn *taken; /* called with each option; or NULL */
+    void (*more)(void);    /* prints the end of --help and the man page; or NULL */
     bool words;        /* a value is all words up to the next flag, which begins with two dashes */
-    bool makes_folder; /* of its own, in which outputs may be: they are not tried */
+    bool makes_folder; /* makes a folder for its outputs, so these are not tried */
 };
 
-/* Rows of several commands: of processors and Vulkan, of tracers and layouts from outside (both of
- * struct engine_options), of trees (struct build_options) and of demands (struct match_demands). */
+/* Rows shared by commands: for CPU and Vulkan engines, for engines and layouts from outside (both
+ * in struct engine_options), for trees (struct build_options) and for demands (struct
+ * match_demands). */
 extern const struct option_row engine_rows[], outside_rows[], leaf_rows[], build_rows[],
     displacement_rows[], watertight_rows[];
 
@@ -144,35 +145,36 @@ extern const struct option_row engine_rows[], outside_rows[], leaf_rows[], build
             OF_FILE(member)                                                                        \
     }
 
-/* No thread limit, any Vulkan device. */
+/* Default: no thread limit, any Vulkan device. */
 struct engine_options engine_options_default(void);
 
-/* BUILD_LEAF_DEFAULT and BUILD_EPS_DEFAULT; all else as each builder has it. */
+/* Default: BUILD_LEAF_DEFAULT and BUILD_EPS_DEFAULT; all else is left to each builder. */
 struct build_options build_options_default(void);
 
-/* Puts the defaults of the rows into `options` and hands it every option of the command line. Returns
- * -1 to go on, with *first the index of the first argument that is no option (all others are then
- * before it); else the exit code: --help or -h was printed, or a usage error was. Files that are to
- * be written are tried (output_try). With "-" as the file of an OPTION_DATA what is printed goes to
- * the standard error output, so that what options_out writes stands alone. */
+/* Stores the rows' defaults in `options`, then all options of the command line. Returns -1 to
+ * continue. *first is then the index of the first argument that is no option, and all options are
+ * before it. Else returns the exit code, after --help or -h or a usage error was printed. Output
+ * files are tried (output_try). If the file of an OPTION_DATA is "-", everything printed goes to
+ * standard error, so that standard output holds only what options_out writes. */
 int options_read(const struct option_set *set, void *options, int argc, char **argv, int *first);
 
-/* The row of an option, and (unless NULL) the struct that it is of; NULL: there is none. */
+/* Returns the row of an option, or NULL if there is none. *owner (unless NULL) becomes the struct
+ * that holds the option. */
 const struct option_row *option_find(const struct option_set *set, const char *name, void *options,
                                      void **owner);
 
-/* Takes one option as if it was given. Errors: as options_read, in *reason. */
+/* Stores one option as if it was given. Errors: as options_read, in *reason. */
 enum status option_put(const struct option_set *set, void *options, const char *name, char *text,
                        struct reason *reason) MUST_USE;
 
-/* What --help prints, and what else is made of the rows. */
+/* The formats of options_print: --help, man page and shell completions. */
 enum option_form { FORM_HELP, FORM_MAN, FORM_BASH, FORM_ZSH };
 extern enum option_form option_form;
 
-/* Prints text for `more`, in that form; the first line begins at column `at`. */
+/* Prints text for `more` in the current format. The first line begins at column `at`. */
 void options_text(const char *text, size_t at);
 
-/* Prints the set in the form of option_form. */
+/* Prints the set in the format option_form. */
 void options_print(const struct option_set *set);
 
 #endif

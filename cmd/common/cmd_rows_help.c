@@ -1,4 +1,4 @@
-/* What is made of the rows of a command: its --help, its man page, and what shells complete. */
+/* Texts made from a command's rows: --help, the man page and shell completions. */
 #include "cmd/common/cmd_rows.h"
 
 #include <inttypes.h>
@@ -7,15 +7,16 @@
 #include <string.h>
 
 #define WIDTH      80
-#define COLUMN     18     /* of the texts of options */
-#define LABEL_MOST 26     /* longer labels stand alone */
-#define RANGE_MOST 100000 /* ranges up to there are printed */
+#define COLUMN     18     /* where the texts of options begin */
+#define LABEL_MOST 26     /* longer labels get their own line */
+#define RANGE_MOST 100000 /* larger ranges are not printed */
 
 enum option_form option_form;
 
 /* --- plain text --------------------------------------------------------------------------- */
 
-/* Fills one line of a text, which begins at column `at`; `end` is put where it goes on. */
+/* Prints a paragraph that begins at column `at`, broken into lines. `end` is put before each
+ * break. */
 static void fill_line(const char *text, size_t length, size_t at, size_t indent, const char *end)
 {
     const size_t width = WIDTH - strlen(end);
@@ -37,8 +38,8 @@ static void fill_line(const char *text, size_t length, size_t at, size_t indent,
     putchar('\n');
 }
 
-/* A line that stays as it is, unless it is too long: then what stands behind its first gap of two
- * blanks is filled there. */
+/* Prints a line unchanged if it fits. Else fills the text after its first gap of two blanks, at
+ * that column. */
 static void keep_line(const char *text, size_t length)
 {
     size_t gap = strspn(text, " ");
@@ -65,7 +66,7 @@ static void print_lines(const char *text, size_t at, size_t indent)
     }
 }
 
-/* The row's help text with its range and default. */
+/* Writes the row's help text with its range and default. */
 static void describe(const struct option_row *row, char *text, size_t text_bytes)
 {
     char range[48] = "", standard[24];
@@ -113,7 +114,8 @@ static void roff(const char *text, size_t length, const char *end)
     fputs(end, stdout);
 }
 
-/* Lines that begin with a blank stay as they are; `before` is put before each line. */
+/* Lines that begin with a blank, or all if `kept`, are not filled. `before` is put before each line
+ * that does not begin with a blank. */
 static void roff_lines(const char *text, const char *before, bool kept)
 {
     bool is_kept = false;
@@ -153,7 +155,7 @@ static bool names_files(const struct option_row *row)
     return row->file || (row->type >= OPTION_FILE && row->type <= OPTION_DATA);
 }
 
-/* The values that can be listed, blanks between. */
+/* Prints the values that can be listed, separated by blanks. Returns false if there are none. */
 static bool print_values(const struct option_row *row)
 {
     const char *name;
@@ -223,7 +225,8 @@ void options_text(const char *text, size_t at)
         roff_lines(text, "", false);
 }
 
-/* Lines of raydiff, or of what follows it if they begin with a blank. */
+/* Prints commands: each line follows "raydiff", unless it begins with a blank and continues the
+ * line before. */
 static void print_commands(const char *first, const char *then, const char *end, const char *lines)
 {
     for (const char *head = first; *lines; head = then) {

@@ -1,4 +1,4 @@
-/* Options that several commands take alike. */
+/* Options that several commands share. */
 #include "cmd/common/cmd_rows.h"
 
 #include "ref/outside/plugin_guard.h"
@@ -67,7 +67,7 @@ const struct option_row outside_rows[] = {
     {0},
 };
 
-/* 0 is none, which the options have as a number below 0, since their 0 is the default. */
+/* Stores a 0 as -1, since 0 in the options stands for the default. */
 static enum status take_share(void *options, const struct option_value *given,
                               struct reason *reason)
 {

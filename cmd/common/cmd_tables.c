@@ -47,7 +47,7 @@ const char *table_name(enum table table)
     return names[table];
 }
 
-/* As turnouts call a member of the table. */
+/* The name of a table's members in turnouts. */
 static const char *kind_of(enum table table)
 {
     static const char *const names[TABLE_COUNT] = {"builder", "layout", "box",  "tri",  "query",
@@ -55,7 +55,8 @@ static const char *kind_of(enum table table)
     return names[table];
 }
 
-/* Name and summary of member i of a NULL-terminated table of pointers to named structs. */
+/* Returns the name of member i of a NULL-terminated table of pointers; sets *text to its summary
+ * and *at to the member. */
 #define MEMBER(table)                                                                              \
     do {                                                                                           \
         if (!(table)[i])                                                                           \
@@ -150,7 +151,8 @@ void list_layouts(const struct list *list, const struct layout *out[LIST_MOST])
         out[i] = layouts_all[list->index[i]];
 }
 
-/* Why a word for many members, or for one that is looked for, names none here; NULL: it is none. */
+/* Explains why "auto", "all" or "every" is no name in this list; NULL: the name is none of
+ * these. */
 static const char *stands_alone(enum table table, const char *name, size_t length)
 {
     if (length == 4 && memcmp(name, "auto", 4) == 0 && table == TABLE_LAYOUTS)
@@ -216,14 +218,14 @@ void turnout_print(const struct turnout *turnout)
     char line[512];
     for (size_t i = 0; i < turnout->count; i++) {
         const struct turnout_one *one = &turnout->one[i];
-        if (!one->declines && !turnout_tells(one)) /* engines always */
+        if (!one->declines && !turnout_tells(one)) /* engines are always printed */
             continue;
         turnout_line(one, line, sizeof line);
         printf("%s %s %s\n", one->kind, one->name, line);
     }
 }
 
-/* Of queries, "all" is one. */
+/* For queries, "all" is a member's name. */
 static bool is_everything(enum table table, const char *text)
 {
     return table != TABLE_QUERIES && strcmp(text, "all") == 0;
@@ -234,8 +236,8 @@ static bool begins_with(const char *text, const char *prefix)
     return strncmp(text, prefix, strlen(prefix)) == 0;
 }
 
-/* Length of the name at the start of the text. A command may hold commas: its name goes on to the
- * end, or to the next command. */
+/* Length of the name at the start of the text. A command may contain commas, so its name extends to
+ * the end or to the next command. */
 static size_t name_length(enum table table, const char *text)
 {
     if (table != TABLE_ENGINES || !begins_with(text, PIPE_PREFIX))
@@ -244,7 +246,7 @@ static size_t name_length(enum table table, const char *text)
     return next ? (size_t)(next - text) : strlen(text);
 }
 
-/* Puts the engine "pipe:COMMAND" or "answer:..." into the table, if that is what is named. */
+/* If the name is "pipe:COMMAND" or "answer:...", adds that engine to the table. */
 static enum status add_engine(enum table table, const char *flag, const char *text, size_t length,
                               struct reason *reason)
 {
@@ -263,7 +265,7 @@ static enum status add_engine(enum table table, const char *flag, const char *te
     return status ? fail(reason, STATUS_INPUT, "%s: %s", flag, why.text) : STATUS_OK;
 }
 
-/* Puts the layout of "PATH.so" into the table, if that is what is named; then that is the name. */
+/* If the name is "PATH.so", adds that layout to the table and replaces the name by the layout's. */
 static enum status add_plugin(enum table table, const char *flag, const char **text, size_t *length,
                               struct reason *reason)
 {
@@ -285,8 +287,8 @@ static enum status add_plugin(enum table table, const char *flag, const char **t
     return STATUS_OK;
 }
 
-/* Adds the members that the name of `length` characters names or matches; their number in *added.
- */
+/* Adds the members that the name of `length` characters names or matches. Errors: STATUS_INPUT
+ * none, or one was added before. */
 static enum status add_members(enum table table, const char *flag, const char *text, size_t length,
                                struct list *out, struct reason *reason)
 {

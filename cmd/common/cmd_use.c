@@ -53,7 +53,7 @@ static bool tests_ours(const struct engine *engine)
     return !engine->own_tri;
 }
 
-/* Of a formula that is not known. */
+/* True for engines whose formula is unknown. */
 static bool is_black(const struct engine *engine)
 {
     return engine_is_peer(engine) || (engine->gpu && engine->own_tri);
@@ -101,8 +101,8 @@ static bool of_grids(const struct option_use *use, const char *option)
     return any;
 }
 
-/* Files and generators that draw nothing by chance do not depend on the seed, nor does one
- * whose text gives its own. */
+/* True if the scene depends on --seed. Files do not, nor generators that draw no random numbers,
+ * nor a text that gives its own seed. */
 static bool scene_is_seeded(const char *spec)
 {
     char name[64];
@@ -128,7 +128,7 @@ static bool by_chance(const struct option_use *use, const char *option)
 static const struct {
     const char *options;
     const char *what;
-    bool (*is)(const struct engine *engine); /* one that plays; or NULL: is_met */
+    bool (*is)(const struct engine *engine); /* true for one engine of the run; NULL: see is_met */
     bool (*is_met)(const struct option_use *use, const char *option);
 } needs[] = {
     {"layout store builder box leaf eps bvh bins radius split-budget split-alpha optimize",
@@ -144,7 +144,7 @@ static const struct {
     {"seed", "a scene or rays that are drawn by chance", NULL, by_chance},
 };
 
-/* Appends the builders that take an option, by name. */
+/* Appends the names of the builders that take an option. */
 static void name_builders(const char *option, char *text, size_t text_bytes)
 {
     for (size_t i = 0; builders_all[i]; i++)

@@ -1,4 +1,4 @@
-/* raydiff diff: two pictures, or engines that draw the same one. */
+/* raydiff diff: compares two pictures, or engines that draw the same one. */
 #include "cmd/diff/cmd_diff.h"
 
 #include "cmd/common/cmd_use.h"
@@ -15,7 +15,7 @@ static bool ends_in_png(const char *text)
     return length > 4 && strcmp(text + length - 4, ".png") == 0;
 }
 
-/* An argument is a picture, and no option's value. */
+/* True if an argument is a picture, and not an option's value. */
 static bool is_of_pictures(int argc, char **argv)
 {
     for (int i = 1; i < argc; i++)
@@ -99,7 +99,8 @@ void diff_explain(const struct diff_run *run, const struct diff_member *member, 
     explain_command(&of, ray, text);
 }
 
-/* What draws is chosen by the engines' list; a tree is made if any of them needs one. */
+/* Fills in defaults and checks the options. If any engine of the list needs a tree, it becomes
+ * settings.engine, so that a tree is made. */
 static enum status finish(struct diff_options *o, struct reason *reason)
 {
     static char standard[] = "cpu,vulkan,embree";
@@ -211,7 +212,7 @@ static enum status draw_and_compare(struct diff_run *run, struct reason *reason)
     return status;
 }
 
-/* "HEAT-ENGINE.png" beside "HEAT.png" where there are several. */
+/* Writes "HEAT.png", or "HEAT-ENGINE.png" if several pairs are compared. */
 static void heat_path(const struct diff_run *run, const struct engine *engine, char *path,
                       size_t path_bytes)
 {
@@ -252,7 +253,7 @@ static enum status write_heat(const struct diff_run *run, const struct diff_memb
     return status;
 }
 
-/* What was found, as an exit code; engines that were named must run. */
+/* The exit code of the findings. It is an error if a named engine does not run. */
 static int exit_of(const struct diff_run *run)
 {
     int code = EXIT_AGREE;
@@ -303,7 +304,7 @@ static enum status play(struct diff_run *run, int *code, struct reason *reason)
     return status ? status : report(run, code, reason);
 }
 
-/* The command line as it can be typed again, but for what is written and listed. */
+/* Writes the command line so that it can be typed again, without its outputs and --list. */
 static void keep_command(int argc, char **argv, char *text, size_t text_bytes)
 {
     static const char *const left_out[] = {"--out", "--json", "--list"};
@@ -314,7 +315,7 @@ static void keep_command(int argc, char **argv, char *text, size_t text_bytes)
             size_t length = strlen(left_out[k]);
             keep = strncmp(argv[i], left_out[k], length) != 0 ||
                    (argv[i][length] != '\0' && argv[i][length] != '=');
-            i += !keep && argv[i][length] == '\0'; /* its value */
+            i += !keep && argv[i][length] == '\0'; /* skip its value */
         }
         if (keep)
             command_word(text, text_bytes, argv[i]);

@@ -1,4 +1,4 @@
-/* The two halves of raydiff diff: pictures, and engines on a scene. For commands only. */
+/* The two parts of raydiff diff: pictures, and engines on a scene. For commands only. */
 #ifndef CMD_DIFF_H
 #define CMD_DIFF_H
 
@@ -11,30 +11,30 @@
 /* raydiff diff A.png B.png; argv[0] is "diff". Returns the exit code. */
 int cmd_diff_images(int argc, char **argv);
 
-/* What the options set. */
+/* Values of the options. */
 struct diff_options {
     struct render_settings settings;
     struct list engine;
     bool has_pixel;
     uint32_t x, y;
     float angle;   /* degrees */
-    uint64_t list; /* pixels listed of each kind */
+    uint64_t list; /* pixels listed per kind */
     const char *out, *json;
 };
 
-/* One engine's part in a run. */
+/* Results of one engine in a run. */
 struct diff_member {
     const struct engine *engine;
-    enum status status; /* STATUS_UNSUPPORTED: it is left out, for `reason` */
+    enum status status; /* STATUS_UNSUPPORTED: left out, see `reason` */
     struct reason reason;
     struct side side;
-    struct pair pair;      /* with the first engine that runs; of that one empty */
-    struct diff_walk walk; /* of --pixel */
-    enum path_field field; /* of --pixel: in which a renderer of its own leaves that walk */
-    uint32_t segment;      /* there */
+    struct pair pair;      /* with the first engine that runs; empty for that one */
+    struct diff_walk walk; /* for --pixel */
+    enum path_field field; /* for --pixel: where its own renderer first differs from that walk */
+    uint32_t segment;      /* of that difference */
 };
 
-/* One run. Do not move it: parts point into others. */
+/* One run. Do not move it: its parts point to each other. */
 struct diff_run {
     const struct diff_options *options;
     struct render_stage stage;
@@ -43,32 +43,33 @@ struct diff_run {
     struct diff_member member[LIST_MOST];
     size_t count;
     size_t reference;   /* the first member that runs */
-    char command[1024]; /* the run's own command line, without what it writes */
+    char command[1024]; /* the run's command line without its outputs */
 };
 
-/* "raydiff explain ..." of a ray of a member: its own, or to a light. */
+/* Writes the "raydiff explain ..." command for a ray of a member. `shadow`: the ray goes to a
+ * light. */
 void diff_explain(const struct diff_run *run, const struct diff_member *member, bool shadow,
                   const struct ray *ray, char text[EXPLAIN_COMMAND_MOST]);
 
-/* True if two pictures agree although neither has a hit: nothing was compared. */
+/* True if two pictures agree but neither has a hit, so that nothing was compared. */
 bool diff_is_vacuous(const struct pair *pair);
 
 /* Prints what differs between the reference and each other member, and why. */
 void diff_print(const struct diff_run *run);
 
-/* Writes it as JSON. Errors: as json_write. */
+/* Writes the same as JSON. Errors: as json_write. */
 enum status diff_write_json(const struct diff_run *run, int exit_code,
                             struct reason *reason) MUST_USE;
 
-/* The path of the pixel on all members: walks it, judges every answer, prints it and writes the
- * JSON. *exit_code becomes EXIT_MISMATCH if an answer is wrong, or bits differ that must not.
- * Errors: as side_walk; STATUS_MEMORY; as json_write. */
+/* Walks the path of the pixel on all members, judges every answer, prints the paths and writes the
+ * JSON. *exit_code becomes EXIT_MISMATCH if an answer is wrong, or if bits differ that must be
+ * equal. Errors: as side_walk; STATUS_MEMORY; as json_write. */
 enum status diff_pixel(struct diff_run *run, int *exit_code, struct reason *reason) MUST_USE;
 
-/* What the run is of, for the head of a page: "rtrs, 96 x 72, repaired, ...". */
+/* Prints the heading of a run: "rtrs: 12 triangles; 96 x 72 pixels, profile repaired, ...". */
 void diff_print_subject(const struct diff_run *run);
 
-/* The same as JSON, an object to which more is added. */
+/* The same as a JSON object. The caller adds more to it. */
 json_t *diff_subject_json(const struct diff_run *run, int exit_code);
 
 #endif

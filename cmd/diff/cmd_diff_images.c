@@ -1,4 +1,4 @@
-/* raydiff diff A.png B.png: what differs between two pictures, in numbers and as a heat map. */
+/* raydiff diff A.png B.png: the differences of two pictures, as numbers and as a heat map. */
 #include "cmd/common/cmd_json.h"
 #include "cmd/common/cmd_rows.h"
 #include "ref/base/command.h"

@@ -1,4 +1,4 @@
-/* raydiff diff --pixel: the path of one pixel on every engine, to the first bit that differs. */
+/* raydiff diff --pixel: the path of one pixel on every engine, up to the first bit that differs. */
 #include "cmd/common/cmd_json.h"
 #include "ref/base/command.h"
 #include "cmd/diff/cmd_diff.h"
@@ -7,11 +7,11 @@
 
 #include <stdio.h>
 
-/* The page: one path, several engines. */
+/* The report on one path by several engines. */
 struct page {
     struct diff_run *run;
-    struct why_judges judges;         /* of the member being shown, side 0 */
-    const struct diff_member *judged; /* that member */
+    struct why_judges judges;         /* of member `judged`, as side 0 */
+    const struct diff_member *judged; /* the member shown last */
     int code;
     json_t *json; /* NULL: no --json */
 };
@@ -26,7 +26,7 @@ static bool is_shown(const struct diff_run *run, size_t i)
     return run->member[i].status == STATUS_OK;
 }
 
-/* Makes the judges those of the member. */
+/* Makes the judges of the member, unless they exist. */
 static enum status use_judges(struct page *page, const struct diff_member *member,
                               struct reason *reason)
 {
@@ -39,7 +39,8 @@ static enum status use_judges(struct page *page, const struct diff_member *membe
                            reason);
 }
 
-/* Judges an answer of a member; a wrong one decides the exit code. */
+/* Judges a member's answer. A wrong answer changes the exit code, unless the member is as
+ * published. */
 static enum status judge_ray(struct page *page, const struct diff_member *member, bool shadow,
                              const struct ray *ray, const struct hit *hit, struct why_answer *out,
                              struct reason *reason)
@@ -63,7 +64,7 @@ static void print_hit(const struct hit *hit)
     printf(" = 0x%08x, u %.9g, v %.9g", float_bits(hit->t), (double)hit->u, (double)hit->v);
 }
 
-/* The answer, the truth and the verdict, on two lines. */
+/* Prints the answer on one line, the truth and the verdict on the next. */
 static void print_answer(const char *title, const struct why_answer *answer)
 {
     const struct judgement *judgement = &answer->judgement;
@@ -172,7 +173,7 @@ static void print_first(const struct diff_run *run, const struct first_bit *firs
     putchar('\n');
 }
 
-/* One engine at one segment: in full, or that it is as the reference. */
+/* Prints one engine's segment in full, or that it equals the reference. */
 static enum status print_member(struct page *page, size_t i, uint32_t segment,
                                 struct reason *reason)
 {
@@ -212,7 +213,7 @@ static json_t *ray_json(const struct ray *ray)
                        json_floats(ray->dir, 3), json_float(ray->tmin), json_float(ray->tmax));
 }
 
-/* A ray with its answer, verdict, truth and command; NULL without memory. */
+/* Returns a ray with its answer, verdict, truth and command; NULL without memory. */
 static json_t *asked_json(struct page *page, const struct diff_member *member, bool shadow,
                           const struct ray *ray, const struct hit *hit)
 {
@@ -274,7 +275,7 @@ static json_t *member_json(struct page *page, size_t i)
                        path_field_name(member->field), steps);
 }
 
-/* Walks the member's path, and holds what its own renderer draws to it. */
+/* Walks the member's path and compares it with what the member's own renderer draws. */
 static enum status walk_member(struct page *page, struct diff_member *member, struct reason *reason)
 {
     struct diff_run *run = page->run;
@@ -296,7 +297,7 @@ static enum status walk_member(struct page *page, struct diff_member *member, st
     return STATUS_OK;
 }
 
-/* What the path came to, on a line a member. */
+/* Prints the result of a member's path on one line. */
 static void print_end(struct page *page, size_t i)
 {
     const struct diff_run *run = page->run;

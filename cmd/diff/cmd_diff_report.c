@@ -24,7 +24,7 @@ void diff_print_subject(const struct diff_run *run)
             printf("left out: %s\n", run->member[i].reason.text);
 }
 
-/* "tie 3, near_tie 0, ...", every class, also of 0. */
+/* Prints the count of every class, also if it is 0: "tie 3, near_tie 0, ...". */
 static void print_whys(const struct pair *pair)
 {
     size_t fine = 0;
@@ -45,7 +45,7 @@ static const char *class_of(const struct path_why *why)
     return why->why == WHY_ALLOWED ? verdict_name(why->verdict) : why_name(why->why);
 }
 
-/* One pixel, and of a wrong answer the ray and the commands. */
+/* Prints one pixel. For wrong answers, also prints the ray and the command. */
 static void print_pixel(const struct diff_run *run, const struct diff_member *member,
                         const struct pixel_why *found)
 {

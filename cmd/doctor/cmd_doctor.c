@@ -1,4 +1,4 @@
-/* raydiff doctor: what can run here, and why the rest cannot. */
+/* raydiff doctor: reports what can run here, and why the rest cannot. */
 #define _POSIX_C_SOURCE 200809L
 #include "cmd/doctor/cmd_doctor.h"
 
@@ -38,7 +38,7 @@ static void print_engine(const struct doctor_engine *e)
     printf("%-14s %s\n", e->engine->name, e->status ? "SKIPPED" : "runs");
     if (e->status)
         printf("    why: %s\n", e->reason.text);
-    if (!e->status || !strstr(text, e->reason.text)) /* else it is printed already */
+    if (!e->status || !strstr(text, e->reason.text)) /* else the text repeats the reason */
         print_lines(text);
 }
 
@@ -76,7 +76,8 @@ static void print_driver(const struct doctor_driver *d)
     print_lines(text);
 }
 
-/* The reference must round to nearest, keep subnormals and evaluate floats as floats. */
+/* Checks that floats round to nearest, keep subnormals and have no excess precision, as the
+ * reference needs. */
 static int print_float_environment(void)
 {
     volatile float least = FLT_MIN, half = 0.5f, one = 1.0f, tiny = 0x1p-24f;

@@ -1,4 +1,4 @@
-/* What `raydiff doctor` found, for its two forms. For commands only. */
+/* Results of `raydiff doctor`, for text and JSON. For commands only. */
 #ifndef CMD_DOCTOR_H
 #define CMD_DOCTOR_H
 
@@ -18,8 +18,8 @@ struct doctor_driver {
     const char *name;
     enum status status;
     struct reason reason;
-    char version[256]; /* packages it was fetched from, or empty */
-    struct card card;  /* if the status is OK */
+    char version[256]; /* packages it was fetched from, or "" */
+    struct card card;  /* valid if the status is OK */
 };
 
 struct doctor {
@@ -29,8 +29,8 @@ struct doctor {
     size_t driver_count;
 };
 
-/* Writes all of it to a temporary file and renames it. Errors: STATUS_INPUT cannot write; _MEMORY.
- */
+/* Writes the results as JSON to a temporary file and renames it. Errors: STATUS_INPUT cannot write;
+ * STATUS_MEMORY. */
 enum status doctor_write_json(const char *path, const struct doctor *doctor,
                               struct reason *reason) MUST_USE;
 

@@ -1,5 +1,5 @@
-/* Compiling the shader of a layout from outside, with glslang's C interface. The program's own: the
- * library is not linked with glslang. */
+/* Compiles the shader of a layout from outside, with glslang's C interface. This is part of the
+ * program, since the library is not linked with glslang. */
 #include "ref/outside/plugin_shader.h"
 #include "gpu/shaders/glsl_text.h"
 #include "gpu/shaders/shaders.h"
@@ -76,7 +76,7 @@ enum status cmd_glsl_compile(const struct layout *layout, const char *file, stru
         if (!status)
             status = compile(&text, layout, use, reason);
         glsl_text_free(&text);
-        if (use == GLSL_DECODE && status == STATUS_INPUT) { /* what traces is fine */
+        if (use == GLSL_DECODE && status == STATUS_INPUT) { /* tracing works without it */
             shader_lacks(layout->name, reason->text);
             status = STATUS_OK;
         }

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The profiles' names are those of leak_profiles[]. */
+/* The names of profiles are those in leak_profiles[]. */
 static enum status take_profile(void *options, const struct option_value *given,
                                 struct reason *reason)
 {
@@ -110,7 +110,7 @@ int cmd_leaks(int argc, char **argv)
         .build = build_options_default(),
         .engines = engine_options_default(),
     };
-    /* Brute force takes minutes on a real mesh: it plays when it is named. */
+    /* Brute force takes minutes on a real mesh, so it runs only if it is named. */
     for (size_t i = 0; engines[i]; i++)
         if (!strstr(engines[i]->name, "brute"))
             options.engine.index[options.engine.count++] = i;

@@ -1,4 +1,4 @@
-/* What raydiff leaks and its report share. For commands only. */
+/* Shared by raydiff leaks and its report. For commands only. */
 #ifndef CMD_LEAKS_H
 #define CMD_LEAKS_H
 
@@ -9,7 +9,7 @@
 
 #define LEAKS_LEAST 1000 /* fewer rays prove nothing */
 
-/* What the options set. */
+/* Values of the options. */
 struct leaks_options {
     struct list layout, store, engine, builder, box, tri;
     bool layout_named, engine_named;
@@ -18,27 +18,27 @@ struct leaks_options {
     const struct leak_profile *profile;
     struct engine_options engines;
     const char *json;
-    const char *bvh; /* of --bvh, or NULL */
+    const char *bvh; /* from --bvh, or NULL */
 };
 
-/* An engine on a layout, or alone. */
+/* Results of an engine on a layout, or without one. */
 struct leak_row {
-    const struct engine *engine; /* NULL: no engine could play, the layout refused */
+    const struct engine *engine; /* NULL: no engine ran, since the layout refused */
     const struct layout *layout; /* NULL: the engine needs none */
     const struct tri_store *store;
     const struct builder *builder;
     const struct box_test *box;
     const struct tri_test *tri;
-    enum status status; /* LIMIT: the layout refuses, or the engine; REFUSED: the engine;
-                           UNSUPPORTED: cannot run here, or not this; else failed */
+    enum status status; /* LIMIT: the layout or the engine refuses; REFUSED: the engine refuses;
+                           UNSUPPORTED: cannot run here, or cannot do this; else failed */
     struct reason reason;
     bool absent; /* UNSUPPORTED: the engine cannot run here at all */
     struct leaks leaks;
-    bool own_test; /* the engine has one triangle test, and does not run `tri` */
-    bool promises; /* a watertight triangle test, a box test that keeps it so, none as published */
-    bool compared; /* with engine cpu on the same tree, bit for bit */
+    bool own_test; /* the engine has its own triangle test and does not run `tri` */
+    bool promises; /* watertight triangle test, box test keeps it so, none as published */
+    bool compared; /* bit for bit with engine cpu on the same tree */
     size_t bit_differences;
-    char broken[160]; /* what breaks the profile or the engine's promise; empty: nothing */
+    char broken[160]; /* what breaks the profile or the engine's promise; "": nothing */
 };
 
 /* One scene and all its rows. */
@@ -49,28 +49,29 @@ struct leak_scene {
     size_t ray_count;
     uint64_t seed;
     struct inside inside;
-    char vacuous[120]; /* why the whole result proves nothing; empty: it does */
+    char vacuous[120]; /* why the whole result proves nothing; "": it does */
     struct leak_row *row;
     size_t row_count;
 };
 
-/* Opens a scene, demands that it is closed, aims, and plays every engine. *result is whole only
- * on success; the caller frees result->row. Errors: STATUS_INPUT no such scene, an open mesh, no
- * point inside; STATUS_MEMORY; those of builders. What fails in a row is in the row. */
+/* Opens a scene, requires a closed mesh, aims the rays and runs every engine. *result is complete
+ * only on success. The caller frees result->row. Errors: STATUS_INPUT no such scene, an open mesh,
+ * no point inside; STATUS_MEMORY; those of builders. Errors of a row are recorded in the row. */
 enum status leaks_play(const struct leaks_options *options, struct pool *pool,
                        struct progress *progress, const char *spec, struct leak_scene *result,
                        struct reason *reason) MUST_USE;
 
-/* Fills row->broken from its counts. */
+/* Fills in row->broken from the row's counts. */
 void leak_row_judge(struct leak_row *row, const struct leak_profile *profile);
 
-/* Prints the table of a scene, its findings and what it means. */
+/* Prints the table of a scene, its findings and a summary. */
 void leaks_print(const struct leak_scene *scene);
 
-/* The exit code of the rows; a layout or engine counts only if it was named. */
+/* The exit code of the rows. A refusing layout or an engine that cannot run counts only if it was
+ * named, but it is an error if every layout refuses. */
 int leaks_exit(const struct leak_scene *scene, bool layout_named, bool engine_named);
 
-/* Counts all rows for those that were named. */
+/* Counts all rows for the members in the turnout. */
 void leaks_count_turnout(const struct leak_scene *scene, struct turnout *turnout);
 
 /* Writes all rows as JSON, see README "Leaks". Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */

@@ -1,4 +1,4 @@
-/* How raydiff leaks plays one scene: every named engine on every tree and test. */
+/* raydiff leaks on one scene: runs every named engine on every tree and test. */
 #include "cmd/leaks/cmd_leaks.h"
 #include "cmd/common/cmd_tree.h"
 #include "ref/base/text.h"
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One scene being played. */
+/* The run on one scene. */
 struct play {
     const struct leaks_options *options;
     struct pool *pool;
@@ -23,15 +23,15 @@ struct play {
     uint8_t *aim;
     struct leak_rays rays;
     uint64_t *digest, *cpu_digest;
-    bool cpu_known;        /* cpu_digest is of the row's tree and tests */
-    struct tree_file tree; /* of --bvh */
+    bool cpu_known;        /* cpu_digest is for the row's tree and tests */
+    struct tree_file tree; /* from --bvh */
     struct packed packed;
 };
 
 static enum status add_row(struct play *play, const struct leak_row *row, struct reason *reason)
 {
     struct leak_scene *result = play->result;
-    size_t capacity = result->row_count; /* grown one by one: rows are few */
+    size_t capacity = result->row_count; /* grows one by one, since rows are few */
     void *rows = result->row;
     if (array_reserve(&rows, &capacity, result->row_count + 1, sizeof *row))
         return fail(reason, STATUS_MEMORY, "no memory for rows");
@@ -40,7 +40,7 @@ static enum status add_row(struct play *play, const struct leak_row *row, struct
     return STATUS_OK;
 }
 
-/* Answers of engine cpu that a row is compared with. */
+/* Computes the answers of engine cpu that a row is compared with. */
 static enum status know_cpu(struct play *play, const struct job *job, struct reason *reason)
 {
     if (play->cpu_known)
@@ -117,7 +117,7 @@ static enum status play_row(struct play *play, struct leak_row row, struct reaso
     return add_row(play, &row, reason);
 }
 
-/* False for engines that have a triangle test of their own, whichever is named. */
+/* False for engines that have a triangle test of their own, whichever was named. */
 static bool runs_our_tests(struct play *play, const struct engine *engine,
                            const struct tri_test *tri)
 {
@@ -126,7 +126,7 @@ static bool runs_our_tests(struct play *play, const struct engine *engine,
     return self && engine->model(self, tri).formula == twin_of_tri(tri->id);
 }
 
-/* Engines that need no tree: those with a test of their own play once. */
+/* Runs the engines that need no tree. Those with a test of their own run only once. */
 static enum status play_treeless(struct play *play, struct leak_row row, bool first,
                                  struct reason *reason)
 {
@@ -160,7 +160,7 @@ static enum status play_packed(struct play *play, struct leak_row row, struct re
     return status;
 }
 
-/* `bvh` NULL: the tree of the file. */
+/* `bvh` NULL: uses the tree of the file. */
 static enum status play_layouts(struct play *play, const struct bvh *bvh, struct leak_row row,
                                 struct reason *reason)
 {
@@ -185,7 +185,7 @@ static enum status play_layouts(struct play *play, const struct bvh *bvh, struct
     return status;
 }
 
-/* All rows of one tree; those of engines without one with the first. */
+/* Adds all rows of one tree. Engines without a tree run only with the first tree. */
 static enum status play_tree(struct play *play, const struct bvh *bvh, struct leak_row row,
                              bool first, struct reason *reason)
 {
@@ -218,7 +218,7 @@ static enum status play_rows(struct play *play, struct reason *reason)
     return status;
 }
 
-/* Opens the scene, demands that it is closed, and aims. */
+/* Opens the scene, requires a closed mesh, and aims the rays. */
 static enum status prepare(struct play *play, struct reason *reason)
 {
     const struct leaks_options *o = play->options;

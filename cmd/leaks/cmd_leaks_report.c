@@ -1,4 +1,4 @@
-/* What raydiff leaks prints and writes: the table, the findings, and which rows keep their word. */
+/* Output of raydiff leaks: the table, the findings, and which rows keep their promise. */
 #include "cmd/leaks/cmd_leaks.h"
 #include "ref/base/command.h"
 #include "cmd/common/cmd_json.h"
@@ -7,7 +7,8 @@
 
 #include <jansson.h>
 
-/* Per million of `rays`; none is "< 3 / N", which a true rate exceeds in 5 of 100 such results. */
+/* Prints the rate per million of `rays`. For 0 events prints "<3 / N", which the true rate exceeds
+ * in 5 of 100 such results. */
 static void print_rate(size_t count, size_t rays)
 {
     char text[32];
@@ -122,7 +123,7 @@ int leaks_exit(const struct leak_scene *scene, bool layout_named, bool engine_na
         else if (is_layouts ? layout_named : engine_named || row->status != STATUS_UNSUPPORTED)
             code = exit_worse(code, exit_of_status(row->status));
     }
-    if (refused > 0 && refused == on_layouts) /* nothing that was named was played */
+    if (refused > 0 && refused == on_layouts) /* nothing ran on any layout */
         code = exit_worse(code, exit_of_status(STATUS_LIMIT));
     return code;
 }

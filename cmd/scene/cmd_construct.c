@@ -1,4 +1,5 @@
-/* raydiff construct: meshes, materials, lights and a camera to a scene, as RTRS's construct. */
+/* raydiff construct: makes a scene of meshes, materials, lights and a camera, like RTRS's
+ * construct. */
 #include "cmd/scene/cmd_construct.h"
 
 #include "cmd/common/cmd_rows.h"
@@ -20,7 +21,7 @@ static enum status take_numbers(const struct option_value *words, size_t first, 
     return status;
 }
 
-/* Room for one more; `array` may move. Returns the new element, zeroed, or NULL. */
+/* Appends a zeroed element and returns it, or NULL without memory. `array` may move. */
 static void *append(void **array, size_t *capacity, uint32_t *count, size_t size)
 {
     if (array_reserve(array, capacity, (size_t)*count + 1, size))
@@ -122,7 +123,7 @@ static enum status take_material(void *options, const struct option_value *words
     return status ? status : take_numbers(words, 6, 1, &material->spec, reason);
 }
 
-/* "x", "y", "z" or three numbers, then degrees. */
+/* Reads an axis ("x", "y", "z" or three numbers), then degrees. */
 static enum status make_rotation(const struct option_value *words, struct transform *out,
                                  struct reason *reason)
 {
@@ -290,7 +291,7 @@ int cmd_construct(int argc, char **argv)
 {
     struct construct_options options = {.json = false};
     struct reason reason = {""};
-    const bool of_paper = argc > 1 && strcmp(argv[1], "--") == 0; /* cargo's own comes before it */
+    const bool of_paper = argc > 1 && strcmp(argv[1], "--") == 0; /* as after "cargo run" */
     int first, code = options_read(&set, &options, argc - of_paper, argv + of_paper, &first);
     if (code < 0 && first < argc - of_paper)
         code = usage_error("construct", "unexpected argument '%s'", argv[of_paper + first]);

@@ -1,4 +1,4 @@
-/* What raydiff construct and its report share. For commands only. */
+/* Shared by raydiff construct and its report. For commands only. */
 #ifndef CMD_CONSTRUCT_H
 #define CMD_CONSTRUCT_H
 
@@ -6,17 +6,17 @@
 
 #include <jansson.h>
 
-/* What the options set. */
+/* Values of the options. */
 struct construct_options {
     struct construct construct;
     size_t model_capacity, material_capacity, light_capacity;
-    struct material *material; /* construct's are const */
+    struct material *material; /* writable; those of `construct` are const */
     struct light *light;
     const char *out;
     bool json, has_kind;
 };
 
-/* Prints what was written, on the standard error output. */
+/* Prints what was written, on standard error. */
 void construct_print(const struct construct_options *options, const struct scene *scene,
                      const struct construct_notes *notes);
 

@@ -1,4 +1,4 @@
-/* raydiff list: every member of every table. */
+/* raydiff list: prints every member of every table. */
 #include "cmd/common/cmd_rows.h"
 #include "ref/base/command.h"
 #include "ref/base/text.h"

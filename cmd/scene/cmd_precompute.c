@@ -1,5 +1,5 @@
-/* raydiff precompute: a scene's tree in RTRS's file format or packed in a layout; and trees of
- * others, checked. */
+/* raydiff precompute: writes a scene's tree in RTRS's file format or packed in a layout; or
+ * verifies a tree file. */
 #include "ref/tree/bvh_json.h"
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
@@ -65,7 +65,8 @@ static const struct option_set set = {
     .example = "precompute --scene default.json --out default.bvh.json --item-count 2",
 };
 
-/* Nothing is left under the output's name unless all of it was written. Packed, unless NULL. */
+/* Writes the tree as JSON, or packed if `packed` is not NULL. The output file appears only once it
+ * is complete. */
 static enum status write_tree(const char *path, const struct bvh *bvh, const struct packed *packed,
                               struct reason *reason)
 {
@@ -82,7 +83,7 @@ static enum status write_tree(const char *path, const struct bvh *bvh, const str
     return status;
 }
 
-/* As JSON, or packed in the layout of --layout. */
+/* Writes the tree as JSON, or packed in the layout of --layout. */
 static enum status write_out(const struct precompute *p, const struct scene *scene,
                              const struct bvh *bvh, struct reason *reason)
 {
@@ -117,7 +118,7 @@ static enum status precompute(const struct precompute *p, const struct scene *sc
     return status;
 }
 
-/* *sound: nothing is wrong with it; else `reason` is set. */
+/* *sound becomes true if nothing is wrong with the tree; else `reason` is set. */
 static enum status verify_packed(const char *bytes, size_t size, const struct precompute *p,
                                  const struct scene *scene, bool *sound, struct reason *reason)
 {
@@ -151,7 +152,7 @@ static enum status verify_json(const char *bytes, size_t size, const struct prec
     return status;
 }
 
-/* Returns the exit code. */
+/* Verifies the file. Returns the exit code. */
 static int verify(const struct precompute *p, const struct scene *scene)
 {
     char *bytes;

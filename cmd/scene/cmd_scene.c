@@ -1,4 +1,4 @@
-/* raydiff scene: what a scene is, from one format to another, and which there are. */
+/* raydiff scene: describes, converts and lists scenes. */
 #define _GNU_SOURCE /* scandir */
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
@@ -23,7 +23,7 @@ struct scene_options {
     int argument_count;
 };
 
-/* "x y z" in the shortest decimals that name the floats. */
+/* Writes "x y z" in the shortest decimals that identify the floats. */
 static const char *show3(const float x[3], char text[3 * DECIMAL_TEXT])
 {
     char part[3][DECIMAL_TEXT];
@@ -60,7 +60,7 @@ static void print_info(const char *spec, const struct scene *scene, const struct
            camera.orbit ? "orbit" : "fixed");
 }
 
-/* Three floats; null for one that JSON cannot hold. */
+/* Three floats; null for each that JSON cannot hold. */
 static json_t *json3(const float x[3])
 {
     json_t *array = json_array();
@@ -84,7 +84,7 @@ static json_t *json_info(const char *spec, const struct scene *scene, const stru
         scene->material_count, place);
 }
 
-/* Adds one scene to the report; `list` is NULL for a report on the terminal. */
+/* Adds one scene to the report. `list` NULL: prints it instead. */
 static enum status inform(const char *spec, uint64_t seed, json_t *list, struct reason *reason)
 {
     struct scene scene;
@@ -192,7 +192,7 @@ static int scene_list(const struct scene_options *options)
 static const struct {
     const char *name;
     int (*run)(const struct scene_options *options);
-    const char *takes; /* options */
+    const char *takes; /* the options that it takes */
 } actions[] = {{"info", scene_info, "json seed"},
                {"convert", scene_convert, "seed"},
                {"list", scene_list, ""}};
