@@ -44,7 +44,7 @@ struct bench {
     int code;             /* the worst exit code so far, see bench_worse */
 };
 
-/* Measures one scene. Errors: printed by bench_failed. */
+/* Measures one scene. bench_failed prints the errors. */
 typedef enum status bench_play(struct bench *bench, const char *spec, const struct scene *scene,
                                struct reason *reason);
 

@@ -32,8 +32,8 @@ struct race {
     const struct bvh *bvh;
     /* Default engines and layouts, such as "cpu embree"; NULL: see race_enter. */
     const char *own_engines, *own_layouts;
-    bool core_time; /* speeds are by the time of the calling thread: for engines that trace on
-                       it alone; other work on the machine counts little */
+    bool core_time;        /* measures the calling thread's time, so that other work on the machine
+                       matters little: only for engines that trace on that thread alone */
     const struct ray *few; /* some of the rays, evenly spread, for contestants with `few` */
     size_t few_count;
     struct contestant contestant[CONTESTANTS];

@@ -48,7 +48,7 @@ struct special_result {
     struct spread ratio, paid; /* general to special; four bounces to one */
     double ratio_most;         /* upper end of the median's 95 % interval */
     bool equal;                /* the checked frames have the same bits */
-    bool slower;               /* special than general, beyond noise */
+    bool slower;               /* special is slower, beyond noise */
 };
 
 static void strip(const struct special_scene *what, struct scene *scene)

@@ -20,8 +20,7 @@ bool option_among(const char *names, const char *name)
     return false;
 }
 
-/* --- what options are for ------------------------------------------------------------------------
- */
+/* --- what options need ------------------------------------------------------------------------ */
 
 static bool is_gpu(const struct engine *engine)
 {
