@@ -1,6 +1,6 @@
-/* What a layout's shader decodes, a record's slot an invocation, for comparison with what its C does
- * (gpu/trace/decode.c). No ray is traced: bounds come in the order in which a ray along (1, 1, 1) meets
- * them, which is the lower and the upper one. */
+/* Writes what a layout's GLSL decodes, one slot of a record per invocation, for comparison with its
+ * C code (gpu/trace/decode.c). No ray is traced. Bounds are in the order in which a ray along (1,
+ * 1, 1) meets them: lower, then upper. */
 #ifndef DECODE_GLSL
 #define DECODE_GLSL
 
@@ -19,8 +19,8 @@ uint decode_mix(uint sum, uint word)
     return (sum ^ word) * 16777619u;
 }
 
-/* What the children of an inner node come to, in one word: of two references that come to the same,
- * one level can tell nothing. */
+/* A hash of an inner node's children in one word. Two references whose nodes have the same hash
+ * cannot be told apart at this level. */
 uint decode_sum(slab_ray r, node n)
 {
     wide w = wide_load(n);
@@ -43,7 +43,7 @@ uint decode_sum(slab_ray r, node n)
     return sum;
 }
 
-/* Slot s of a record and item i of it, asked as i * WIDE + s. */
+/* Slot s of a record and item i of that slot, requested as i * WIDE + s. */
 void decode(slab_ray r, uvec2 what, out uvec4 low, out uvec4 high, out uvec4 more)
 {
     vec3 lo, hi;

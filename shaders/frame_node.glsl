@@ -1,5 +1,6 @@
-/* What layouts cwbvh80 and tiny8 share: nodes whose first four words are a frame, origin and the
- * exponents of the steps plus 127, in which the planes of the children's boxes count. */
+/* Shared by layouts cwbvh80 and tiny8. The first four words of their nodes are a frame: an origin,
+ * and the exponents of the steps plus 127. The planes of the children's boxes are counted in these
+ * steps. */
 #ifndef FRAME_NODE_GLSL
 #define FRAME_NODE_GLSL
 
@@ -10,7 +11,7 @@ node node_of(uint ref)
     return node(ref, 0u);
 }
 
-/* Two to the power of exponent - 127, of a byte. */
+/* Returns 2^(exponent - 127); exponent is a byte. */
 float step_of(uint exponent)
 {
     return uintBitsToFloat(exponent << 23);
@@ -22,7 +23,7 @@ vec3 frame_steps(uvec4 head)
                 step_of((head.w >> 16) & 0xFFu));
 }
 
-/* The planes lo and hi, as the ray meets them. */
+/* Returns the planes lo and hi in the order in which the ray meets them. */
 void frame_order(slab_ray r, uvec4 head, vec3 step_size, uvec3 lo, uvec3 hi, out vec3 nearer,
                  out vec3 farther)
 {

@@ -1,18 +1,18 @@
-/* The layouts of ref/layouts/grid.h: nodes of WIDE slots, with a number format and a frame that are
- * constants of the pipeline. Who includes this defines WIDE. */
+/* The layouts of ref/layouts/grid.h: nodes of WIDE slots. Number format and frame are constants of
+ * the pipeline. The including file defines WIDE. */
 #include "half.glsl"
 
 layout(constant_id = ABI_SPEC_LAYOUT_0) const uint NUMBER = ABI_NUMBER_U8;
 layout(constant_id = ABI_SPEC_LAYOUT_1) const uint FRAME = ABI_FRAME_NODE;
 
-/* ABI_BIND_NODES by words: records have no whole number of quads. */
+/* ABI_BIND_NODES as words, since records are not a whole number of quads. */
 layout(std430, set = 0, binding = ABI_BIND_NODES) readonly buffer Words { uint node_word[]; };
 
 #define SLOT_INNER 0x80u
-#define SLOT_WORDS ((WIDE + 3u) / 4u) /* of the bytes of the slots */
+#define SLOT_WORDS ((WIDE + 3u) / 4u) /* words that hold a byte per slot */
 
-/* What the traversal keeps of a node. Inner: a is its record. Leaf: a is bit 31 and the number of
- * items, b the first item. */
+/* A node during traversal. Inner: a is its record. Leaf: a is bit 31 and the number of items, b the
+ * first item. */
 struct node {
     uint a;
     uint b;
@@ -20,7 +20,7 @@ struct node {
 
 #define NODE_DONE node(NODE_LEAF, 0u)
 
-/* A record: where its codes begin, and what comes before them. */
+/* A record: the offset of its codes, and what precedes them. */
 struct wide {
     uint codes;
     uint child;
@@ -71,7 +71,7 @@ wide wide_load(node n)
     return w;
 }
 
-/* The codes of a slot's bounds on an axis, the lower one first. */
+/* Returns the codes of a slot's bounds on an axis, the lower one first. */
 uvec2 grid_codes(uint codes, uint slot, uint axis)
 {
     uint pair = 3u * slot + axis;
@@ -82,7 +82,7 @@ uvec2 grid_codes(uint codes, uint slot, uint axis)
         uint word = node_word[codes + (pair >> 1)] >> (pair & 1u) * 16u;
         found = uvec2(word, word >> 8) & 0xFFu;
     } else if (NUMBER == ABI_NUMBER_U10) {
-        uint first = 2u * axis, second = 2u * axis + 1u; /* of the slot's six */
+        uint first = 2u * axis, second = 2u * axis + 1u; /* index among the slot's six codes */
         uint low = node_word[codes + 2u * slot], high = node_word[codes + 2u * slot + 1u];
         found.x = pick(first < 3u, low >> first * 10u, high >> (first - 3u) * 10u) & 0x3FFu;
         found.y = pick(second < 3u, low >> second * 10u, high >> (second - 3u) * 10u) & 0x3FFu;
@@ -99,7 +99,7 @@ uvec2 grid_codes(uint codes, uint slot, uint axis)
     return found;
 }
 
-/* A bound in its number's format, exactly. */
+/* Converts a code of the number format to float, exactly. */
 float grid_number(uint code)
 {
     float number;

@@ -1,11 +1,12 @@
-/* Float16 bounds of a box to float32. */
+/* Converts float16 bounds of a box to float32. */
 #ifndef HALF_GLSL
 #define HALF_GLSL
 
 #include "slab.glsl"
 
-/* The half in bits 0-15, every code: subnormals by integer arithmetic, since Vulkan lets a driver
- * flush them in unpackHalf2x16 (their float32 value is normal); infinities and NaN bit by bit. */
+/* Converts the half in bits 0-15, for every code. Subnormals use integer arithmetic, since Vulkan
+ * lets a driver flush them in unpackHalf2x16 (their float32 value is normal). Infinities and NaN
+ * are converted bit by bit. */
 float half_any(uint code)
 {
     uint magnitude = code & 0x7FFFu;
@@ -18,21 +19,22 @@ float half_any(uint code)
     return uintBitsToFloat(bits | (code & 0x8000u) << 16);
 }
 
-/* The half in bits 0-15 if it is zero or normal, for which Vulkan's conversion is exact. */
+/* Converts the half in bits 0-15 if it is zero or normal. For these Vulkan's conversion is
+ * exact. */
 float half_normal(uint code)
 {
     return unpackHalf2x16(code).x;
 }
 
-/* How far the half of the plane that is met first lies up in its word. */
+/* The bit offset of the nearer plane's half in each word. */
 uvec3 half_shift(slab_ray r)
 {
     return uvec3(r.swapped) << 4;
 }
 
-/* Each word of `bounds` holds the lower bound in its low half; the planes in the order in which the
- * ray meets them. `_any` for layouts that can store every code, the other for those that store
- * neither subnormals nor infinities. */
+/* Converts bounds whose words hold the lower bound in the low half. The planes are returned in the
+ * order in which the ray meets them. `_any` is for layouts that can store every code, the other for
+ * layouts that store neither subnormals nor infinities. */
 void half_bounds(slab_ray r, uvec3 bounds, out vec3 nearer, out vec3 farther)
 {
     uvec3 shift = half_shift(r);

@@ -1,6 +1,6 @@
-/* What every tracing shader is told and where it answers; see ref/abi.h. Rays and hits are read and
- * written as whole quads: on lavapipe a load of four words costs little more than one of one. Who
- * defines RENDERING before gets what shaders that render are told. */
+/* Inputs and outputs of every tracing shader; see ref/abi.h. Rays and hits are read and written as
+ * whole quads: on lavapipe loading four words costs little more than loading one. If RENDERING is
+ * defined before, the inputs are those of the rendering shaders. */
 #ifndef JOB_GLSL
 #define JOB_GLSL
 
@@ -30,6 +30,6 @@ layout(std430, set = 0, binding = ABI_BIND_FLAGS) writeonly buffer Flags { uint 
 layout(std430, set = 0, binding = ABI_BIND_FOUND) writeonly buffer Found { uint found_word[]; };
 #endif
 
-#define NODE_LEAF 0x80000000u /* in the first word that the traversal keeps of a node */
+#define NODE_LEAF 0x80000000u /* in node.a of a leaf */
 
 #endif

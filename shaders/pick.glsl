@@ -1,5 +1,6 @@
-/* Conditions without branches, into which the compiler makes && and ?: unless both operands are
- * names: one driver's time and memory grow exponentially with the branches in a loop. */
+/* Conditions without branches. The compiler makes branches of && and ?: unless both operands are
+ * names, and one driver's compile time and memory grow exponentially with the branches in a
+ * loop. */
 #ifndef PICK_GLSL
 #define PICK_GLSL
 

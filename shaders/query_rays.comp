@@ -1,10 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_ray_query : require
-/* Rays through the driver's own tree and triangle test, one an invocation. Triangles are seen from
- * both sides; the range is open, tmin < t < tmax. What the specification leaves undefined (numbers
- * that are not finite, tmin below 0 or above tmax) is a miss and not asked. QUERY_ALL lists
- * candidates and confirms none, so that none ends the ray. */
+/* Traces one ray per invocation through the driver's own tree and triangle test. Triangles are hit
+ * from both sides; the range is open, tmin < t < tmax. Rays that are undefined in the specification
+ * (numbers that are not finite, tmin below 0 or above tmax) are misses and are not traced.
+ * QUERY_ALL lists candidates and confirms none, so that none ends the ray. */
 #include "job.glsl"
 
 layout(set = 0, binding = ABI_BIND_FOUND + 1) uniform accelerationStructureEXT world;
@@ -20,7 +20,7 @@ uvec4 hit_of(float t, vec2 barycentrics, int prim)
     return uvec4(floatBitsToUint(vec3(t, barycentrics)), uint(prim));
 }
 
-/* More than this many steps of one query are a hang. */
+/* A query of more steps than this hangs. */
 #define STEPS_MOST 16777216u
 
 void main()

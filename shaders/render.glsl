@@ -1,8 +1,8 @@
-/* Rendering, ref/frame.h: a pixel an invocation, all rays of its path or one of them. All rays go
- * through one place, whatever they ask, because drivers inline every call: two of them are twice
- * the code, and one driver takes minutes for it. A driver can also end a loop before its condition
- * does (lavapipe 22 after 65,535 iterations of all loops of an invocation), so every loop's
- * condition is looked at again behind it. */
+/* Rendering (ref/frame.h), one pixel per invocation: all rays of its path, or one of them. There is
+ * a single call that traces rays, whatever their query, because drivers inline every call: two
+ * calls double the code, and one driver takes minutes to compile that. A driver can also end a loop
+ * before its condition does (lavapipe 22 after 65,535 iterations of all loops of an invocation), so
+ * every loop's condition is checked again after the loop. */
 #include "render_state.glsl"
 
 void record(uint slot, uint i, float t, uint prim, lit l)
@@ -12,7 +12,7 @@ void record(uint slot, uint i, float t, uint prim, lit l)
             uvec4(floatBitsToUint(t), prim, l.asked, l.shadowed);
 }
 
-/* The path is over. */
+/* Ends a path: writes its pixel, flags and recordings. */
 void finish(uint slot, path p)
 {
     uint i = p.segment;
@@ -34,7 +34,7 @@ void finish(uint slot, path p)
     }
 }
 
-/* What the ray of the path found. */
+/* Processes the hit of the path's ray. */
 void path_take(uint slot, inout path p, vec3 tuv, uint prim)
 {
     if (p.to_light) {
@@ -54,7 +54,7 @@ void path_take(uint slot, inout path p, vec3 tuv, uint prim)
     }
 }
 
-/* The next ray: to the next light that one is sent to, else of the next segment. */
+/* Sets the next ray: to the next light that gets a shadow ray, else that of the next segment. */
 void path_aim(uint slot, inout path p)
 {
     p.to_light = false;
@@ -75,7 +75,7 @@ void path_aim(uint slot, inout path p)
     p.dir = p.along;
 }
 
-/* False if there are more triangles to be tested, in other dispatches. */
+/* Traces the path's ray. Returns false if other dispatches must test more triangles. */
 bool path_ray(uint at, path p, out vec3 tuv, out uint prim)
 {
     bool any_hit = both(p.to_light, repaired());
@@ -93,7 +93,7 @@ bool path_ray(uint at, path p, out vec3 tuv, out uint prim)
     return !part;
 }
 
-/* The path of a pixel, from its beginning or, `later`, from where it was left. */
+/* Renders the path of a pixel, from its beginning or, if `later`, from its stored state. */
 void pixel(uint slot, uint x, uint y, bool later)
 {
     uint at = state_at(slot);

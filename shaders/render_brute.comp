@@ -1,16 +1,16 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-/* Rendering without a tree: every triangle for every ray, job.part_first to job.part_last - 1 of
- * them a dispatch where the paths go in steps, so that no loop is long enough for a driver to end
- * it early. */
+/* Rendering without a tree: tests every triangle for every ray. If paths are traced in steps, a
+ * dispatch tests triangles job.part_first to job.part_last - 1, so that no loop is long enough for
+ * a driver to end it early. */
 #define RENDERING
 #include "tri.glsl"
 #include "tri_load.glsl"
 
-/* Reasons why an answer must not be believed, ABI_FLAG_*. */
+/* ABI_FLAG_* of errors that make the result invalid. */
 uint trouble = 0u;
 
-/* Goes on from what earlier parts found. */
+/* Continues from the best hit in earlier parts. */
 void answer(uint query, vec3 org, vec3 dir, float tmin, float tmax, inout vec3 tuv,
             inout uint prim)
 {

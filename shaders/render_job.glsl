@@ -1,5 +1,5 @@
-/* What every rendering shader is told and where it answers; see ref/abi_frame.h. Constants say what the
- * scene needs, so that nothing else is in a pipeline. */
+/* Inputs and outputs of every rendering shader; see ref/abi_frame.h. Constants describe the scene,
+ * so that the pipeline has no unneeded code. */
 #ifndef RENDER_JOB_GLSL
 #define RENDER_JOB_GLSL
 
@@ -23,7 +23,7 @@ layout(std430, set = 0, binding = ABI_BIND_SEGMENTS) writeonly buffer Segments
 layout(std430, set = 0, binding = ABI_BIND_COLORS) writeonly buffer Colors { float color_word[]; };
 layout(std430, set = 0, binding = ABI_BIND_SHADE) readonly buffer Shade { vec4 shade_quad[]; };
 
-/* True if the pipeline has code for ABI_LOOK_`what`. */
+/* Returns true if the pipeline has code for `what` (ABI_LOOK_*). */
 bool has(uint what)
 {
     return (LOOK & what) != 0u;
@@ -44,7 +44,7 @@ uint light_count()
     return has(ABI_LOOK_GENERAL) ? job.lights : LIGHTS;
 }
 
-/* Light 0 moves with the eye. */
+/* Returns true if light 0 moves with the eye. */
 bool light_at_eye()
 {
     return has(ABI_LOOK_GENERAL) ? (job.look & ABI_LOOK_EYE) != 0u : has(ABI_LOOK_EYE);

@@ -1,10 +1,10 @@
-/* A path on its way: what is known of it between two of its rays. Where paths go in steps it lies in
- * state_quad[] between two dispatches, ABI_STATE_QUADS a pixel behind the head:
+/* The state of a path between two of its rays. If paths are traced in steps, it is stored in
+ * state_quad[] between dispatches, ABI_STATE_QUADS per pixel after the head:
  *   0 ray's org, phase   2 total, queue     4 N, t        6 diffuse, specular, asked, shadowed
  *   1 ray's dir, far     3 P, prim          5 G, weight   7 segment's dir, queue   8 t, u, v, prim
- * of the parts of the triangles so far. The queues have nothing to do with that pixel: entry i of a
- * queue, in pixel i's place, is the i-th pixel whose path has a ray; those of even and of odd rays
- * take turns. A dispatch has as many workgroups as its queue needs. */
+ * Quad 8 is the best hit in the parts of the triangles so far. The queues do not describe that
+ * pixel: entry i of a queue, stored with pixel i, is the i-th pixel whose path has a ray. Even and
+ * odd rays use different queues. A dispatch has as many workgroups as its queue needs. */
 #ifndef RENDER_STATE_GLSL
 #define RENDER_STATE_GLSL
 
@@ -13,7 +13,7 @@
 #define LIT_NONE lit(0.0, 0.0, 0u, 0u)
 
 struct path {
-    bool more;     /* there is a ray to be traced */
+    bool more;     /* there is a ray to trace */
     bool to_light; /* it is a shadow ray */
     uint segment;
     uint light;
@@ -31,8 +31,8 @@ struct path {
 /* Bits of a phase. */
 #define PHASE_MORE     1u
 #define PHASE_TO_LIGHT 2u
-#define PHASE_LIGHT    8u  /* the light from here on */
-#define PHASE_SEGMENT  16u /* and the segment */
+#define PHASE_LIGHT    8u  /* the light, from this bit on */
+#define PHASE_SEGMENT  16u /* the segment, from this bit on */
 
 path path_begin(vec3 org, vec3 dir)
 {
@@ -51,7 +51,7 @@ void state_put(uint at, vec3 v, uint w)
     state_quad[at] = uvec4(floatBitsToUint(v), w);
 }
 
-/* Leaves the fourth word, which others may be writing. */
+/* Writes three words only, as other invocations may be writing the fourth. */
 void state_put3(uint at, vec3 v)
 {
     state_quad[at].x = floatBitsToUint(v.x);
@@ -64,13 +64,13 @@ uint state_at(uint slot)
     return ABI_STATE_HEAD + ABI_STATE_QUADS * slot;
 }
 
-/* Where entry `i` of the queue of ray `ray` is the fourth word. */
+/* The quad whose fourth word is entry `i` of the queue of ray `ray`. */
 uint queue_at(uint ray, uint i)
 {
     return state_at(i) + pick((ray & 1u) == 0u, 2u, 7u);
 }
 
-/* The path of `slot` has another ray. */
+/* Adds `slot`, whose path has another ray, to the next queue. */
 void queue_add(uint slot)
 {
     uint next = job.ray + 1u, i = atomicAdd(state_quad[next].w, 1u);

@@ -1,7 +1,7 @@
-/* Rendering with a tree: how a ray is answered. The file of a layout comes before. */
+/* Rendering with a tree. The file of a layout is included before. */
 #include "walk.glsl"
 
-/* The closest, or any, hit in [tmin, tmax]: t, u, v and the triangle, or ABI_NO_PRIM. */
+/* Finds the closest or any hit in [tmin, tmax]: t, u, v and the triangle, or ABI_NO_PRIM. */
 void answer(uint query, vec3 org, vec3 dir, float tmin, float tmax, inout vec3 tuv,
             inout uint prim)
 {

@@ -1,4 +1,4 @@
-/* Points, lights and colours of a path: the operations of ref/frame.h in its order, each of them
+/* Points, lights and colours of a path: the operations of ref/frame.h in the same order, each
  * rounded. */
 #ifndef SHADE_GLSL
 #define SHADE_GLSL
@@ -7,14 +7,14 @@
 #include "tri.glsl"
 #include "tri_load.glsl"
 
-/* The dot product is tri_sum. */
+/* Dot products are computed by tri_sum. */
 
 vec3 unit(vec3 v)
 {
     float square = tri_sum(v, v);
     uint bits = floatBitsToUint(square);
     precise vec3 u = v / sqrt_nearest(square);
-    return pick(both(bits > 0u, bits < 0x7F800000u), u, vec3(0.0)); /* in (0, infinity) */
+    return pick(both(bits > 0u, bits < 0x7F800000u), u, vec3(0.0)); /* square is in (0, infinity) */
 }
 
 bool is_zero(vec3 v)
@@ -22,7 +22,7 @@ bool is_zero(vec3 v)
     return all(equal(v, vec3(0.0)));
 }
 
-/* Moves a point off its surface: to the other side of n where `back`. */
+/* Moves a point off its surface along n, or against n if `back`. */
 vec3 moved(vec3 p, vec3 n, bool back)
 {
     precise vec3 by = n * job.offset;
@@ -31,7 +31,7 @@ vec3 moved(vec3 p, vec3 n, bool back)
     return pick(back, behind, there);
 }
 
-/* Direction of pixel (x, y); the ray starts at job.pos. */
+/* Returns the direction of pixel (x, y); the ray starts at job.pos. */
 vec3 pixel_direction(uint x, uint y)
 {
     precise float nx = (float(x) + job.centre) / float(job.width) - 0.5;
@@ -53,7 +53,7 @@ vec3 eye()
 struct surface {
     vec3 p;
     vec3 n;    /* shading normal */
-    vec3 g;    /* REPAIRED: the plane's, towards the ray's start */
+    vec3 g;    /* REPAIRED: the plane's normal, towards the ray's start */
     uint prim;
 };
 
@@ -78,7 +78,7 @@ material material_of(uint prim)
     return material(a.xyz, a.w, b.x, b.y, b.z);
 }
 
-/* u and v as the triangle test has them. */
+/* The surface at u and v of the triangle test. */
 surface surface_repaired(vec3 dir, float u, float v, uint prim)
 {
     vec3 a, b, c;
@@ -129,7 +129,7 @@ surface surface_of(vec3 org, vec3 dir, vec3 tuv, uint prim)
 
 /* --- lights ----------------------------------------------------------------------------------- */
 
-/* What a segment's lights have given so far. */
+/* The light of a segment so far. */
 struct lit {
     float diffuse;
     float specular;
@@ -137,7 +137,8 @@ struct lit {
     uint shadowed;
 };
 
-/* The ray from a surface to a light, and the light's distance. False if none is sent. */
+/* Makes the ray from a surface to a light, and returns the light's distance in `far`. Returns false
+ * if no ray is needed. */
 bool shadow_of(surface s, uint light, out vec3 org, out vec3 dir, out float far)
 {
     vec3 pos = pick(both(light == 0u, light_at_eye()), eye(), shade_quad[light].xyz);
@@ -155,14 +156,14 @@ bool shadow_of(surface s, uint light, out vec3 org, out vec3 dir, out float far)
     return sent;
 }
 
-/* pow(rv, exponent) as far as it counts: Vulkan leaves it open for what is not above 0. */
+/* pow(rv, exponent), which Vulkan leaves undefined unless rv is above 0. */
 float highlight(float rv, float exponent)
 {
     float power = pow(rv, exponent);
     return pick(rv > 0.0, power, pick(both(!repaired(), exponent == 0.0), 1.0, 0.0));
 }
 
-/* What a light gives, after its shadow ray's answer: t and prim of the hit. `along` is the
+/* Adds a light after its shadow ray was traced; t and prim are that ray's hit. `along` is the
  * segment's direction, `dir` the light's. */
 void light_add(surface s, vec3 along, vec3 dir, float far, uint light, float t, uint prim,
                inout lit l)
@@ -184,7 +185,7 @@ void light_add(surface s, vec3 along, vec3 dir, float far, uint light, float t, 
 
 /* --- colours, and the next segment ------------------------------------------------------------ */
 
-/* Adds segment `i` to the path's total. */
+/* Adds the light of segment `i` to the path's total. */
 vec3 total_with(vec3 total, material m, lit l, float weight, uint i)
 {
     vec3 sum;
@@ -202,7 +203,7 @@ vec3 total_with(vec3 total, material m, lit l, float weight, uint i)
     return sum;
 }
 
-/* The ray after a segment, which went along `dir`; false if the path ends. */
+/* Makes the ray after a segment whose direction was `dir`. Returns false if the path ends. */
 bool path_next(surface s, material m, inout vec3 dir, inout float weight, out vec3 org)
 {
     bool more = true;
@@ -222,7 +223,7 @@ bool path_next(surface s, material m, inout vec3 dir, inout float weight, out ve
     return both(more, !is_zero(dir));
 }
 
-/* A channel of a pixel; NaN is 0. */
+/* Converts a colour channel to 0 .. 255; NaN is 0. */
 uint channel(float total)
 {
     float kept = pick(total > 0.0, total, 0.0);

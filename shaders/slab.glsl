@@ -1,7 +1,7 @@
 /* Ray against axis-aligned box: the operations of ref/primitives/slab.h in the same order. Bounds
- * come as the plane that the ray meets first and the one that it meets last, chosen while they are
- * loaded. Every comparison is true in the case that goes on, so that a NaN falls to the same side
- * as in C however the driver turns conditions around. */
+ * are passed as the nearer and the farther plane, which are selected while loading. Every
+ * comparison is true in the case that continues, so that a NaN is handled as in C even if the
+ * driver inverts conditions. */
 #ifndef SLAB_GLSL
 #define SLAB_GLSL
 
@@ -14,8 +14,9 @@
 #define SLAB_RTRS_EPS 0.000002
 #define SLAB_RTRS_INF 274877906944.0 /* 2^38 */
 
-/* Stand-ins on a parallel axis, so that the test needs no case for it: planes at a distance that no
- * range reaches narrow nothing. AWAY * AWAY_PAD may overflow, to infinity or not: both will do. */
+/* Values for a parallel axis, so that the test needs no special case: planes at a distance that no
+ * range reaches do not narrow a range. AWAY * AWAY_PAD may overflow to infinity or not; both
+ * work. */
 #define SLAB_AWAY     3e38
 #define SLAB_AWAY_PAD 4.0
 
@@ -34,13 +35,13 @@ struct slab_ray {
     float tmin;
 };
 
-/* Componentwise c ? a : b. */
+/* Componentwise pick. */
 vec3 slab_select(bvec3 c, vec3 a, vec3 b)
 {
     return vec3(pick(c.x, a.x, b.x), pick(c.y, a.y, b.y), pick(c.z, a.z, b.z));
 }
 
-/* The bounds in the order in which the ray meets them. */
+/* Returns the bounds in the order in which the ray meets them. */
 void slab_order(slab_ray r, vec3 lo, vec3 hi, out vec3 nearer, out vec3 farther)
 {
     nearer = slab_select(r.swapped, hi, lo);
@@ -63,7 +64,7 @@ slab_ray slab_ray_make(vec3 o, vec3 d, float tmin)
     bvec3 crossing = bvec3(both(a.x > 0.0, a.x >= least), both(a.y > 0.0, a.y >= least),
                            both(a.z > 0.0, a.z >= least));
     precise vec3 inv = 1.0 / d;
-    vec3 inf = vec3(uintBitsToFloat(0x7F800000u)); /* compared only, never computed with */
+    vec3 inf = vec3(uintBitsToFloat(0x7F800000u)); /* only compared, never computed with */
     r.o = o;
     r.d = d;
     r.inv = slab_select(crossing, inv, vec3(1.0));
@@ -81,7 +82,7 @@ slab_ray slab_ray_make(vec3 o, vec3 d, float tmin)
     return r;
 }
 
-/* `nearer` is of a box that holds every vertex. */
+/* Sets r.behind; `nearer` has the near planes of a box that contains every vertex. */
 void slab_ray_place(inout slab_ray r, vec3 nearer)
 {
     precise vec3 t = (nearer - r.o) * r.inv;

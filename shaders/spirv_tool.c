@@ -1,11 +1,9 @@
-/* Build step for SPIR-V: checks a module against our rules, decorates its float arithmetic, and
- * writes modules as C.
- *   spirv_tool fix IN.spv OUT.spv       checks, decorates (gpu/shaders/spirv_fix.h)
- *   spirv_tool embed OUT.c A.spv ...    table of gpu/shaders/shaders.h
- * Tracing shaders are those whose file name begins with trace_ or stackless_, those that
- * render with render_,
- * those that may use ray queries with query_.
- */
+/* Build step for SPIR-V: checks a module against the rules of gpu/shaders/spirv_fix.h, decorates
+ * its float arithmetic, and writes modules as C.
+ *   spirv_tool fix IN.spv OUT.spv       checks and decorates
+ *   spirv_tool embed OUT.c A.spv ...    writes the table of gpu/shaders/shaders.h
+ * File names of tracing shaders begin with trace_ or stackless_, of rendering shaders with render_,
+ * of shaders that may use ray queries with query_. */
 #include "gpu/shaders/spirv_fix.h"
 
 #include <ctype.h>
@@ -19,7 +17,7 @@ struct tool_module {
     size_t count;
 };
 
-/* Prints one line and returns false, so that checks can end with it. */
+/* Prints one line and returns false. */
 static bool complain(const struct tool_module *m, const char *what)
 {
     fprintf(stderr, "%s: %s\n", m->file, what);
@@ -58,7 +56,7 @@ static bool read_module(const char *file, struct tool_module *m)
     return true;
 }
 
-/* Closes and reports; a file that could not be written whole is removed. */
+/* Closes the file and reports errors. An incomplete file is removed. */
 static bool finish(FILE *out, const char *file)
 {
     bool failed = ferror(out) != 0;
@@ -111,7 +109,7 @@ static bool fix(const char *from, const char *to)
     return ok;
 }
 
-/* Copies the file's stem to `name`; false unless it is a C identifier. */
+/* Copies the file's stem to `name`; returns false unless it is a C identifier. */
 static bool stem(const char *file, char name[64])
 {
     const char *slash = strrchr(file, '/');

@@ -1,5 +1,5 @@
-/* Triangle storage, the same as ref/store/: what a leaf of first and count holds, of the layouts
- * whose items lie outside their nodes; they include this before their leaf_load. */
+/* Triangle storage, as in ref/store/: reads the items of a leaf of first and count. For layouts
+ * whose items are not in their nodes, which include this before their leaf_load. */
 #ifndef STORE_GLSL
 #define STORE_GLSL
 
@@ -15,7 +15,7 @@ struct leaf {
     uint count;
 };
 
-/* Never outside the words. */
+/* Reads a word; out of range it reads word 0. */
 uint store_word(uint at)
 {
     return item_word[pick(at < job.item_count, at, 0u)];
@@ -29,7 +29,7 @@ vec3 store_vec(uint at, uint stride)
 
 #include "store_quantised.glsl"
 
-/* Per byte the larger, of bytes up to 15. */
+/* Returns the larger of each two bytes, which are at most 15. */
 uint store_larger(uint a, uint b)
 {
     uint not_less = (((a | 0x10101010u) - b) >> 4) & 0x01010101u;
@@ -42,7 +42,7 @@ uint store_halves(uint word)
     return store_larger(word & 0x0F0F0F0Fu, (word >> 4) & 0x0F0F0F0Fu);
 }
 
-/* Vertices of the block at `first`: the largest corner and one. */
+/* Returns the number of vertices of the block at `first`: its largest corner plus one. */
 uint block_vertices(uint first)
 {
     uint most = store_larger(
@@ -59,7 +59,7 @@ vec3 block_vertex(uint first, uint vertices, uint corner, uint slot)
     return store_vec(first + 3u + at, vertices);
 }
 
-/* The triangle of an item, or ABI_NO_PRIM. */
+/* Returns the triangle of an item, or ABI_NO_PRIM. */
 uint leaf_item(leaf l, uint slot)
 {
     if (STORE == ABI_STORE_QUANTISED) {
@@ -78,7 +78,7 @@ uint leaf_item(leaf l, uint slot)
     return at < job.item_count ? item_word[at] & mask : ABI_NO_PRIM;
 }
 
-/* Whether it is hit; `prim` is its triangle, of the scene. */
+/* Tests an item; `prim` is its triangle in the scene. */
 bool leaf_test(leaf l, uint slot, uint prim, tri_ray r, out vec3 tuv)
 {
     bool hit;

@@ -1,4 +1,4 @@
-/* Storage `quantised`, the same as ref/store/store_quantised.c: blocks of codes on a grid. For
+/* Storage `quantised`, as in ref/store/store_quantised.c: blocks of codes on a grid. For
  * store.glsl, after store_word. */
 #ifndef STORE_QUANTISED_GLSL
 #define STORE_QUANTISED_GLSL
@@ -6,10 +6,10 @@
 struct quantised {
     uint first;
     uint tris, vertices;
-    uint code, number; /* widths */
+    uint code, number; /* widths in bits */
     uvec3 width;
     uint corner_at, number_at, vertex_at;
-    bool there; /* all of it lies in the words, and the slot in it */
+    bool there; /* the block is within the words, and the slot within the block */
 };
 
 uint quantised_bits(uint first, uint at, uint width)
@@ -39,7 +39,7 @@ quantised quantised_of(uint first, uint slot)
     return q;
 }
 
-/* 25 bits with a sign, which floats have exactly. */
+/* Converts a signed number of 25 bits, which is exact in float. */
 float quantised_decode(uint n, uint exponent)
 {
     int whole = int((n & 0x1FFFFFFu) ^ 0x1000000u) - 0x1000000;

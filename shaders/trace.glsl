@@ -1,4 +1,4 @@
-/* Tracing: one ray an invocation. */
+/* Tracing, one ray per invocation. */
 #define WALK_LISTS
 #include "walk.glsl"
 

@@ -1,9 +1,10 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-/* Every triangle for every ray, as ref/trace/trace.c's trace_brute and trace_brute_all: one ray an
- * invocation, one part of the triangles a dispatch, so that no loop is long enough for a driver to
- * end it early (lavapipe 22 does after 65,535 iterations). What earlier parts found is carried in
- * buffers that only a tree needs: best hits in the nodes', numbers of hits in the items'.
+/* Tests every triangle for every ray, as trace_brute and trace_brute_all of ref/trace/trace.c do.
+ * There is one ray per invocation and one part of the triangles per dispatch, so that no loop is
+ * long enough for a driver to end it early (lavapipe 22 does after 65,535 iterations). Results of
+ * earlier parts are passed in buffers that only a tree needs: best hits in that of the nodes,
+ * numbers of hits in that of the items.
  *   push.root        first triangle of the part
  *   push.node_count  one past its last
  */

@@ -1,5 +1,5 @@
-/* Ray against triangle: the operations of ref/primitives/tri.h in the same order. Comparisons are
- * true in the case that goes on, so that every NaN is a miss. */
+/* Ray against triangle: the operations of ref/primitives/tri.h in the same order. Every comparison
+ * is true in the case that continues, so that every NaN is a miss. */
 #ifndef TRI_GLSL
 #define TRI_GLSL
 
@@ -41,7 +41,7 @@ tri_ray tri_ray_make(vec3 o, vec3 d, float tmin, float tmax)
     return r;
 }
 
-/* The order of the sum is pinned; that of the built-in product is not promised. */
+/* The dot product in a fixed order; that of the built-in one is not specified. */
 float tri_sum(vec3 a, vec3 b)
 {
     precise float sum = (a.x * b.x + a.y * b.y) + a.z * b.z;
@@ -90,7 +90,7 @@ bool tri_woop(tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
     precise vec3 x = ax - r.shear.x * along;
     precise vec3 y = ay - r.shear.y * along;
     precise vec3 z = r.shear.z * along;
-    /* w0 = x2 y1 - y2 x1 and so on around. */
+    /* w0 = x2 y1 - y2 x1, and cyclically w1 and w2. */
     precise vec3 w = x.zxy * y.yzx - y.zxy * x.yzx;
     bool negative = any(lessThan(w, vec3(0.0)));
     bool positive = any(greaterThan(w, vec3(0.0)));
@@ -104,14 +104,14 @@ bool tri_woop(tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
 #include "tri_pluecker.glsl"
 #include "tri_baldwin_webber.glsl"
 
-/* Whether t is in the range of the test `id`. */
+/* Returns true if t is in the range of test `id`. */
 bool tri_in_range(uint id, tri_ray r, float t)
 {
     bool open = both(t > r.tmin, t < r.tmax), closed = both(t >= r.tmin, t <= r.tmax);
     return id == ABI_TRI_MT_RTRS ? open : closed;
 }
 
-/* The test `id` (ABI_TRI_*) with its range; tuv is undefined on false. */
+/* Runs test `id` (ABI_TRI_*) and checks its range; tuv is undefined if false. */
 bool tri_test_run(uint id, tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
 {
     bool hit;

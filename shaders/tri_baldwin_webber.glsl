@@ -3,13 +3,13 @@
 #ifndef TRI_BALDWIN_WEBBER_GLSL
 #define TRI_BALDWIN_WEBBER_GLSL
 
-/* The components along a, b and c, the two axes after c and c. */
+/* The components along a, b and c, where a and b are the two axes after c. */
 vec3 tri_turned(vec3 v, uint c)
 {
     return pick(c == 0u, v.yzx, pick(c == 1u, v.zxy, v));
 }
 
-/* Rows u, v and height of the map: coefficients of a and b, and the last column. Returns c. */
+/* Makes the map's rows u, v and height: coefficients of a and b, and the last column. Returns c. */
 uint baldwin_webber_transform(vec3 v0, vec3 v1, vec3 v2, out vec3 u, out vec3 w, out vec3 h)
 {
     precise vec3 e1 = v1 - v0;
@@ -34,7 +34,7 @@ uint baldwin_webber_transform(vec3 v0, vec3 v1, vec3 v2, out vec3 u, out vec3 w,
     return pick(area, c, 0u);
 }
 
-/* The test with a transform that was made before. */
+/* The test with a precomputed transform. */
 bool baldwin_webber_hit(tri_ray r, vec3 u, vec3 w, vec3 h, uint c, out vec3 tuv)
 {
     vec3 o = tri_turned(r.o, c), d = tri_turned(r.d, c);

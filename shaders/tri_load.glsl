@@ -1,10 +1,10 @@
-/* Reading a gathered triangle. */
+/* Reads gathered triangles. */
 #ifndef TRI_LOAD_GLSL
 #define TRI_LOAD_GLSL
 
 #include "job.glsl"
 
-/* The nine floats of a triangle lie in three quads, begun at any word of the first. */
+/* Reads a triangle. Its nine floats lie in three quads and begin at any word of the first. */
 void tri_load(uint prim, out vec3 v0, out vec3 v1, out vec3 v2)
 {
     uint at = ABI_TRI_FLOATS * prim;

@@ -3,7 +3,8 @@
 #ifndef TRI_PLUECKER_GLSL
 #define TRI_PLUECKER_GLSL
 
-/* The side on which the ray passes the edge from p to q; a and b are p and q from its origin. */
+/* The side on which the ray passes the edge from p to q; a and b are p and q relative to its
+ * origin. */
 float tri_side(vec3 d, vec3 a, vec3 b, vec3 edge)
 {
     precise vec3 sum = a + b;

@@ -1,6 +1,6 @@
-/* The traversal, the same as ref/trace/trace.c visits, of a ray at a time. The query is a parameter, a
- * constant once the driver has inlined the calls, so that one shader can ask several. Who defines
- * WALK_LISTS before can ask ABI_QUERY_ALL. */
+/* The traversal of one ray, in the same order as ref/trace/trace.c. The query is a parameter, which
+ * is constant once the driver has inlined the calls, so that one shader can use several. WALK_LISTS
+ * must be defined before for ABI_QUERY_ALL. */
 #ifndef WALK_GLSL
 #define WALK_GLSL
 
@@ -8,12 +8,12 @@
 #include "tri_load.glsl"
 
 #ifdef WALK_LISTS
-/* QUERY_ALL: hits listed so far, and where the next one goes. */
+/* QUERY_ALL: number of hits, and the index of the first in the list. */
 uint found = 0u;
 uint found_at = 0u;
 #endif
 
-/* Reasons why an answer must not be believed, ABI_FLAG_*. */
+/* ABI_FLAG_* of errors that make the result invalid. */
 uint trouble = 0u;
 
 bool node_is_leaf(node n)
@@ -33,7 +33,7 @@ bool node_is_done(node n)
 #include "walk_stack.glsl"
 #endif
 
-/* The ray keeps its length. Past the capacity hits are counted only. */
+/* Adds a hit to the list; the ray keeps its length. Hits beyond the capacity are only counted. */
 void list(vec3 tuv, uint prim)
 {
 #ifdef WALK_LISTS
@@ -44,7 +44,7 @@ void list(vec3 tuv, uint prim)
 }
 
 #ifndef STORE_GLSL
-/* Items that lie in the nodes name the scene's triangles. */
+/* Tests an item that is stored in its node; `prim` is its triangle in the scene. */
 bool leaf_test(leaf l, uint slot, uint prim, tri_ray r, out vec3 tuv)
 {
     vec3 v0, v1, v2;
@@ -53,7 +53,7 @@ bool leaf_test(leaf l, uint slot, uint prim, tri_ray r, out vec3 tuv)
 }
 #endif
 
-/* Tests the items of a leaf in slot order. True if the query is answered. */
+/* Tests the items of a leaf in slot order. Returns true if the ray is finished. */
 bool step_leaf(tri_ray r, uint query, node n, inout vec3 best, inout uint best_prim,
                inout float tbest)
 {
@@ -82,8 +82,8 @@ bool step_leaf(tri_ray r, uint query, node n, inout vec3 best, inout uint best_p
     return answered;
 }
 
-/* A driver can end a loop before its condition does (lavapipe 22 does after 65,535 iterations), so
- * every loop's condition is looked at again behind it. */
+/* Traverses the tree from node n. A driver can end a loop before its condition does (lavapipe 22
+ * does after 65,535 iterations), so every loop's condition is checked again after the loop. */
 void walk(slab_ray slab, tri_ray tri, uint query, node n, inout vec3 best, inout uint prim,
           inout float tbest)
 {

@@ -1,8 +1,8 @@
-/* The way through a tree with a stack. */
+/* Traversal with a stack. */
 #ifndef WALK_STACK_GLSL
 #define WALK_STACK_GLSL
 
-/* The stack: nodes that wait, with their entry distances. */
+/* The stack: nodes and their entry distances. */
 node stack_node[STACK];
 float stack_entry[STACK];
 uint stack_count = 0u;
@@ -18,7 +18,8 @@ void stack_push(node n, float entry)
     }
 }
 
-/* The next node that can still hold something nearer, or NODE_DONE. */
+/* Pops the next node whose entry is not beyond the best hit (RTRS: any node); NODE_DONE if there is
+ * none. */
 node stack_pop(float tbest)
 {
     bool found = false;
@@ -36,8 +37,8 @@ node stack_pop(float tbest)
 }
 
 #ifdef WIDE
-/* Pushes a child among those of its node, which lie from `base` on, the nearest last; of equal ones
- * the first pushed is taken for nearer. */
+/* Pushes a child among those of its node, which begin at `base`, with the nearest on top. Of equal
+ * ones the first pushed is treated as nearer. */
 void stack_insert(uint base, node n, float entry)
 {
     if (stack_count >= STACK) {
@@ -57,7 +58,7 @@ void stack_insert(uint base, node n, float entry)
     }
 }
 
-/* The children of an inner node: pushed, and the nearest popped. */
+/* Tests the children of an inner node, pushes those that are hit and pops the nearest. */
 node step_inner(slab_ray slab, node n, float tbest)
 {
     wide w = wide_load(n);
@@ -78,7 +79,7 @@ node step_inner(slab_ray slab, node n, float tbest)
 #else
 #include "walk_two.glsl"
 
-/* The children of an inner node: the next node, the other one pushed. */
+/* Tests the children of an inner node, returns the next node and pushes the other one. */
 node step_inner(slab_ray slab, node n, float tbest)
 {
     two t = two_test(slab, n, tbest);

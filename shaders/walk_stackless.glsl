@@ -1,13 +1,13 @@
-/* The way through a binary tree without a stack, the same as ref/trace/trace_walk.h's: a trail of one bit a
- * level tells whether the other child still waits, and links to parents lead back. They lie behind
- * the items. */
+/* Traversal of a binary tree without a stack, as in ref/trace/trace_walk.h. A trail with one bit
+ * per level records whether the other child must still be visited, and links to parents, stored
+ * after the items, lead back. */
 #ifndef WALK_STACKLESS_GLSL
 #define WALK_STACKLESS_GLSL
 
 #include "walk_two.glsl"
 
-uint at = 0u;            /* reference of the node that is visited */
-uvec2 trail = uvec2(0u); /* bit i of 64: i levels up the other child waits */
+uint at = 0u;            /* reference of the current node */
+uvec2 trail = uvec2(0u); /* bit i of 64: i levels up the other child is still to visit */
 uint level = 0u;
 
 void walk_begin()
@@ -17,7 +17,7 @@ void walk_begin()
     level = 0u;
 }
 
-/* The next node that can still hold something nearer, or NODE_DONE. */
+/* Returns the next node whose box may contain a nearer hit; NODE_DONE if there is none. */
 node walk_back(slab_ray slab, float tbest)
 {
     bool found = false;
@@ -49,7 +49,8 @@ node walk_back(slab_ray slab, float tbest)
     return next;
 }
 
-/* The children of an inner node: the next node, the other one noted in the trail. */
+/* Tests the children of an inner node, returns the next node and records the other one in the
+ * trail. */
 node step_inner(slab_ray slab, node n, float tbest)
 {
     two t = two_test(slab, n, tbest);

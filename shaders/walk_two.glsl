@@ -1,4 +1,4 @@
-/* The two children of an inner node of a binary layout, tested. */
+/* Tests the two children of an inner node of a binary layout. */
 #ifndef WALK_TWO_GLSL
 #define WALK_TWO_GLSL
 
@@ -7,7 +7,7 @@ struct two {
     node child0, child1;
     bool hit0, hit1;
     float entry0, entry1;
-    bool second; /* whether the second is visited first, if either is */
+    bool second; /* if either is hit: the second is visited first */
 };
 
 two two_test(slab_ray slab, node n, float tbest)

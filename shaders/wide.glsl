@@ -1,21 +1,21 @@
-/* What the layouts of wide nodes share. Their files define, before they include this,
+/* Shared by the layouts of wide nodes. Their files define, before they include this,
  *   WIDE                child slots of a node
  *   struct node         with a: NODE_LEAF in a leaf; and NODE_DONE
- *   node node_of(ref)   the inner node that a reference names
- *   struct wide, wide wide_load(node)   what the children of an inner node have in common
+ *   node node_of(ref)   the inner node of a reference
+ *   struct wide, wide wide_load(node)   the record of an inner node
  *   node wide_child(slab_ray, wide, slot, out nearer, out farther)   a child and its bounds, in the
  *                       order in which the ray meets them; NODE_DONE: the slot is empty */
 #ifndef WIDE_GLSL
 #define WIDE_GLSL
 
-/* One bound of a union, if the box is there: the larger or the smaller. */
+/* Extends one bound of a union by a box, if the box exists: to the larger or the smaller bound. */
 float wide_outer(bool there, bool larger, float have, float also)
 {
     float outer = pick(larger, pick(also > have, also, have), pick(also < have, also, have));
     return pick(there, outer, have);
 }
 
-/* The root, with the union of its children's boxes. */
+/* Returns the root and the union of its children's boxes. */
 node node_load(slab_ray r, uint ref, out vec3 nearer, out vec3 farther)
 {
     node root = node_of(ref);

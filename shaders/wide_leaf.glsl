@@ -1,6 +1,5 @@
-/* What the traversal keeps of a node of a wide layout whose items lie in the triangle storage. Inner:
- * a is its record, b what else its layout wants to know of it. Leaf: a is bit 31 and the number of
- * items, b where they are. */
+/* A node during traversal, of a wide layout whose items are in the triangle storage. Inner: a is
+ * its record, b depends on the layout. Leaf: a is bit 31 and the number of items, b their place. */
 #ifndef WIDE_LEAF_GLSL
 #define WIDE_LEAF_GLSL
 
@@ -19,7 +18,7 @@ leaf leaf_load(node n)
     return leaf(n.b, n.a & ~NODE_LEAF);
 }
 
-/* The word of a quad. */
+/* Returns word `at` of a quad. */
 uint quad_word(uvec4 quad, uint at)
 {
     return pick((at & 2u) == 0u, pick((at & 1u) == 0u, quad.x, quad.y),

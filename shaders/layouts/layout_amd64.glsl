@@ -1,4 +1,4 @@
-/* Layouts amd64: box nodes of AMD's hardware, 64 bytes of float16 or 128 of float32; see
+/* Layouts amd64: box nodes of AMD's hardware, 64 bytes with float16 or 128 with float32. See
  * ref/layouts/layout_amd64.c for the words. */
 #define WIDE 4u
 #include "half.glsl"
@@ -10,7 +10,8 @@ struct wide {
     bool f32;
 };
 
-/* b of an inner node: 1 if it is of float32. There are ten references for each record. */
+/* The node of a reference; b of an inner node is 1 if its boxes are float32. There are ten
+ * references per record. */
 node node_of(uint ref)
 {
     uint records = job.node_count / 10u;
@@ -22,7 +23,7 @@ wide wide_load(node n)
     return wide(node_quad[4u * n.a], 4u * n.a, n.b != 0u);
 }
 
-/* Words `skip` to `skip` + 3 of the eight. */
+/* Returns words `skip` to `skip` + 3 of the eight words a, b. */
 uvec4 words_from(uvec4 a, uvec4 b, uint skip)
 {
     uvec4 c = uvec4(pick((skip & 1u) == 0u, a.x, a.y), pick((skip & 1u) == 0u, a.y, a.z),
@@ -34,7 +35,7 @@ uvec4 words_from(uvec4 a, uvec4 b, uint skip)
 
 node wide_child(slab_ray r, wide w, uint slot, out vec3 nearer, out vec3 farther)
 {
-    /* Behind the first quad the boxes have 3 or 6 words each. */
+    /* After the first quad each box has 3 or 6 words. */
     uint word = pick(w.f32, 6u * slot, 3u * slot);
     uint quad = word >> 2, skip = word & 3u;
     uvec4 first = node_quad[w.at + 1u + quad];

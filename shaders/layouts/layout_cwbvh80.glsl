@@ -1,12 +1,12 @@
-/* Layout cwbvh80: 80-byte nodes of 8 children, after Ylitie, Karras, Laine 2017; see
+/* Layout cwbvh80: 80-byte nodes of 8 children, after Ylitie, Karras, Laine 2017. See
  * ref/layouts/layout_cwbvh80.c for the words. */
 #define WIDE 8u
 #include "frame_node.glsl"
 
-/* Inner nodes: their steps and masks, and the first two bytes a child of each quad of planes. */
+/* An inner node: its five quads, and the steps of its frame. */
 struct wide {
     uvec4 head;
-    uvec4 base; /* first node, first item, what the children are */
+    uvec4 base; /* first node, first item, kinds of the children */
     uvec4 lo_xy, lo_z_hi_x, hi_yz;
     vec3 step_size;
 };

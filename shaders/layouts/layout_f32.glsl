@@ -4,8 +4,8 @@
 
 #define ORDER_NEAR
 
-/* What the traversal keeps of a node. Inner: a is its index, b that of the second child. Leaf: a is
- * bit 31 and the number of items, b the first item. */
+/* A node during traversal. Inner: a is its index, b that of the second child. Leaf: a is bit 31 and
+ * the number of items, b the first item. */
 struct node {
     uint a;
     uint b;

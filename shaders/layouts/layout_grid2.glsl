@@ -1,3 +1,3 @@
-/* Layouts of 2 slots a node, see grid.glsl. */
+/* Layouts with 2 slots per node, see grid.glsl. */
 #define WIDE 2u
 #include "grid.glsl"

@@ -1,3 +1,3 @@
-/* Layouts of 4 slots a node, see grid.glsl. */
+/* Layouts with 4 slots per node, see grid.glsl. */
 #define WIDE 4u
 #include "grid.glsl"

@@ -1,3 +1,3 @@
-/* Layouts of 8 slots a node, see grid.glsl. */
+/* Layouts with 8 slots per node, see grid.glsl. */
 #define WIDE 8u
 #include "grid.glsl"

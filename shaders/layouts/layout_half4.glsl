@@ -1,4 +1,4 @@
-/* Layout half4: 64-byte nodes of 4 children with half float bounds, as of physics engines; see
+/* Layout half4: 64-byte nodes of 4 children with half float bounds, as in physics engines. See
  * ref/layouts/layout_half4.c for the words. */
 #define WIDE 4u
 #include "half.glsl"

@@ -1,12 +1,12 @@
 /* Layout rf16: 16-byte records, two for a leaf. Inner: bits 0-15 of the tag are the record of the
- * second child, 16-30 of the first. Leaf: bit 31 is set, bits 0-3 count the items, whose 16-bit
- * triangle indices fill the next record. */
+ * second child, bits 16-30 that of the first. Leaf: bit 31 is set, and bits 0-3 are the number of
+ * items, whose 16-bit triangle indices fill the next record. */
 #include "half.glsl"
 
 #define ORDER_NEAR
 
-/* What the traversal keeps of a node. Inner: the tag. Leaf: bit 31, the record of the items in bits
- * 4 and up, their number in bits 0-3. */
+/* A node during traversal. Inner: the tag. Leaf: bit 31, the record of the items in bits 4 and up,
+ * and their number in bits 0-3. */
 struct node {
     uint a;
 };

@@ -1,11 +1,11 @@
-/* Layout rtrs_direct: RTRS's 48-byte nodes, see struct node_rtrs_direct. Item slot s is the
- * scene's triangle s - 1, slot 0 the null triangle (F2, F3). */
+/* Layout rtrs_direct: RTRS's 48-byte nodes, see struct node_rtrs_direct. Item slot s is the scene's
+ * triangle s - 1; slot 0 is the null triangle (F2, F3). */
 #include "slab.glsl"
 
 #define ORDER_SND
 
-/* What the traversal keeps of a node. Inner: the children. Leaf: a is bit 31 and the number of
- * items, b the first slot. */
+/* A node during traversal. Inner: the children. Leaf: a is bit 31 and the number of items, b the
+ * first slot. */
 struct node {
     uint a;
     uint b;
@@ -13,7 +13,7 @@ struct node {
 
 #define NODE_DONE node(NODE_LEAF, 0u)
 
-/* A child reference from 2^31 on is out of range as 2^31 - 1 is. */
+/* Child references of 2^31 and more are out of range, as 2^31 - 1 is. */
 node node_load(slab_ray r, uint ref, out vec3 nearer, out vec3 farther)
 {
     uvec4 head = node_quad[3u * ref];
@@ -47,5 +47,5 @@ leaf leaf_load(node n)
 
 uint leaf_item(leaf l, uint slot)
 {
-    return l.first + slot - 1u; /* of slot 0 the result is out of range: no triangle */
+    return l.first + slot - 1u; /* for slot 0 out of range: no triangle */
 }

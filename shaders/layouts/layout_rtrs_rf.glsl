@@ -1,11 +1,12 @@
-/* Layout rtrs_rf: RTRS's 16-byte records as its shader reads them. Bit 31 of the tag is a leaf,
- * else the high half is the record of the first child, the low half of the second. The next record
- * holds a leaf's items, of which slots 0 to 5 are read (F7); item k is triangle k - 1 (F2). */
+/* Layout rtrs_rf: RTRS's 16-byte records as its shader reads them. Bit 31 of the tag marks a leaf;
+ * else its high half is the record of the first child, its low half that of the second. The next
+ * record holds a leaf's items, of which slots 0 to 5 are read (F7). Item k is triangle k - 1
+ * (F2). */
 #include "half.glsl"
 
 #define ORDER_FST
 
-/* What the traversal keeps of a node. Inner: the tag. Leaf: bit 31 and the record of the items. */
+/* A node during traversal. Inner: the tag. Leaf: bit 31 and the record of the items. */
 struct node {
     uint a;
 };
@@ -34,7 +35,7 @@ struct leaf {
     uint count;
 };
 
-/* In a wrapped tree (F9) the record of the items may not exist. */
+/* The record of the items may not exist in a wrapped tree (F9). */
 leaf leaf_load(node n)
 {
     uint record = n.a & ~NODE_LEAF;
@@ -43,7 +44,7 @@ leaf leaf_load(node n)
     return leaf(node_quad[record], 6u);
 }
 
-/* Of 0, the null triangle, the result is out of range: no triangle. */
+/* For 0, the null triangle, the result is out of range: no triangle. */
 uint leaf_item(leaf l, uint slot)
 {
     uint word = pick(slot < 2u, l.items.x, pick(slot < 4u, l.items.y, l.items.z));

@@ -1,12 +1,13 @@
-/* Layout rtrs_rf_paper: the 16-byte record as the paper's Listing 6 reads it. Bit 31 of the tag is
- * a leaf, else bits 0-14 are the record of the first child, 16-30 of the second. The next record
- * holds a leaf's eight items: two of 15 bits in the tag, then six of 16 bits; 0 is empty. */
+/* Layout rtrs_rf_paper: the 16-byte record as the paper's Listing 6 reads it. Bit 31 of the tag
+ * marks a leaf; else bits 0-14 are the record of the first child, bits 16-30 that of the second.
+ * The next record holds a leaf's eight items: two of 15 bits in the tag, then six of 16 bits; 0 is
+ * empty. */
 #include "half.glsl"
 
 #define ORDER_SND
 #define BITS_15 0x7FFFu
 
-/* What the traversal keeps of a node. Inner: the tag. Leaf: bit 31 and the record of the items. */
+/* A node during traversal. Inner: the tag. Leaf: bit 31 and the record of the items. */
 struct node {
     uint a;
 };
@@ -35,7 +36,7 @@ struct leaf {
     uint count;
 };
 
-/* In a tree cut to 15 bits the record of the items may not exist. */
+/* The record of the items may not exist in a tree cut to 15 bits. */
 leaf leaf_load(node n)
 {
     uint record = n.a & ~NODE_LEAF;

@@ -1,11 +1,11 @@
-/* Layout tiny8: 64-byte nodes of 8 children, bounds of 6 bits in the node's frame; see
+/* Layout tiny8: 64-byte nodes of 8 children, with bounds of 6 bits in the node's frame. See
  * ref/layouts/layout_tiny8.c for the words. */
 #define WIDE 8u
 #include "frame_node.glsl"
 
 struct wide {
     uvec4 head; /* origin, exponents */
-    uvec4 base; /* first node, first item, what the children are, planes of child 0 */
+    uvec4 base; /* first node, first item, kinds of the children, planes of child 0 */
     uvec4 planes1_4, planes5_8;
     vec3 step_size;
 };
@@ -22,7 +22,7 @@ wide wide_load(node n)
     return w;
 }
 
-/* The nibbles of a word that are 15, as their lowest bits. */
+/* Returns the lowest bits of all nibbles that are 15. */
 uint full_nibbles(uint word)
 {
     return word & (word >> 1) & (word >> 2) & (word >> 3) & 0x11111111u;

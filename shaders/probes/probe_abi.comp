@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-/* Writes into every field of every struct of ref/abi.h who it is: struct * 10000 + element * 100 +
- * field. tests/base/test_abi.c compares the bytes with C's structs. */
+/* Writes its identity into every field of every struct of ref/abi.h: struct * 10000 + element * 100
+ * + field. tests/base/test_abi.c compares the bytes with C's structs. */
 #include "ref/abi.h"
 
 layout(local_size_x_id = ABI_SPEC_WORKGROUP) in;
@@ -42,7 +42,7 @@ void main()
     directs[e].item_count = 50003u + 100u * e;
     directs[e].pad0 = 50007u + 100u * e;
     directs[e].pad1 = 50011u + 100u * e;
-    /* The push constants come back as they were told, each plus the element. */
+    /* The push constants are written back, each plus the element. */
     pushes[e].ray_count = told.ray_count + e;
     pushes[e].root = told.root + e;
     pushes[e].node_count = told.node_count + e;

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-/* As probe_abi, for the structs of frames: every field of two elements holds element * 100 + its
- * word; push constants come back word by word, in the order in which ref/abi.h has them. */
+/* As probe_abi, for the structs of frames. Every field of two elements holds element * 100 + its
+ * word. The push constants are written back word by word, in the order of ref/abi_frame.h. */
 #include "ref/abi_frame.h"
 
 layout(local_size_x_id = ABI_SPEC_WORKGROUP) in;

@@ -1,6 +1,6 @@
 #version 450
-/* Operations that the tracing shaders must not use, because drivers differ in them: measured by
- * gpu/card/card.c on triples of the host's choice. */
+/* Operations that the tracing shaders must not use, because drivers differ in them. gpu/card/card.c
+ * measures them on its triples. */
 layout(local_size_x_id = 0) in;
 layout(push_constant) uniform Push { uint triple_count; };
 layout(std430, set = 0, binding = 0) readonly buffer In { float given[]; };

@@ -1,6 +1,6 @@
 #version 450
-/* Arithmetic that is not decorated with NoContraction (the build leaves this shader alone): does
- * the driver contract or rearrange what it may? Measured by gpu/card/card.c. */
+/* Arithmetic without NoContraction, which the build does not add to this shader. gpu/card/card.c
+ * measures whether the driver contracts or rearranges it. */
 layout(local_size_x_id = 0) in;
 layout(push_constant) uniform Push { uint triple_count; };
 layout(std430, set = 0, binding = 0) readonly buffer In { float given[]; };

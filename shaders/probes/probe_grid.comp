@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 /* Invocation i decodes record i of two slots as the layouts of grid.glsl do, whatever it holds, and
- * writes the 12 bounds: lower x, y, z, upper x, y, z of each slot. tests/tree/test_grid_gpu.c compares. */
+ * writes the 12 bounds: lower x, y, z, upper x, y, z of each slot. tests/tree/test_grid_gpu.c
+ * compares them. */
 #include "layout_grid2.glsl"
 
 void main()

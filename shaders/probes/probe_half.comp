@@ -1,8 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-/* Invocation i decodes a word that holds the half code i below and -i above, as the x bounds (met in
- * order) and as the y bounds (swapped) of a box: near x, near y, far x, far y by half_bounds, then
- * the same by half_bounds_any. tests/base/test_half_gpu.c compares. */
+/* Invocation i decodes a word that holds the half code i in its low half and -i in its high half,
+ * as the x bounds (met in order) and as the y bounds (swapped) of a box. It writes near x, near y,
+ * far x, far y by half_bounds, then the same by half_bounds_any. tests/base/test_half_gpu.c
+ * compares them. */
 #include "half.glsl"
 
 void main()

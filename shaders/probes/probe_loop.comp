@@ -1,7 +1,7 @@
 #version 450
-/* Does the driver end loops before their condition does? Three loops in one invocation of one kind
- * each; gpu/card/card.c compares the iterations with those asked for. `state` keeps a compiler from
- * computing a loop's end. */
+/* Measures whether the driver ends loops before their condition does. Each of three invocations
+ * runs one kind of loop, and gpu/card/card.c compares the iterations with the number given. `state`
+ * prevents a compiler from computing a loop's end. */
 layout(local_size_x_id = 0) in;
 layout(push_constant) uniform Push { uint steps; uint nested; };
 layout(std430, set = 0, binding = 0) readonly buffer In { uint seed[]; };
@@ -18,7 +18,7 @@ void main()
     if (kind > 2u)
         return;
     uint state = seed[0], first = 0u, second = 0u;
-    if (kind < 2u) { /* one loop, then another one of the same length if kind is 1 */
+    if (kind < 2u) { /* one loop, then if kind is 1 another one of the same length */
         while (first < steps && state != 0xFFFFFFFFu) {
             state = advance(state) >> 1;
             first++;

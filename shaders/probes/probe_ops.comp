@@ -1,6 +1,6 @@
 #version 450
-/* The float operations that the tracing shaders are made of, on triples of the host's choice. The
- * build decorates them with NoContraction as it does there; gpu/card/probe.c compares with C. */
+/* The float operations of the tracing shaders, on triples of the host. The build decorates them
+ * with NoContraction as in those shaders; gpu/card/probe.c compares the results with C. */
 layout(local_size_x_id = 0) in;
 layout(push_constant) uniform Push { uint triple_count; };
 layout(std430, set = 0, binding = 0) readonly buffer In { float given[]; };

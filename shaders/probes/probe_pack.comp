@@ -1,6 +1,6 @@
 #version 450
-/* Float16 conversions in both directions, measured by gpu/card/card.c: word i is packed as a float, in
- * both halves, and unpacked as two halves. */
+/* Float16 conversions in both directions, measured by gpu/card/card.c. Word i is packed as a float,
+ * into both halves, and unpacked as two halves. */
 layout(local_size_x_id = 0) in;
 layout(push_constant) uniform Push { uint word_count; };
 layout(std430, set = 0, binding = 0) readonly buffer In { uint given[]; };

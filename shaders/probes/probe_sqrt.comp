@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-/* The square root of the rendering shaders, of the float with code first + i stride for invocation i,
- * from an estimate that is worse than the driver's by so many ulp;
- * tests/gpu/test_vulkan_sqrt.c compares with C's. */
+/* The square root of the rendering shaders. Invocation i takes the root of the float with code
+ * first + i * stride, from an estimate that is `worse` ulp off the driver's.
+ * tests/gpu/test_vulkan_sqrt.c compares the roots with C's. */
 #include "ref/abi.h"
 #include "sqrt.glsl"
 
