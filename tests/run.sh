@@ -80,6 +80,8 @@ plain)
     suite report sh tests/scripts/report.sh "$build/raydiff"
     suite report_browser sh tests/scripts/report_browser.sh "$build/raydiff" quick
     alone fuzz sh tests/scripts/fuzz.sh "$build"
+    suite resumed sh tests/fuzz/resumed.sh "$build/raydiff"
+    suite every_layout sh tests/fuzz/every_layout.sh "$build/raydiff"
     suite folders sh tests/scripts/folders.sh "$build/raydiff"
     suite standard_files sh tests/scripts/standard_files.sh "$build/raydiff"
     alone signals sh tests/scripts/signals.sh "$build/raydiff"
