@@ -90,11 +90,11 @@ static void report(const struct tightness_field *field, const struct tightness_f
     bench_row(field->bench, &bench_tightness,
               json_record("scene=%s formula=%s rounding=%s pairs=%zu real_p50=%g real_p999=%g "
                           "real_most=%g rejected_p50=%g rejected_p999=%g medians=%g times=%g "
-                          "group_p50=%g group_most=%g alarms=%g unbounded=%g",
+                          "group_p50=%g group_most=%g alarms=%zu unbounded=%zu",
                           field->spec, formula->name, rounding->name, sum->count, sum->real_p50,
                           sum->real_p999, sum->real_most, sum->rejected_p50, sum->rejected_p999,
                           sum->medians, sum->times, sum->group_p50, sum->group_most,
-                          (double)sum->alarms, (double)sum->unbounded));
+                          sum->alarms, sum->unbounded));
 }
 
 static enum status measure(struct tightness_field *field, const struct tightness_formula *formula,
