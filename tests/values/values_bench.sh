@@ -6,13 +6,14 @@ set -u
 raydiff=$1
 shift
 . tests/values/compare.sh
+known= # what a check is told, as awk's variables
 
 # benchmark, least number of values, rounds, arguments: bench_NAME.awk and rows.awk
 bench() {
     name=$1 least=$2 rounds=$3
     shift 3
     run bench "$name" "$@" --rounds "$rounds" --json "$dir/json" --csv "$dir/csv" && rows "$name" "$rounds" &&
-        values "bench_$name" "$least" $(ls "$dir"/other.flat 2>/dev/null) "$dir/text"
+        values "bench_$name" "$least" $(ls "$dir"/other.flat 2>/dev/null) rounds="$rounds" $known "$dir/text"
 }
 # benchmark, rounds: CSV against JSON
 rows() {
@@ -27,13 +28,79 @@ other() {
 # Engines of the GPU where there is one; the rest is the processor's.
 play_layouts() {
     scenes='sphere:n=6;soup:n=150'
-    other check sphere:n=6 soup:n=150 --layout f32,rf16 --engine cpu --rays bounce --count 400 --repeat 1 --threads 1
+    other check sphere:n=6 soup:n=150 --layout f32,rf16 --engine cpu --rays bounce --count 1000 --repeat 3 --threads 1
     for rounds in 1 2; do
-        bench layouts 300 "$rounds" --scene "$scenes" --count 400 --threads 1 --driver hardware
+        bench layouts 300 "$rounds" --scene "$scenes" --count 1000 --threads 1 --driver hardware
     done
 }
 
-for part in ${*:-layouts}; do
+# Members as published lose hits and make triangles up; mt leaks on a closed mesh.
+play_error() {
+    members='--engine cpu,embree_robust --layout f32,rtrs_rf,rf16 --tri mt,woop --threads 1'
+    other check sphere:n=6 soup:n=150,size=0.5 --layout f32,rf16 --engine cpu --rays edges --count 400 --repeat 1 --brute 0 \
+        --threads 1
+    bench error 1200 1 --scene 'sphere:n=6;soup:n=150,size=0.5' --count 400 $members
+    rm "$dir/other.flat"
+    bench error 200 2 --scene 'soup:n=150,size=0.5' --count 300 $members --box rtrs,robust
+    bench error 80 1 --scene sphere:n=6 --count 100 --engine vulkan,embree --layout f32,rf16 --tri mt
+}
+play_spawn() {
+    run bench spawn --scene soup:n=100,size=0.5 --count 120 --tri mt --threads 1 --json "$dir/json" --csv "$dir/csv" &&
+        rows spawn 0 && values bench_spawn 2000 "$dir/text"
+}
+play_builders() {
+    for scene in cornell:n=4 sphere:n=5; do
+        trees "$scene" >"$dir/other.flat"
+        for rounds in 1 2; do
+            bench builders 400 "$rounds" --scene "$scene"
+        done
+    done
+}
+# A tree by each builder, as precompute writes it.
+trees() {
+    for builder in median rtrs sah_binned sah_sweep lbvh ploc sbvh 'sah_binned --optimize reinsert=4'; do
+        "$raydiff" precompute --scene "$1" --out "$dir/tree" --builder $builder 2>"$dir/err" || bad "precompute $builder" >&2
+        name=${builder%% *}_$(case $builder in *=4) echo 4 ;; *) echo 0 ;; esac)
+        awk -f tests/values/flat.awk "$dir/tree" | sed "s/^/$name./"
+        echo "$name.loose=$(sed -n 's/.* \([0-9]*\) inner boxes too small/\1/p' "$dir/err")"
+    done
+}
+# Three triangles are points: every pair with one is left to integers. No time is longer than the whole command's.
+play_oracle() {
+    "$raydiff" scene convert sphere:n=4 "$dir/points.obj" >"$dir/text" && printf 'f 1 1 1\nf 3 3 3\nf 5 5 5\n' >>"$dir/points.obj"
+    for rounds in 1 2; do
+        start=$(date +%s)
+        run bench oracle --scene "soup:n=60;$dir/points.obj" --count 1100 --rounds "$rounds" --json "$dir/json" --csv "$dir/csv" &&
+            rows oracle "$rounds" &&
+            values bench_oracle 30 rounds="$rounds" points=3 seconds=$(($(date +%s) - start + 1)) "$dir/text"
+    done
+}
+play_fuzz() {
+    for rounds in 1 2; do
+        known='trials=3' bench fuzz 40 "$rounds" --count 3 --engine cpu,embree_robust
+    done
+}
+play_frames() {
+    other check sphere:n=6 --layout f32,rf16 --engine cpu --count 50 --repeat 1 --brute 0 --threads 1
+    for frames in 5 4; do
+        run bench frames --scene sphere:n=6 --engine cpu --layout f32,rf16 --frames "$frames" --turns 2 --warm-up 1 --size 16x12 \
+            --out "$dir/frames" --threads 1 && cp "$dir/frames.json" "$dir/json" &&
+            values bench_frames 120 "$dir/other.flat" "$dir/text" "$dir/frames.csv"
+    done
+}
+play_fast() { for rounds in 1 2; do bench fast 200 "$rounds" --scene sphere:n=6 --count 200; done; }
+play_matrix() {
+    for rounds in 1 2; do
+        bench matrix 200 "$rounds" --scene sphere:n=5 --count 160 --threads 1 --engine cpu,fast --layout f32,rf16,half4
+    done
+    bench matrix 80 1 --scene soup:n=100 --count 100 --threads 1 --engine embree_robust
+}
+play_tightness() {
+    run bench tightness --scene 'soup:n=50;sphere:n=4' --count 150 --json "$dir/json" --csv "$dir/csv" && rows tightness 0 &&
+        values bench_tightness 650 "$dir/text"
+}
+
+for part in ${*:-layouts error spawn builders oracle fuzz frames fast matrix tightness}; do
     rm -f "$dir/other.flat"
     "play_$part"
     all_seen "bench_$part"

@@ -1,0 +1,80 @@
+# The text of `raydiff bench builders` against its JSON, and trees against those that `raydiff precompute` wrote
+# (other.flat, each path with the builder's name before it): awk -f lib.awk -f bench_builders.awk FLAT other.flat TEXT
+function half_area(p,  k, side) {
+    for (k = 0; k < 3; k++) side[k] = w[p ".bounds.max." k] - w[p ".bounds.min." k]
+    return side[0] * side[1] + side[1] * side[2] + side[2] * side[0]
+}
+# Depth, leaves, items and cost of the tree whose paths begin with `tree`, which is 0 of a root alone.
+function measure(tree,  i, p, n) {
+    n = w[tree ".uniforms.count"]
+    made["leaves"] = made["items"] = made["largest"] = made["depth"] = made["sah"] = 0
+    level[0] = 0
+    for (i = 0; i < n; i++) {
+        p = tree ".uniforms." i
+        if (level[i] > made["depth"]) made["depth"] = level[i]
+        if (w[p ".item_count"] > 0) {
+            made["leaves"]++
+            made["items"] += w[p ".item_count"]
+            if (w[p ".item_count"] > made["largest"]) made["largest"] = w[p ".item_count"]
+        } else
+            level[w[p ".fst"] + 0] = level[w[p ".snd"] + 0] = level[i] + 1
+        made["sah"] += (w[p ".item_count"] > 0 ? w[p ".item_count"] : 1) * half_area(p)
+    }
+    made["sah"] /= half_area(tree ".uniforms.0")
+    made["nodes"] = n
+}
+function laws(p, name,  tree, other, i) {
+    equal(name "a binary tree", v[p ".nodes"], 2 * v[p ".leaves"] - 1)
+    truth(name "fill and largest leaf", v[p ".leaf_fill"] <= v[p ".largest_leaf"] && v[p ".largest_leaf"] <= v[p ".triangles"])
+    if (v[p ".builder"] != "sbvh") near(name "fill", v[p ".leaf_fill"], v[p ".triangles"] / v[p ".leaves"])
+    equal(name "overlap is exact", v[p ".overlap_exact"], v[p ".triangles"] <= 50000 ? "true" : "false")
+    for (i = 0; i < v["rows.count"]; i++) { # as many threads as they are, it is one tree
+        other = "rows." i
+        if (v[other ".scene"] != v[p ".scene"] || v[other ".builder"] != v[p ".builder"] || v[other ".reinsert"] != v[p ".reinsert"]) continue
+        if (v[other ".threads"] != v[p ".threads"]) threaded++
+        equal(name "tree of other threads", v[other ".sah"] v[other ".nodes"] v[other ".overlap"], v[p ".sah"] v[p ".nodes"] v[p ".overlap"])
+    }
+    tree = v[p ".builder"] "_" v[p ".reinsert"]
+    if (!((tree ".uniforms.count") in w)) return
+    compared++
+    measure(tree)
+    equal(name "nodes of precompute", v[p ".nodes"], made["nodes"])
+    equal(name "leaves of precompute", v[p ".leaves"], made["leaves"])
+    equal(name "depth of precompute", v[p ".depth"], made["depth"])
+    equal(name "largest leaf of precompute", v[p ".largest_leaf"], made["largest"])
+    near(name "fill of precompute", v[p ".leaf_fill"], made["items"] / made["leaves"])
+    near(name "SAH of precompute", v[p ".sah"], made["sah"])
+    equal(name "loose boxes of precompute", v[p ".loose"], w[tree ".loose"])
+}
+/: [0-9]+ triangles$/ {
+    match($0, /: [0-9]+ triangles$/)
+    equal("scene", substr($0, 1, RSTART - 1), v["rows." r + 0 ".scene"])
+    equal("triangles", $(NF - 1), v["rows." r + 0 ".triangles"])
+    next
+}
+/^  builder  *threads/ { rows = 1; next }
+rows && NF >= 11 {
+    p = "rows." r++
+    shift = NF - 11
+    name = v[p ".scene"] " " v[p ".builder"] " " v[p ".reinsert"] " " v[p ".threads"] " "
+    equal(name "builder", $1 (shift ? " " $2 : ""), v[p ".builder"] (v[p ".reinsert"] > 0 ? " reinsert=" v[p ".reinsert"] : ""))
+    equal(name "threads", $(2 + shift), v[p ".threads"])
+    same(name "ns a triangle", $(3 + shift), "%.1f", v[p ".ns_per_tri_median"])
+    same_span(name "ns a triangle", $(4 + shift), "%.1f", v[p ".ns_per_tri_min"], v[p ".ns_per_tri_max"])
+    same(name "SAH", $(5 + shift), "%.2f", v[p ".sah"])
+    same(name "overlap", $(6 + shift), "%.2f", v[p ".overlap"])
+    equal(name "depth", $(7 + shift), v[p ".depth"])
+    equal(name "nodes", $(8 + shift), v[p ".nodes"])
+    same(name "fill", $(9 + shift), "%.2f", v[p ".leaf_fill"])
+    equal(name "largest leaf", $(10 + shift), v[p ".largest_leaf"])
+    equal(name "loose", $(11 + shift), v[p ".loose"])
+    laws(p, name)
+    next
+}
+END {
+    equal("rows", r, v["rows.count"])
+    truth("trees of precompute", compared >= 5)
+    truth("trees of more threads", threads_named || threaded > 0)
+    print "bench builders: " checked " values, " wrong + 0 " wrong"
+    exit wrong > 0 || checked < least
+}

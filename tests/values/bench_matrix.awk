@@ -1,0 +1,97 @@
+# The text of `raydiff bench matrix` against its JSON; the first contestant is what ratios are to:
+# awk -v rounds=N -f lib.awk -f bench_matrix.awk FLAT TEXT
+function name_of() {
+    text = substr($0, 3, 30)
+    sub(/ *$/, "", text)
+    return text
+}
+function part(what, text, bytes, known) {
+    if (known) same(name what, text, "%.1f", bytes / v[p ".triangles"])
+    else equal(name what, text, "-")
+}
+function speeds(  k, product, ratio, base) {
+    product = 1
+    base = "rows." first
+    split(substr($0, 33), word, " ")
+    for (k = 1; k <= 5; k++) {
+        ratio = p "." kind[k] "_ratio"
+        same(name kind[k], word[2 * k - 1], "%.2f", v[ratio])
+        same_span(name kind[k], word[2 * k], "%.2f", v[ratio "_min"], v[ratio "_max"])
+        truth(name kind[k] " span", v[ratio "_min"] <= v[ratio] && v[ratio] <= v[ratio "_max"])
+        if (rounds == 1) near(name kind[k] " ratio", v[ratio], v[p "." kind[k] "_mrays"] / v[base "." kind[k] "_mrays"])
+        if (k <= 4) product *= v[ratio]
+    }
+    near(name "mean", v[p ".mean_ratio"], product ^ 0.25)
+    same(name "mean", word[11], "%.2f", v[p ".mean_ratio"])
+    same(name "prim Mr/s", word[12], "%.3f", v[p ".prim_mrays"])
+}
+function sizes(  k, touched, sum, at) {
+    touched = v[p ".prim_line_bytes"] != "null"
+    sum = v[p ".node_bytes"] + v[p ".item_bytes"] + v[p ".scene_bytes"]
+    gsub(/ of /, "/")
+    split(substr($0, 33), word, " ")
+    part("nodes", word[1], v[p ".node_bytes"], touched)
+    part("items", word[2], v[p ".item_bytes"], touched)
+    part("scene", word[3], v[p ".scene_bytes"], 1)
+    part("all", word[4], sum, 1)
+    near(name "bytes a triangle", v[p ".bytes_per_triangle"], sum / v[p ".triangles"])
+    at = 5
+    for (k = 1; k <= 3; k++) {
+        if (!touched) { equal(name "lines", word[at++], "-"); continue }
+        same(name kind[k] " lines", word[at++], "%.0f", v[p "." kind[k] "_line_bytes"])
+        same(name kind[k] " beyond L1", word[at++], "%.0f", v[p "." kind[k] "_beyond_l1"])
+        same(name kind[k] " beyond L2", word[at++], "%.0f", v[p "." kind[k] "_beyond_l2"])
+        truth(name kind[k] " beyond", v[p "." kind[k] "_line_bytes"] >= v[p "." kind[k] "_beyond_l1"] && v[p "." kind[k] "_beyond_l1"] >= v[p "." kind[k] "_beyond_l2"])
+    }
+    equal(name "lost", word[at++], v[p ".lost"] "/" v[p ".asked"])
+    equal(name "wrong", word[at++], v[p ".wrong"] "/" v[p ".asked"])
+    equal(name "leaks", word[at], v[p ".leak_rays"] > 0 ? v[p ".leaks"] "/" v[p ".leak_rays"] : "-")
+}
+BEGIN { split("prim rand diff o-shad o-rand", kind, " ") }
+/: [0-9]+ triangles, [0-9]+ rays of each kind, / {
+    p = "rows." (first = r + 0)
+    match($0, /: [0-9]+ triangles, /)
+    equal("scene", substr($0, 1, RSTART - 1), v[p ".scene"])
+    split(substr($0, RSTART + 2), word, " ")
+    equal("triangles", word[1], v[p ".triangles"])
+    equal("rays", word[3], v[p ".rays"])
+    equal("rounds", word[8], v[p ".rounds"])
+    equal("threads", word[11], v[p ".threads"])
+    next
+}
+/^  speed, least-most/ { table = 1; next }
+/^  bytes per triangle/ { table = 2; r = first; next }
+/^  front of size, speed and lost hits: / {
+    text = ""
+    for (i = first; i < r; i++) if (v["rows." i ".front"] == "true") text = text (text == "" ? "" : "; ") v["rows." i ".name"]
+    shown = $0
+    sub(/^[^:]*: /, "", shown)
+    equal("front", shown, text)
+    table = 0
+    next
+}
+/^  worth using, nothing lost: / {
+    shown = $0
+    sub(/^[^:]*: /, "", shown)
+    count = split(shown, word, ", ")
+    for (i = first; i < r; i++) if (v["rows." i ".worth"] != "-") {
+        worth++
+        truth("worth using: " v["rows." i ".name"], index(", " shown ",", ", " v["rows." i ".name"] " (" v["rows." i ".worth"] "),") > 0)
+        truth("worth using, but it loses hits", v["rows." i ".lost"] + v["rows." i ".leaks"] == 0)
+    }
+    equal("worth using", count, worth + 0)
+    next
+}
+table && NF > 8 {
+    p = "rows." r++
+    name = v[p ".name"] " "
+    equal("name", name_of(), v[p ".name"])
+    if (table == 1) speeds()
+    else sizes()
+    next
+}
+END {
+    equal("rows", r, v["rows.count"])
+    print "bench matrix: " checked " values, " wrong + 0 " wrong"
+    exit wrong > 0 || checked < least
+}
