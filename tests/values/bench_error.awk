@@ -31,7 +31,7 @@ function quantiles(name, p, kind, first) {
 function laws(p, name,  q, nodes, f32, c) {
     q = base_of(p)
     truth(name "what it is compared with is not measured", q != "")
-    if (v[p ".engine"] ~ /^vulkan/ && v[p ".layout"] != "null") equal(name "base", v[p ".base"], "f32")
+    if (v[p ".engine"] ~ /^vulkan/ && v[p ".layout"] != "null") equal(name "base", v[p ".base"], row_of(p, v[p ".engine"], "f32") != "" ? "f32" : v[p ".layout"])
     if (v[p ".rounds"] == 1) near(name "ratio", v[p ".ratio_median"], v[p ".mrays_median"] / v[q ".mrays_median"])
     # A lost hit is one less than exactly there are, a phantom one more.
     if (v[p ".in_plane"] == 0 && v[p ".compared"] == v[p ".count"])
@@ -51,7 +51,8 @@ function laws(p, name,  q, nodes, f32, c) {
         equal(name "bytes of no layout", v[p ".node_bytes"] + v[p ".item_bytes"] v[p ".bytes_per_node"], "0null")
         return
     }
-    equal(name "bytes a node", v[p ".bytes_per_node"], v[p ".layout"] == "f32" ? 32 : v[p ".layout"] == "rtrs_direct" ? 48 : 16)
+    if (v[p ".layout"] in node_size) equal(name "bytes a node", v[p ".bytes_per_node"], node_size[v[p ".layout"]])
+    truth(name "whole nodes", v[p ".node_bytes"] % v[p ".bytes_per_node"] == 0)
     f32 = row_of(p, v[p ".engine"], "f32")
     if (f32 != "") {
         if (v[p ".boxes_per_ray"] != "null")
@@ -76,6 +77,10 @@ function laws(p, name,  q, nodes, f32, c) {
         truth(name "err/E is less than that of check", v[p ".err_over_bound"] >= w[q ".err_over_bound"] * 0.9999999)
         truth(name "WRONG is less than that of check", v[p ".wrong"] >= w[q ".counts.wrong"])
     }
+}
+BEGIN {
+    node_size["f32"] = 32
+    node_size["rf16"] = node_size["rtrs_rf"] = 16
 }
 /: [0-9]+ triangles; [0-9]+ [a-z]+ rays, seed / {
     p = "rows." (first = r + 0)

@@ -44,6 +44,8 @@ function rate(what, text, events, count,  number) {
         rate(what "beside", $(6 + 3 * j), v[p ".beside"], v[p ".hits"])
         rate(what "skip", $(7 + 3 * j), v[p ".skipped"], v[p ".hits"])
         truth(what "a ray has one fate", v[p ".self"] + v[p ".beside"] + v[p ".skipped"] <= v[p ".hits"] + 0)
+        # No two triangles of a soup touch.
+        if (v[p ".scene"] ~ /^soup/) equal(what "beside", v[p ".beside"], 0)
         truth(what "moved, in order", v[p ".moved_p50"] <= v[p ".moved_p99"] && v[p ".moved_p99"] <= v[p ".moved_max"])
         # Who is moved less than a constant is rounded to where it was.
         if ($2 == "1e-3") truth(what "moved as far as told", v[p ".moved_p99"] >= 0.9e-3)

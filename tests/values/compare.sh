@@ -9,21 +9,23 @@ bad() {
     failed=$((failed + 1))
 }
 
-# name, least number of values, files: $dir/json by the fields of tests/values/fields.*.txt, then with the files by
-# NAME.awk, and by rows.awk, if the third word is rows.
+# name, least number of values, files and variables of awk: $dir/json by the fields of tests/values/fields.*.txt, then with the files by
+# NAME.awk, which has in took how many nanoseconds the command ran.
 values() {
     name=$1 least=$2
     shift 2
     awk -f tests/values/flat.awk "$dir/json" >"$dir/flat" || { bad "$name: no JSON"; return; }
     sh tests/values/fields.sh "$name" "$dir/flat" "$dir/seen" || bad "$name: keys without a line in fields.*.txt"
-    awk -v least="$least" -f tests/values/lib.awk -f "tests/values/$name.awk" "$dir/flat" "$@" || bad "$name: $ran"
+    awk -v least="$least" -v took="$took" -f tests/values/lib.awk -f "tests/values/$name.awk" "$dir/flat" "$@" || bad "$name: $ran"
 }
 
-# arguments of raydiff; exit code 0 or 1
+# arguments of raydiff; exit code 0 or 1; took: nanoseconds
 run() {
     ran="raydiff $*"
+    took=$(date +%s%N)
     "$raydiff" "$@" >"$dir/text" 2>"$dir/err"
     code=$?
+    took=$(($(date +%s%N) - took))
     [ "$code" -le 1 ] && return
     bad "$ran: exit $code"
     tail -n 3 "$dir/err"
