@@ -5,9 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* The exact t must be known to this many units of the forward error. */
-#define WIDTH_MOST 1e-3
-
 /* The triangle relative to the ray's origin, in double: differences of floats within 2^29 of each
  * other are exact. */
 struct measure_frame {

@@ -13,7 +13,6 @@ struct page {
     struct why_judges judges;         /* of member `judged`, as side 0 */
     const struct diff_member *judged; /* the member shown last */
     int code;
-    json_t *json; /* NULL: no --json */
 };
 
 static size_t the_pixel(const struct diff_run *run)

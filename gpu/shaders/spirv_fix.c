@@ -196,13 +196,10 @@ static void put_decorations(const struct module *m, struct sink *out)
 {
     struct instruction i;
     bool ok = true;
-    bool drop = false;
     for (size_t at = HEADER_WORDS; next(m, &at, &i, &ok);) {
         if (!find(decorated, ARRAY_COUNT(decorated), i.op) || i.count < 3)
             continue;
-        if (!drop)
-            put(out, (const uint32_t[]){3u << 16 | OP_DECORATE, i.word[2], NO_CONTRACTION}, 3);
-        drop = false;
+        put(out, (const uint32_t[]){3u << 16 | OP_DECORATE, i.word[2], NO_CONTRACTION}, 3);
     }
 }
 

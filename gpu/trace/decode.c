@@ -210,19 +210,13 @@ static bool same_kind(struct decode_comparing *c, uint32_t ref, uint32_t mine, u
     return mine == theirs || differs(c, ref, "kind", kind_name(mine), kind_name(theirs));
 }
 
-/* Returns how many of `count` slots are compared. */
-static uint32_t compared(uint32_t count)
-{
-    return count;
-}
-
 /* Compares the items of a leaf. The first item is in `answer`, the next ones are from `more` on. */
 static bool same_leaf(struct decode_comparing *c, uint32_t ref, const struct wide *leaf,
                       const struct answer *answer, const struct answer *more)
 {
     if (!same_number(c, ref, "items", leaf->item_count, answer->count))
         return false;
-    for (uint32_t slot = 0; slot < compared(leaf->item_count); slot++) {
+    for (uint32_t slot = 0; slot < leaf->item_count; slot++) {
         char field[32];
         snprintf(field, sizeof field, "item slot %u", slot);
         if (!same_number(c, ref, field, packed_item(c->packed, leaf, slot),
@@ -301,7 +295,7 @@ static bool same_wide(struct decode_comparing *c, uint32_t ref)
     packed->layout->load(packed, ref, &record);
     if (!match_slots(c, ref, &record, slot))
         return false;
-    for (uint32_t i = 0; i < compared(record.child_count); i++) {
+    for (uint32_t i = 0; i < record.child_count; i++) {
         const struct answer *answer = &c->answer[c->first[ref] + slot[i]];
         const uint32_t child = record.child[i];
         struct wide leaf;
