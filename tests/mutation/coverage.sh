@@ -5,9 +5,9 @@
 set -u
 build=$1 out=$2
 mkdir -p "$out/lines" "$out/map"
-sh tests/mutation/suites.sh "$build" >"$out/suites"
 
 if [ $# -eq 2 ]; then
+    sh tests/mutation/suites.sh "$build" >"$out/suites"
     while read -r name _; do
         [ -e "$out/lines/$name" ] || echo "$name"
     done <"$out/suites" | xargs -r -P "$(nproc)" -n 1 sh "$0" "$build" "$out"

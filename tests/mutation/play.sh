@@ -105,7 +105,7 @@ try() { # suite, its usual milliseconds
     tell killed "$1 hangs"
 }
 
-# The suites that run the line, the quick ones first. Of a shader nothing tells which lines are run: there
+# The suites that run the line, the quick ones first, as long as there is some left of COVERING seconds. Of a shader nothing tells which lines are run: there
 # they are the suites that dispatch any.
 case $file in
 *.[ch]) map=$out/map/$flat at=$line ;;
@@ -114,13 +114,16 @@ esac
 [ ! -e "$map" ] || awk -v line="$at" 'line == "" || $1 == line { for (i = 2; i <= NF; i++) print $i }' "$map" | sort -u >"$dir/covering"
 touch "$dir/covering"
 count=0
+left=$((${COVERING:-1000000} * 1000))
 awk 'NR == FNR { covers[$1]; next } $1 in covers { print $2, $1 }' "$dir/covering" "$out/times" | sort -n >"$dir/order"
 while read -r usual suite; do
+    left=$((left - usual))
+    [ "$left" -ge 0 ] || break
     try "$suite" "$usual"
     count=$((count + 1))
 done <"$dir/order"
-# Then others, by their time, as long as there is some left.
-rest=120000
+# Then others, by their time, as long as there is some of REST seconds left.
+rest=$((${REST:-120} * 1000))
 awk 'NR == FNR { covers[$1]; next } !($1 in covers) { print $2, $1 }' "$dir/covering" "$out/times" | sort -n >"$dir/order"
 while read -r usual suite; do
     rest=$((rest - usual))
