@@ -9,6 +9,15 @@ bad() {
     failed=$((failed + 1))
 }
 
+# What NAME.awk needs beside lib.awk.
+libraries() {
+    case $1 in
+    diff_images | show) echo -f tests/values/pixels.awk ;;
+    diff_pixel) echo -f tests/values/pixels.awk -f tests/values/floats.awk ;;
+    diff_engines | render) echo -f tests/values/pixels.awk -f tests/values/paths.awk ;;
+    esac
+}
+
 # name, least number of values, files and variables of awk: $dir/json by the fields of tests/values/fields.*.txt, then with the files by
 # NAME.awk, which has in took how many nanoseconds the command ran.
 values() {
@@ -16,7 +25,7 @@ values() {
     shift 2
     awk -f tests/values/flat.awk "$dir/json" >"$dir/flat" || { bad "$name: no JSON"; return; }
     sh tests/values/fields.sh "$name" "$dir/flat" "$dir/seen" || bad "$name: keys without a line in fields.*.txt"
-    awk -v least="$least" -v took="$took" -f tests/values/lib.awk -f "tests/values/$name.awk" "$dir/flat" "$@" || bad "$name: $ran"
+    awk -v least="$least" -v took="$took" -f tests/values/lib.awk $(libraries "$name") -f "tests/values/$name.awk" "$dir/flat" "$@" || bad "$name: $ran"
 }
 
 # arguments of raydiff; exit code 0 or 1; took: nanoseconds

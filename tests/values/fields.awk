@@ -8,6 +8,8 @@ function misfit(value, unit) {
     if (value == "null") return unit ~ /\|null$/ ? "" : "is null"
     sub(/\|null$/, "", unit)
     if (unit == "text") return ""
+    if (unit == "float.bits") return value ~ /^0x[0-9a-f][0-9a-f][0-9a-f][0-9a-f][0-9a-f][0-9a-f][0-9a-f][0-9a-f]$/ ? "" : "is no word"
+    if (unit == "float.value") unit = "number"
     if (unit == "bool") return value == "true" || value == "false" ? "" : "is no bool"
     if (unit in whole) return value ~ /^[0-9]+$/ ? "" : "is no whole number of 0 or more"
     if (value !~ /^-?[0-9]+(\.[0-9]+)?(e[-+]?[0-9]+)?$/) return "is no number"
@@ -15,9 +17,15 @@ function misfit(value, unit) {
     if (unit == "share" && value > 1) return "is over 1"
     return ""
 }
-# The line of a path: the same, or with '*' in a name.
+# The line of a path: the same, or with '*' for a name or a part of one.
 function line_of(path,  k) {
     if (path in unit_of) return path
+    if (path ~ /\.(value|bits)$/) { # of a float
+        k = path
+        sub(/\.[a-z]+$/, "", k)
+        k = line_of(k)
+        if (k != "" && unit_of[k] ~ /^float/) return k
+    }
     for (k = 1; k <= patterns; k++)
         if (path ~ pattern[k]) return pattern_line[k]
     return ""
@@ -44,14 +52,16 @@ function check(path, value,  name, line, what) {
         return
     }
     printed[line] = 1
-    what = misfit(value, unit_of[line])
+    what = unit_of[line]
+    if (what ~ /^float/) sub(/float/, "float" (path ~ /\.bits$/ ? ".bits" : ".value"), what)
+    what = misfit(value, what)
     if (what != "") wrong(command ": " path " = " value " " what " (" unit_of[line] ")")
 }
 BEGIN {
     # Whole numbers of 0 or more; numbers of 0 or more; numbers.
     split("count bytes index pixels ns seed", word, " ")
     for (k in word) whole[word[k]] = known[word[k]] = 1
-    split("text bool share ratio number ms us s ns_each Mray/s per_s ulp u degrees length", word, " ")
+    split("text bool share ratio number ms us s ns_each Mray/s per_s ulp u degrees length float", word, " ")
     for (k in word) known[word[k]] = 1
     last = ARGV[ARGC - 1]
 }
@@ -83,11 +93,11 @@ FILENAME == last {
     if (name != command || $1 ~ /^text:/) next
     unit_of[$1] = $2
     if (!sometimes) must[$1] = 1
-    if ($1 ~ /[^.]\*|\*[^.]/) {
+    if ($1 ~ /\*/) {
         pattern_line[++patterns] = $1
         pattern[patterns] = $1
         gsub(/\./, "\\.", pattern[patterns])
-        gsub(/\*/, "[^.]*", pattern[patterns])
+        gsub(/\*/, "[^.]+", pattern[patterns])
         pattern[patterns] = "^" pattern[patterns] "$"
     }
 }
@@ -99,6 +109,6 @@ END {
         for (line in must)
             if (!(line in printed)) wrong(command ": " line " is in no JSON")
     if (command != "" && !unseen)
-        for (line in printed) print command, line >seen
+        for (line in printed) print command, line >>seen
     exit bad
 }

@@ -4,16 +4,15 @@
 #   command NAME: what it is           NAME is that of the check, tests/values/NAME.awk
 #   PATH UNIT FORMAT where it comes from
 #
-# PATH: of the JSON, '*' for the places of an array and for names that depend on members; '?' at its end: not in
+# PATH: of the JSON, '*' for the places of an array and for names that are members of a table; '?' at its end: not in
 # every run. 'text:NAME' is a field that only the text has. UNIT: see tests/values/fields.awk; '|null' where there
-# can be none. FORMAT: how the text has it, as printf does; '-' where it has not.
+# can be none; float: a value, and the bits of its word. FORMAT: how the text has it, as printf does; '-' where it has not.
 #
 #   sh tests/values/fields.sh                         the table alone is well, and what is not is seen
 #   sh tests/values/fields.sh NAME FLAT [SEEN]        every path of FLAT (flat.awk) has a line, its value the unit;
 #                                                     the lines are noted in SEEN
 #   sh tests/values/fields.sh --unseen NAME SEEN      lines of NAME that are not in SEEN
 set -u
-fields() { awk "$@"; }
 tables=tests/values/fields.*.txt
 case ${1-} in
 --unseen) awk -v command="$2" -v unseen=1 -f tests/values/fields.awk $tables "$3" ;;
@@ -32,6 +31,7 @@ command play: for these tests
   rows.*.share     share|null %.1f  of how many
   rows.*.*_us      us         -     of a member
   rows.*.tree?     text       %s    not always
+  rows.*.t?        float|null %s    as value and bits
 END
 # exit code, what is tried, the flat JSON's lines, more words
 try() {
@@ -50,6 +50,8 @@ try 1 'a count is below 0' "${good}rows.1.count=-1\n"
 try 1 'a share is over 1' "${good}rows.1.share=50.0\n"
 try 1 'null for what there always is' "${good}rows.1.count=null\n"
 try 1 'a time below 0' "${good}rows.1.cpu_us=-0.5\n"
+try 0 'a float' "${good}rows.1.t.value=-1.5\nrows.1.t.bits=0xbfc00000\n"
+try 1 'bits of a float in decimal' "${good}rows.1.t.value=-1.5\nrows.1.t.bits=3217031168\n"
 try 1 'no key at all' ''
 printf 'play rows.*.count\n' >"$dir/seen"
 awk -v command=play -v unseen=1 -f tests/values/fields.awk "$dir/table" "$dir/seen" >"$dir/out"

@@ -96,6 +96,10 @@ play_frames() {
             --out "$dir/frames" --threads 1 && cp "$dir/frames.json" "$dir/json" &&
             values bench_frames 120 "$dir/other.flat" "$dir/text" "$dir/frames.csv"
     done
+    # One handler alone: no ratio.
+    rm "$dir/other.flat"
+    run render sphere:n=6 --benchmark --benchmark-frames 3 --benchmark-turns 1 --benchmark-warm-up 2 -w 16 -h 12 --camera-orbit \
+        --benchmark-out "$dir/frames" && cp "$dir/frames.json" "$dir/json" && values bench_frames 50 "$dir/text" "$dir/frames.csv"
 }
 play_fast() { for rounds in 1 2; do bench fast 200 "$rounds" --scene sphere:n=6 --count 200; done; }
 play_matrix() {

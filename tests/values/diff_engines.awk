@@ -1,0 +1,121 @@
+# `raydiff diff SCENE --engine A,B` against the paths and the pictures that `raydiff render` makes with each:
+# awk -f lib.awk -f pixels.awk -f paths.awk -f diff_engines.awk FLAT a.csv b.csv a.pixels b.pixels TEXT
+function count_paths(  y, x, at, i, n, a, b, none, apart) {
+    split("t triangle asked shadowed", field_name, " ")
+    for (y = 0; y < v["height"]; y++) for (x = 0; x < v["width"]; x++) {
+        at = 0 SUBSEP x SUBSEP y
+        n = of_path[0, at] > of_path[1, at] ? of_path[0, at] : of_path[1, at]
+        apart = 0
+        for (i = 0; i < n; i++) {
+            none = "" SUBSEP "none" SUBSEP 0 SUBSEP 0
+            split((0, at, i) in segment ? segment[0, at, i] : none, a, SUBSEP)
+            split((1, at, i) in segment ? segment[1, at, i] : none, b, SUBSEP)
+            is["segments"]++
+            hits += (a[2] != "" && a[2] != "none") || (b[2] != "" && b[2] != "none")
+            for (k = 1; k <= 4; k++) {
+                is[field_name[k]] += a[k] "" != b[k] ""
+                apart += a[k] "" != b[k] ""
+            }
+        }
+        is["paths_different"] += apart > 0
+    }
+    is["paths"] = v["width"] * v["height"]
+}
+function laws(p,  k, sum, allowed) {
+    for (k in v) {
+        if (index(k, p ".why.") == 1) sum += v[k]
+        if (index(k, p ".allowed.") == 1) allowed += v[k]
+    }
+    equal("reasons in all", sum, v[p ".to_explain"])
+    equal("allowed in all", allowed + 0, v[p ".why.allowed"])
+    equal("agrees", v[p ".agrees"], v[p ".why.wrong"] + v[p ".why.renderer"] + v[p ".why.unexplained"] == 0 ? "true" : "false")
+    truth("values differ, but by nothing", (v[p ".values_different"] > 0) == (v[p ".largest"] > 0))
+    truth("to explain", v[p ".to_explain"] >= v[p ".paths_different"] && v[p ".to_explain"] <= v[p ".paths"])
+    split("same rounding allowed drift published renderer wrong unexplained", kind, " ")
+    for (k = 1; k <= 8; k++) {
+        sum = v[p ".pixels." kind[k] ".count"]
+        truth("listed of " kind[k], sum <= v[p ".why." kind[k]] && (sum > 0 || v[p ".why." kind[k]] == 0))
+    }
+    if (v[p ".reference"] != "cpu" || v[p ".engine"] != engine) return
+    count_paths()
+    differences()
+    for (k = split("paths paths_different segments triangle t asked shadowed", name, " "); k > 0; k--)
+        equal(name[k] " of paths", v[p "." name[k]], is[name[k]] + 0)
+    equal("values that differ", v[p ".values_different"], is["different"] + 0)
+    equal("largest", v[p ".largest"], is["largest"] + 0)
+    compared++
+}
+# What is listed of a kind: place and value of each pixel.
+function listed(p, kind,  k, q, i) {
+    for (k = 0; k < v[p ".pixels." kind ".count"]; k++) {
+        q = p ".pixels." kind "." k
+        i = v[q ".y"] * v["width"] + v[q ".x"]
+        if (v[p ".engine"] == engine) equal("value of a pixel that is listed", v[q ".value_difference"], channels_apart(i))
+        if ($2 == v[q ".x"] "," v[q ".y"] && $3 == v[q ".class"] ":") {
+            equal("value of " $2, $7 + 0, v[q ".value_difference"])
+            shown++
+        }
+    }
+}
+FNR == 1 {
+    at = match($0, /: [0-9]+ triangles; /)
+    equal("scene", substr($0, 1, at - 1), v["scene"])
+    split(substr($0, at + 2), word, /[ ,;]+/)
+    equal("triangles", word[1], v["triangles"])
+    equal("size", word[3] " " word[5], v["width"] " " v["height"])
+    equal("profile", word[8], v["profile"])
+    equal("bounces", word[9], v["bounces"])
+    equal("lights", word[11], v["lights"])
+    next
+}
+/ against .*: / {
+    p = "pairs." r++
+    equal("engine", $1, v[p ".engine"])
+    equal("reference", $3, v[p ".reference"] ":")
+    equal("demanded", /the same bits are demanded/ ? "true" : "false", v[p ".same_bits_demanded"])
+    laws(p)
+    next
+}
+$1 == "paths" { equal("paths", $2 " " $4, v[p ".paths_different"] " " v[p ".paths"]) }
+$1 == "segments" {
+    gsub(",", "")
+    equal("segments", $3 " " $7 " " $9 " " $12 " " $14, v[p ".segments"] " " v[p ".triangle"] " " v[p ".t"] " " v[p ".asked"] " " v[p ".shadowed"])
+}
+$1 == "values" {
+    gsub(/[,;]/, "")
+    equal("values", $2 " " $4 " " $8, v[p ".values_different"] " " v[p ".paths"] " " v[p ".largest"])
+    equal("at a border, and beyond", $13 " " $(NF - 1), v[p ".at_a_border"] " " v[p ".beyond_the_bound"])
+}
+$1 == "explained" {
+    text = $0
+    sub(/^[^:]*: /, "", text)
+    explained = 0
+    count = split(text, part, ", ")
+    for (k = 1; k <= count; k++) {
+        n = split(part[k], word, " ")
+        what = word[1]
+        if (what == "same" || what == "rounding" || what == "drift") equal(what, word[n], v[p ".why." what])
+        else if (what == "wrong") equal("wrong as published", word[n], v[p ".why.published"])
+        else equal(what, word[n], v[p ".allowed." what])
+        explained += word[n]
+    }
+    equal("explained", $2, explained)
+    equal("to explain", $4, v[p ".to_explain"])
+    equal("classes", count, 12)
+}
+$1 == "faults" {
+    gsub(/[,;]/, "")
+    equal("faults", $4 " " $10 " " $12, v[p ".why.wrong"] " " v[p ".why.renderer"] " " v[p ".why.unexplained"])
+    same("err/E", $NF, "%.3g", v[p ".err_over_bound"])
+}
+/^  pixel [0-9]+,[0-9]+ [a-z_ ]+: values differ by/ {
+    shown = 0
+    for (i = split("same rounding allowed drift published renderer wrong unexplained", of, " "); i > 0; i--) listed(p, of[i])
+    equal("pixels of that place in JSON", shown, 1)
+}
+END {
+    equal("pairs", r, v["pairs.count"])
+    truth("nothing is compared with paths", compared)
+    print "diff of engines: " checked " values, " wrong + 0 " wrong"
+    exit wrong > 0 || checked < least
+}

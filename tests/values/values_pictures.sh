@@ -1,0 +1,90 @@
+#!/bin/sh
+# The numbers of `raydiff render`, `render --show` and `raydiff diff` by value: against the pixels of the PNG files, the
+# segments of every path and the value of every pixel. sh tests/values/values_pictures.sh RAYDIFF [render paths show images engines]
+set -u
+raydiff=$1
+shift
+. tests/values/compare.sh
+small='-w 24 -h 18'
+
+# PNG, file of its pixels, or --size of its size
+pixels() { sh tests/values/png.sh ${3-} "$1" >"$2" || bad "$1: no picture"; }
+
+play_render() {
+    # A path of one segment without a light: its work is what --show counts.
+    one='--bounces 1 --camera-light-strength 0'
+    run render sphere:n=6 $small --show boxes --json "$dir/other.json" --out "$dir/boxes.png" &&
+        awk -f tests/values/flat.awk "$dir/other.json" >"$dir/other.flat"
+    run render sphere:n=6 $small $one --out "$dir/a.png" --json "$dir/json" --paths "$dir/a.csv" && pixels "$dir/a.png" "$dir/a.pixels" &&
+        values render 400 "$dir/other.flat" "$dir/a.pixels" "$dir/a.csv" "$dir/text"
+    for options in '--handler bvh-rf' '--profile rtrs --handler bvh' '--handler naive' '--engine embree'; do
+        run render rtrs -w 31 -h 17 $options --out "$dir/a.png" --json "$dir/json" --paths "$dir/a.csv" &&
+            pixels "$dir/a.png" "$dir/a.pixels" && values render 500 "$dir/a.pixels" "$dir/a.csv" "$dir/text"
+    done
+    run render rtrs $small --frames 5 --out "$dir/f.png" --json "$dir/json" --paths "$dir/a.csv" &&
+        pixels "$dir/f-0005.png" "$dir/a.pixels" && values render 500 orbit=1 "$dir/a.pixels" "$dir/a.csv" "$dir/text"
+}
+# The paths as JSON are those of the CSV file.
+play_paths() {
+    for form in csv json; do
+        run render rtrs $small --frames 2 --out "$dir/f.png" --paths "$dir/p.$form"
+    done
+    sed 1d "$dir/p.csv" >"$dir/csv"
+    awk -f tests/values/flat.awk "$dir/p.json" | awk -F= '/^segments\.[0-9]+\.[0-9]+=/ {
+        split($1, at, ".")
+        line = (at[3] == 0 ? "" : line ",") ($2 == "null" ? "" : $2)
+        if (at[3] == 7) print line
+    }' >"$dir/of_json"
+    [ -s "$dir/csv" ] && cmp "$dir/csv" "$dir/of_json" || bad "paths as JSON are others than as CSV"
+}
+# what, layouts, more
+show() {
+    what=$1 layouts=$2
+    shift 2
+    run render "$@" $small --show "$what" --layout "$layouts" --csv "$dir/s.csv" --out "$dir/a.png" --json "$dir/json" &&
+        pixels "$dir/a.png" "$dir/a.pixels" --size && values show 400 "$dir/a.pixels" "$dir/s.csv" "$dir/text"
+}
+# half4 and f32 walk other trees; rtrs_rf with a box test that culls loses hits, which the judge calls WRONG.
+play_show() {
+    for what in t prim normal boxes triangles depth overlap inflation error class; do
+        show $what f32,half4 cornell:n=3
+    done
+    show boxes f32 sphere:n=6
+    show class f32,rtrs_rf rtrs --box robust
+    show t f32,rtrs_rf rtrs --box robust
+}
+play_images() {
+    run render rtrs $small --out "$dir/a.png"
+    run render rtrs $small --ambience 0.5 --engine embree --out "$dir/b.png"
+    run render rtrs $small --profile rtrs --out "$dir/c.png"
+    run render cornell:n=3 $small --angle 3 --frames 2 --camera-orbit --out "$dir/d%d.png"
+    for pair in 'a a' 'a b' 'b a' 'c b' 'd1 d2' 'a d1'; do
+        set -- $pair
+        pixels "$dir/$1.png" "$dir/x.a.pixels"
+        pixels "$dir/$2.png" "$dir/x.b.pixels"
+        run diff "$dir/$1.png" "$dir/$2.png" --json "$dir/json" &&
+            values diff_images 16 "$dir/x.a.pixels" "$dir/x.b.pixels" "$dir/text"
+    done
+}
+play_engines() {
+    for scene in cornell:n=4 'rtrs --profile rtrs'; do
+        for side in a:cpu b:embree; do
+            run render $scene -w 48 -h 36 --engine "${side#*:}" --out "$dir/${side%:*}.png" --paths "$dir/${side%:*}.csv"
+            pixels "$dir/${side%:*}.png" "$dir/${side%:*}.pixels"
+        done
+        run diff $scene -w 48 -h 36 --engine cpu,embree,brute --json "$dir/json" &&
+            values diff_engines 400 engine=embree "$dir/a.csv" "$dir/b.csv" "$dir/a.pixels" "$dir/b.pixels" "$dir/text"
+        # Three of the pixels that differ, and one that does not.
+        for pixel in $(sed -n 's/^  pixel \([0-9,]*\) .*/\1/p' "$dir/text" | head -n 3) 24,20; do
+            run diff $scene -w 48 -h 36 --engine cpu,embree,brute --pixel "$pixel" --json "$dir/json" &&
+                values diff_pixel 60 "$dir/a.pixels" "$dir/b.pixels" "$dir/text"
+        done
+    done
+}
+
+for part in ${*:-render paths show images engines}; do
+    "play_$part"
+done
+case ${*:-all} in all) all_seen render show diff_images diff_engines diff_pixel ;; esac
+echo "values_pictures: $failed failed"
+[ "$failed" -eq 0 ]
