@@ -46,6 +46,16 @@ function line(p, first, name,  whole) {
     lines++
 }
 function layer_name(l) { return ("layers." l ".layout") in v ? v["layers." l ".layout"] : v["layers." l ".engine"] }
+# Between the normals of a pixel, which have three columns each.
+function degrees(i,  k, a, b, dot, cross) {
+    for (k = 0; k < 3; k++) {
+        a = (k + 1) % 3
+        b = (k + 2) % 3
+        dot += cell[i, 3 + k] * cell[i, 6 + k]
+        cross += (cell[i, 3 + a] * cell[i, 6 + b] - cell[i, 3 + b] * cell[i, 6 + a]) ^ 2
+    }
+    return atan2(sqrt(cross), dot) * 180 / 3.14159265358979
+}
 # Two layers, pixel by pixel.
 function two(  i, more, less, one, d, count, different) {
     d = columns
@@ -53,6 +63,8 @@ function two(  i, more, less, one, d, count, different) {
         one += (cell[i, 3] == "") != (cell[i, 3 + planes] == "")
         more += cell[i, d] != "" && cell[i, d] + 0 > 0
         less += cell[i, d] != "" && cell[i, d] + 0 < 0
+        if (planes > 1 && cell[i, 3] != "" && cell[i, 6] != "")
+            truth("degrees at " i, (cell[i, d] - degrees(i)) ^ 2 < 1e-4)
         if (planes > 1) continue
         different += cell[i, 3] != cell[i, 4]
         if (names) {

@@ -23,6 +23,9 @@ play_render() {
     done
     run render rtrs $small --frames 5 --out "$dir/f.png" --json "$dir/json" --paths "$dir/a.csv" &&
         pixels "$dir/f-0005.png" "$dir/a.pixels" && values render 500 orbit=1 "$dir/a.pixels" "$dir/a.csv" "$dir/text"
+    # Large enough for its milliseconds to be told.
+    run render rtrs -w 160 -h 120 --frames 3 --out "$dir/f.png" --json "$dir/json" &&
+        pixels "$dir/f-0001.png" "$dir/a.pixels" --size && values render 18 orbit=1 "$dir/a.pixels" "$dir/text"
 }
 # The paths as JSON are those of the CSV file.
 play_paths() {
