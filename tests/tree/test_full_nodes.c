@@ -12,124 +12,9 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "tests/support/tree_fixture.h"
+#include "tests/support/groups.h"
 
 #include <math.h>
-#include <string.h>
-
-#define ITEMS_MOST  14u
-#define GROUPS_MOST 80u
-#define END         255
-#define FULL_GRID   4u /* items of a leaf of the grid family */
-
-/* Items of a leaf, at most; f32 has no end. */
-static uint32_t leaf_most(const struct layout *layout)
-{
-    static const struct {
-        const char *name;
-        uint32_t items;
-    } most[] = {{"f32", ITEMS_MOST}, {"rf16", 8},      {"cwbvh80", 3},
-                {"half4", 8},        {"tiny8", 4},     {"tiny8_l8", 8},
-                {"amd64", 4},        {"amd64_f16", 4}, {"tiny8_l14", ITEMS_MOST},
-                {"amd64_f32", 4},    {"amd64_g1", 4}};
-    for (size_t i = 0; i < ARRAY_COUNT(most); i++)
-        if (strcmp(layout->name, most[i].name) == 0)
-            return most[i].items;
-    return FULL_GRID;
-}
-
-/* Groups of triangles, a leaf each, far from each other, in parts that are subtrees. */
-struct groups {
-    uint32_t count, total;
-    uint32_t items[GROUPS_MOST], part[GROUPS_MOST];
-    float x[GROUPS_MOST], y[GROUPS_MOST], z[GROUPS_MOST];
-    struct scene scene;
-    struct bvh bvh;
-};
-
-static void place(struct groups *g, uint32_t part, float x, float y, uint32_t items)
-{
-    assert_true(g->count < GROUPS_MOST);
-    g->x[g->count] = x;
-    g->y[g->count] = y;
-    g->part[g->count] = part;
-    g->items[g->count++] = items;
-    g->total += items;
-}
-
-/* The triangles, in the order of the groups: those of a group turn about the diagonal of a cube, so that all have
- * its box. */
-static void fill(struct groups *g)
-{
-    uint32_t prim = 0;
-    g->scene = trees_grid(g->total);
-    for (uint32_t i = 0; i < g->count; i++)
-        for (uint32_t j = 0; j < g->items[i]; j++, prim++) {
-            const float corner[3][3] = {{0, 0, 0}, {1, 1, 1}, {1, (float)j / 16, 0}};
-            for (int c = 0; c < 3; c++) {
-                float *p = g->scene.vertex + 9 * (size_t)prim + 3 * (size_t)c;
-                p[0] = g->x[i] + corner[c][0];
-                p[1] = g->y[i] + corner[c][1];
-                p[2] = g->z[i] + corner[c][2];
-            }
-        }
-}
-
-/* Each group by itself, by a distance that depends on its place. */
-static void lift(struct groups *g, float by)
-{
-    for (float *p = g->scene.vertex; p < g->scene.vertex + 9 * (size_t)g->total; p += 3)
-        p[2] += by * (float)((int)((p[0] + 1) / 4) % 7);
-}
-
-/* Where groups lo to hi are halved: between the two parts in the middle, or within the only one. */
-static uint32_t cut_of(const struct groups *g, uint32_t lo, uint32_t hi)
-{
-    uint32_t parts = g->part[hi - 1] - g->part[lo] + 1, cut = lo + 1;
-    if (parts == 1)
-        return lo + (hi - lo) / 2;
-    while (g->part[cut] < g->part[lo] + parts / 2)
-        cut++;
-    return cut;
-}
-
-/* The subtree of groups lo to hi, in pre-order. */
-static uint32_t grow_range(struct groups *g, uint32_t lo, uint32_t hi)
-{
-    uint32_t at = g->bvh.node_count++;
-    struct bvh_node node = {.item_count = 0};
-    for (uint32_t i = 0; i < lo; i++)
-        node.item_first += g->items[i];
-    if (hi - lo == 1) {
-        node.item_count = g->items[lo];
-    } else {
-        uint32_t cut = cut_of(g, lo, hi);
-        node.fst = grow_range(g, lo, cut);
-        node.snd = grow_range(g, cut, hi);
-    }
-    g->bvh.node[at] = node;
-    return at;
-}
-
-/* A tree with a leaf for each group, balanced over the parts. */
-static void grow(struct groups *g)
-{
-    g->bvh = (struct bvh){.prim_count = g->total, .tri_count = g->total};
-    g->bvh.node = calloc(2 * g->count, sizeof *g->bvh.node);
-    g->bvh.prim = calloc(g->total, sizeof *g->bvh.prim);
-    assert_true(g->bvh.node && g->bvh.prim);
-    for (uint32_t i = 0; i < g->total; i++)
-        g->bvh.prim[i] = i;
-    (void)grow_range(g, 0, g->count);
-    trees_fit(&g->bvh, &g->scene);
-    assert_int_equal(bvh_check(&g->bvh, &g->scene, NULL), STATUS_OK);
-}
-
-static void finish(struct groups *g)
-{
-    bvh_free(&g->bvh);
-    scene_free(&g->scene);
-}
 
 /* --- what was met ----------------------------------------------------------------------------- */
 
@@ -207,8 +92,8 @@ static void expect_tree(const struct layout *layout, struct groups *g, struct no
 {
     struct packed packed;
     struct reason reason = {""};
-    fill(g);
-    grow(g);
+    groups_fill(g);
+    groups_grow(g);
     if (packed_make(layout, &g->bvh, &g->scene, &packed, &reason) ||
         packed_check(&packed, &g->scene, NULL, &reason))
         fail_msg("%s: %s", layout->name, reason.text);
@@ -216,7 +101,7 @@ static void expect_tree(const struct layout *layout, struct groups *g, struct no
     expect_hits(&packed, g);
     /* Bounds written anew in every slot: higher, and where they were. */
     for (uint32_t turn = 0; turn < 2 && layout->rebound; turn++) {
-        lift(g, turn ? -0.25f : 0.25f);
+        groups_lift(g, turn ? -0.25f : 0.25f);
         enum status status = packed_refit(&packed, &g->scene, &reason);
         if (status == STATUS_LIMIT)
             break; /* beyond the frame of the scene */
@@ -226,50 +111,36 @@ static void expect_tree(const struct layout *layout, struct groups *g, struct no
         expect_hits(&packed, g);
     }
     packed_free(&packed);
-    finish(g);
+    groups_free(g);
 }
 
 /* --- the trees -------------------------------------------------------------------------------- */
-
-/* The first and the last group make the root a cube, whose area is a power of two of theirs: the cost of a leaf
- * and of its parts is exactly the same then, and leaves stay whole. */
-static void make_cube(struct groups *g)
-{
-    g->x[g->count - 1] = g->y[g->count - 1] = g->z[g->count - 1] = END;
-}
 
 /* A node of 2 to all children, a leaf of 1 to all items in each slot; one beside it is full, so that all of them are
  * no leaf, and the others are of any size. */
 static void leaves_of_all_sizes(const struct layout *layout, struct nodes_met *met)
 {
-    uint32_t most = leaf_most(layout);
+    uint32_t most = groups_leaf_most(layout);
     for (uint32_t children = 2; children <= layout->width; children++)
         for (uint32_t s = 0; s < children; s++)
             for (uint32_t items = 1; items <= most; items++) {
                 struct groups g = {0};
                 for (uint32_t i = 0; i < children; i++)
-                    place(&g, i, 16 * (float)i, 16 * (float)(i % 3),
-                          i == s                    ? items
-                          : i == (s + 1) % children ? most
-                                                    : 1 + (i + items) % most);
-                make_cube(&g);
+                    groups_place(&g, i, 16 * (float)i, 16 * (float)(i % 3),
+                                 i == s                    ? items
+                                 : i == (s + 1) % children ? most
+                                                           : 1 + (i + items) % most);
+                groups_make_cube(&g);
                 expect_tree(layout, &g, met);
             }
 }
 
-/* Full nodes whose slots hold leaves or full nodes: one node among leaves, and one leaf among nodes. */
 static void nodes_in_all_slots(const struct layout *layout, struct nodes_met *met)
 {
-    uint32_t width = layout->width;
-    for (uint32_t s = 0; s < width; s++)
+    for (uint32_t s = 0; s < layout->width; s++)
         for (uint32_t turn = 0; turn < 2; turn++) {
             struct groups g = {0};
-            for (uint32_t i = 0; i < width; i++) {
-                bool node = (i == s) == (turn == 0);
-                for (uint32_t k = 0; k < (node ? width : 1); k++)
-                    place(&g, i, 512 * (float)i + 4 * (float)(k % 4), 4 * (float)(k / 4),
-                          1 + (i + k) % leaf_most(layout));
-            }
+            groups_in_slots(&g, layout, s, turn == 0);
             expect_tree(layout, &g, met);
         }
 }
@@ -278,7 +149,7 @@ static void expect_all_met(const struct layout *layout, const struct nodes_met *
 {
     for (uint32_t children = 2; children <= layout->width; children++)
         for (uint32_t s = 0; s < children; s++)
-            for (uint32_t items = 1; items <= leaf_most(layout); items++)
+            for (uint32_t items = 1; items <= groups_leaf_most(layout); items++)
                 if (met->leaf[children][s][items] == 0)
                     fail_msg("%s: no leaf of %u items in slot %u of %u", layout->name, items, s,
                              children);
