@@ -59,6 +59,7 @@ plain)
     suite values sh tests/values/values.sh "$build/raydiff"
     suite values_bench sh tests/values/values_bench.sh "$build/raydiff"
     suite values_pictures sh tests/values/values_pictures.sh "$build/raydiff"
+    suite values_scenes sh tests/values/values_scenes.sh "$build/raydiff"
     suite fields sh tests/values/fields.sh
     suite shipped sh tests/scripts/shipped.sh "$build/raydiff"
     suite hard_lists sh tests/scripts/hard_lists.sh "$build/raydiff"

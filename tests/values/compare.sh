@@ -12,20 +12,23 @@ bad() {
 # What NAME.awk needs beside lib.awk.
 libraries() {
     case $1 in
-    diff_images | show) echo -f tests/values/pixels.awk ;;
-    diff_pixel) echo -f tests/values/pixels.awk -f tests/values/floats.awk ;;
-    diff_engines | render) echo -f tests/values/pixels.awk -f tests/values/paths.awk ;;
+    diff_images | show) echo -f tests/values/pictures/pixels.awk ;;
+    bench_builders) echo -f tests/values/bench/tree.awk ;;
+    scene_info) echo -f tests/values/scenes/obj.awk ;;
+    diff_pixel) echo -f tests/values/pictures/pixels.awk -f tests/values/floats.awk ;;
+    diff_engines | render) echo -f tests/values/pictures/pixels.awk -f tests/values/pictures/paths.awk ;;
     esac
 }
 
-# name, least number of values, files and variables of awk: $dir/json by the fields of tests/values/fields.*.txt, then with the files by
-# NAME.awk, which has in took how many nanoseconds the command ran.
+# name, least number of values, files and variables of awk: $dir/json by the fields of tests/values/fields.*.txt, then
+# with the files by NAME.awk of tests/values or a folder in it, which has in took how many nanoseconds the command ran.
 values() {
     name=$1 least=$2
     shift 2
     awk -f tests/values/flat.awk "$dir/json" >"$dir/flat" || { bad "$name: no JSON"; return; }
     sh tests/values/fields.sh "$name" "$dir/flat" "$dir/seen" || bad "$name: keys without a line in fields.*.txt"
-    awk -v least="$least" -v took="$took" -f tests/values/lib.awk $(libraries "$name") -f "tests/values/$name.awk" "$dir/flat" "$@" || bad "$name: $ran"
+    laws=$(ls "tests/values/$name.awk" tests/values/*/"$name.awk" 2>/dev/null)
+    awk -v least="$least" -v took="$took" -f tests/values/lib.awk $(libraries "$name") -f "$laws" "$dir/flat" "$@" || bad "$name: $ran"
 }
 
 # arguments of raydiff; exit code 0 or 1; took: nanoseconds

@@ -1,7 +1,7 @@
 #!/bin/sh
 # The table of every field that commands print, tests/values/fields.*.txt. Its form is:
 #
-#   command NAME: what it is           NAME is that of the check, tests/values/NAME.awk
+#   command NAME: what it is           NAME is that of the check, NAME.awk
 #   PATH UNIT FORMAT where it comes from
 #
 # PATH: of the JSON, '*' for the places of an array and for names that are members of a table; '?' at its end: not in

@@ -18,7 +18,7 @@ bench() {
 # benchmark, rounds: CSV against JSON
 rows() {
     awk -f tests/values/flat.awk "$dir/json" >"$dir/flat" &&
-        awk -v rounds="$2" -v least=10 -f tests/values/lib.awk -f tests/values/rows.awk "$dir/flat" "$dir/csv" || bad "$1: rows of CSV"
+        awk -v rounds="$2" -v least=10 -f tests/values/lib.awk -f tests/values/bench/rows.awk "$dir/flat" "$dir/csv" || bad "$1: rows of CSV"
 }
 # Another command's JSON for the checks that follow.
 other() {

@@ -8,7 +8,7 @@ shift
 small='-w 24 -h 18'
 
 # PNG, file of its pixels, or --size of its size
-pixels() { sh tests/values/png.sh ${3-} "$1" >"$2" || bad "$1: no picture"; }
+pixels() { sh tests/values/pictures/png.sh ${3-} "$1" >"$2" || bad "$1: no picture"; }
 
 play_render() {
     # A path of one segment without a light: its work is what --show counts.

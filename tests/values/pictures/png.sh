@@ -1,7 +1,7 @@
 #!/bin/sh
 # The pixels of a PNG file of 8 bits a channel, as one reads them who knows nothing of the program:
-#   sh tests/values/png.sh FILE.png      "WIDTH HEIGHT", then a line "x y red green blue alpha" for each pixel
-#   sh tests/values/png.sh --size FILE   the first line alone
+#   sh tests/values/pictures/png.sh FILE.png      "WIDTH HEIGHT", then a line "x y red green blue alpha" for each pixel
+#   sh tests/values/pictures/png.sh --size FILE   the first line alone
 # Exit 1: it is no such file.
 set -u
 export LC_ALL=C

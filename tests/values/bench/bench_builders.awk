@@ -1,28 +1,5 @@
 # The text of `raydiff bench builders` against its JSON, and trees against those that `raydiff precompute` wrote
-# (other.flat, each path with the builder's name before it): awk -f lib.awk -f bench_builders.awk FLAT other.flat TEXT
-function half_area(p,  k, side) {
-    for (k = 0; k < 3; k++) side[k] = w[p ".bounds.max." k] - w[p ".bounds.min." k]
-    return side[0] * side[1] + side[1] * side[2] + side[2] * side[0]
-}
-# Depth, leaves, items and cost of the tree whose paths begin with `tree`, which is 0 of a root alone.
-function measure(tree,  i, p, n) {
-    n = w[tree ".uniforms.count"]
-    made["leaves"] = made["items"] = made["largest"] = made["depth"] = made["sah"] = 0
-    level[0] = 0
-    for (i = 0; i < n; i++) {
-        p = tree ".uniforms." i
-        if (level[i] > made["depth"]) made["depth"] = level[i]
-        if (w[p ".item_count"] > 0) {
-            made["leaves"]++
-            made["items"] += w[p ".item_count"]
-            if (w[p ".item_count"] > made["largest"]) made["largest"] = w[p ".item_count"]
-        } else
-            level[w[p ".fst"] + 0] = level[w[p ".snd"] + 0] = level[i] + 1
-        made["sah"] += (w[p ".item_count"] > 0 ? w[p ".item_count"] : 1) * half_area(p)
-    }
-    made["sah"] /= half_area(tree ".uniforms.0")
-    made["nodes"] = n
-}
+# (other.flat, each path with the builder's name before it): awk -f lib.awk -f tree.awk -f bench_builders.awk FLAT other.flat TEXT
 function laws(p, name,  tree, other, i) {
     equal(name "a binary tree", v[p ".nodes"], 2 * v[p ".leaves"] - 1)
     truth(name "fill and largest leaf", v[p ".leaf_fill"] <= v[p ".largest_leaf"] && v[p ".largest_leaf"] <= v[p ".triangles"])

@@ -1,4 +1,4 @@
-# What two pictures differ in, from the pixels that tests/values/png.sh prints: kept by pixels_of() in files whose
+# What two pictures differ in, from the pixels that tests/values/pictures/png.sh prints: kept by pixels_of() in files whose
 # names end with a.pixels and b.pixels; differences() sets is[].
 function channels_apart(i,  k, d) {
     for (most = k = 0; k < 4; k++) {

@@ -1,0 +1,97 @@
+#!/bin/sh
+# The numbers of `raydiff scene`, `construct`, `precompute` and `judge gen` by value: against the scene as OBJ, trees as
+# JSON. sh tests/values/values_scenes.sh RAYDIFF [info construct precompute gen]
+set -u
+raydiff=$1
+shift
+. tests/values/compare.sh
+echo none=0 >"$dir/none" # where there is no JSON
+
+# Corners that coincide or lie on a line, the same triangle thrice in three orders, a vertex of none.
+cat >"$dir/odd.obj" <<'END'
+v 0 0 0
+v 1 0 0
+v 0 2 0
+v 0 0 -3.5
+v 90 -90 90
+v 2 0 0
+f 1 2 3
+f 2 3 1
+f 3 2 1
+f 1 2 4
+f 1 1 2
+f 2 2 2
+f 1 2 6
+END
+
+# Writes the scene as $dir/x.obj and as JSON to $dir/other.flat; what convert tells is so.
+converted() {
+    run scene convert "$1" "$dir/x.obj"
+    told=$(sed -n 's/^.*: \([0-9]*\) triangles, \([0-9]*\) vertices$/\1 \2/p' "$dir/text")
+    [ "$told" = "$(grep -c '^f ' "$dir/x.obj") $(grep -c '^v ' "$dir/x.obj")" ] || bad "$ran: tells '$told'"
+    case $(cat "$dir/text") in
+    *'not kept'*) kept=no ;;
+    *) kept=yes ;;
+    esac
+    run scene convert "$1" "$dir/x.json" && awk -f tests/values/flat.awk "$dir/x.json" >"$dir/other.flat"
+}
+play_info() {
+    for scene in rtrs sphere:n=3 cornell:n=2 grid:n=4,z=-3 platonic "$dir/odd.obj"; do
+        converted "$scene"
+        [ $kept = "$(case $scene in rtrs | cornell*) echo no ;; *) echo yes ;; esac)" ] || bad "$scene: what is not kept is told: $kept"
+        run scene info "$scene" --json && cp "$dir/text" "$dir/json" && run scene info "$scene" &&
+            values scene_info 40 "$dir/other.flat" "$dir/x.obj" "$dir/text"
+    done
+    # Several scenes, in their order.
+    run scene info rtrs sphere:n=3 --json && cp "$dir/text" "$dir/json" && awk -f tests/values/flat.awk "$dir/json" >"$dir/flat"
+    [ "$(sed -n 's/^scenes.[01].triangles=//p' "$dir/flat" | tr '\n' ' ')" = '40 72 ' ] || bad 'scene info of two scenes'
+}
+play_construct() {
+    seen='--camera-pos 0 1 -8 0 0 0'
+    while read -r options; do
+        set -- $options
+        run construct --out "$dir/made.json" $seen "$@" && cp "$dir/err" "$dir/text2" && run construct --out "$dir/made.json" $seen "$@" --json &&
+            cp "$dir/text" "$dir/json" && awk -f tests/values/flat.awk "$dir/made.json" >"$dir/other.flat" &&
+            values construct 15 "$dir/other.flat" "$dir/text2"
+    done <<END
+--camera-orbit --model sphere:n=2 default
+--camera-fixed --light 1 2 3 1 --light 4 5 6 2 --light 7 8 9 1 --material 0.4 0.4 0.3 0.6 0.3 0.1 50 --model platonic:which=3 0 --model platonic:which=0 default --translate 2 0 0 --model sphere:n=3 0 --scale -1 1 1
+--camera-fixed --fill-normals --material 1 0 0 1 0 0 1 --material 0 1 0 1 0 0 1 --model $dir/odd.obj 1 --model sphere:n=2 0
+END
+}
+play_precompute() {
+    for options in 'rtrs --builder rtrs' 'cornell:n=3 --builder rtrs' 'cornell:n=3 --builder sah_sweep' "$dir/odd.obj --builder median --item-count 2" \
+        'sphere:n=4 --builder lbvh --item-count 8'; do
+        set -- $options
+        converted "$1"
+        run precompute --scene "$@" --out "$dir/tree.json" && cp "$dir/err" "$dir/text2" &&
+            awk -f tests/values/flat.awk "$dir/tree.json" | sed 's/^/tree./' >"$dir/other.flat"
+        "$raydiff" precompute --scene "$1" --verify "$dir/tree.json" >"$dir/verified" 2>"$dir/err" # 1: loose boxes
+        for layout in f32 rf16; do # of boxes that are too small neither is sound
+            "$raydiff" precompute --scene "$@" --layout $layout --out "$dir/packed" 2>"$dir/err" &&
+                "$raydiff" precompute --scene "$1" --verify "$dir/packed" >>"$dir/verified" 2>"$dir/err"
+        done
+        awk -v least=14 -f tests/values/lib.awk -f tests/values/bench/tree.awk -f tests/values/scenes/obj.awk -f tests/values/scenes/precompute.awk "$dir/none" \
+            "$dir/other.flat" "$dir/x.obj" "$dir/text2" "$dir/verified" || bad "precompute --scene $options"
+    done
+}
+play_gen() {
+    converted sphere:n=2
+    for query in closest any; do
+        for seed in 1 7; do
+            what="sphere:n=2 --query $query --seed $seed --count 40"
+            run judge gen $what && cp "$dir/text" "$dir/hex" && run judge gen $what --decimal --out "$dir/decimal" &&
+                awk -v least=700 -v query=$query -v count=40 -v seed=$seed -v scene=sphere:n=2 -f tests/values/lib.awk -f tests/values/scenes/obj.awk \
+                    -f tests/values/scenes/gen.awk "$dir/none" "$dir/x.obj" "$dir/hex" "$dir/decimal" || bad "judge gen $what"
+            sed -n 's/^from \([0-9a-f]*\) .*/\1/p' "$dir/hex" >>"$dir/hashes"
+        done
+    done
+    [ "$(sort -u "$dir/hashes" | wc -l)" -eq 4 ] || bad 'judge gen: other rays, or another query, and the same hash'
+}
+
+for part in ${*:-info construct precompute gen}; do
+    "play_$part"
+done
+case ${*:-all} in all) all_seen scene_info construct ;; esac
+echo "values_scenes: $failed failed"
+[ "$failed" -eq 0 ]
