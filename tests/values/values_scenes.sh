@@ -7,7 +7,7 @@ shift
 . tests/values/compare.sh
 echo none=0 >"$dir/none" # where there is no JSON
 
-# Corners that coincide or lie on a line, the same triangle thrice in three orders, a vertex of none.
+# Corners that coincide or lie on a line, the same triangle thrice in three orders, two vertices of none.
 cat >"$dir/odd.obj" <<'END'
 v 0 0 0
 v 1 0 0
@@ -15,6 +15,7 @@ v 0 2 0
 v 0 0 -3.5
 v 90 -90 90
 v 2 0 0
+v 7 7 -95
 f 1 2 3
 f 2 3 1
 f 3 2 1

@@ -1,6 +1,20 @@
 # `raydiff construct --json` against the same without it (TEXT) and what it wrote (other.flat):
 # awk -f lib.awk -f construct.awk FLAT other.flat TEXT
-function laws(  i, t, triangles, vertices, used, of) {
+# True if the corners of the triangle written as number t lie on a line or coincide.
+function no_area(t,  k, a, b, u, x, sum) {
+    for (k = 0; k < 3; k++) {
+        u[k] = at_corner(t, 1, k) - at_corner(t, 0, k)
+        x[k] = at_corner(t, 2, k) - at_corner(t, 0, k)
+    }
+    for (k = 0; k < 3; k++) {
+        a = (k + 1) % 3
+        b = (k + 2) % 3
+        sum += (u[a] * x[b] - u[b] * x[a]) ^ 2
+    }
+    return sum == 0
+}
+function at_corner(t, c, k) { return w["vertices." w["prims." t ".indices." c] ".pos." k] }
+function laws(  i, t, triangles, vertices, used, of, shaped, bare, unused, written) {
     for (i = 0; i < v["models.count"]; i++) {
         triangles += v["models." i ".triangles"]
         vertices += v["models." i ".vertices"]
@@ -17,6 +31,11 @@ function laws(  i, t, triangles, vertices, used, of) {
         written[w["prims." t ".material"] + 0]++
         for (i = 0; i < 3; i++) used[w["prims." t ".indices." i] + 0] = 1
     }
+    # Vertices whose triangles have no area have no normal of them.
+    for (t = 0; t < w["prims.count"]; t++)
+        for (i = 0; i < 3 && !no_area(t); i++) shaped[w["prims." t ".indices." i] + 0] = 1
+    for (i in used) bare += !(i in shaped)
+    equal("vertices without a normal", v["filled_normals"], bare + 0)
     for (i in of) equal("triangles of material " i, written[i], of[i])
     for (i = 0; i < w["vertices.count"]; i++) unused += !(i in used)
     equal("vertices of no triangle", v["unused_vertices"], unused + 0)
