@@ -227,25 +227,16 @@ static enum status script_prepare(void *self, const struct job *job, struct reas
 static const struct engine scripted = {
     .name = "scripted", .prepare = script_prepare, .trace = script_trace, .trace_all = script_all};
 
-static void each_fault_has_its_count(void **state)
+/* Rays 0 to 3 leave through triangle 0's inside, but are answered: right; missed; two neighbours;
+ * another wall beside. Ray 4 too, the wall twice; ray 5 nothing listed; ray 6 through the diagonal,
+ * both; ray 7 a triangle that is not there. */
+static const struct leaks_script faulty[8] = {
+    {false, {0}, 1},    {true, {0}, 1},  {false, {0, 1}, 2}, {false, {0, 7}, 2},
+    {false, {0, 0}, 2}, {false, {0}, 0}, {false, {1, 0}, 2}, {false, {12345}, 1},
+};
+
+static void check_tally(const struct leak_tally *t)
 {
-    (void)state;
-    /* Rays 0 to 3 leave through triangle 0's inside, but are answered: right; missed; two
-     * neighbours; another wall beside. Ray 4 too, the wall twice; ray 5 nothing listed; ray 6
-     * through the diagonal, both; ray 7 a triangle that is not there. */
-    struct leaks_script script[8] = {
-        {false, {0}, 1},    {true, {0}, 1},  {false, {0, 1}, 2}, {false, {0, 7}, 2},
-        {false, {0, 0}, 2}, {false, {0}, 0}, {false, {1, 0}, 2}, {false, {12345}, 1},
-    };
-    struct leaks_mesh *m = cube(8);
-    struct reason reason = {""};
-    struct leaks leaks;
-    struct job job = {.scene = &m->scene, .box = box_tests[0], .tri = tri_tests[0]};
-    for (int k = 0; k < 3; k++)
-        m->ray[6].dir[k] = k == 2 ? -1 : 0;
-    memset(m->aim, LEAK_EDGE, 8);
-    stand_must(leaks_count(&m->rays, &scripted, script, &job, &leaks, NULL, &reason), &reason);
-    const struct leak_tally *t = &leaks.tally[LEAK_EDGE];
     assert_int_equal(t->rays, 8);
     assert_int_equal(t->misses, 1);   /* ray 1 */
     assert_int_equal(t->empty, 2);    /* rays 5, 7 */
@@ -254,11 +245,57 @@ static void each_fault_has_its_count(void **state)
     assert_int_equal(t->lost, 2);     /* rays 5, 7 */
     assert_int_equal(t->phantoms, 1); /* ray 3 */
     assert_int_equal(t->repeated, 2); /* ray 4, and 7 lists what is none */
+}
+
+/* The faulty rays, the first of them as ray `first`. */
+static struct leaks played_faults(struct leaks_mesh *m, size_t first)
+{
+    struct leaks_script script[8];
+    struct reason reason = {""};
+    struct leaks leaks;
+    struct job job = {.scene = &m->scene, .box = box_tests[0], .tri = tri_tests[0]};
+    for (size_t i = 0; i < 8; i++) {
+        const struct ray away = {{0, 0, 0}, 0, {0.25f, -0.125f, -1}, 1e30f};
+        const struct ray diagonal = {{0, 0, 0}, 0, {0, 0, -1}, 1e30f};
+        script[(first + i) % 8] = faulty[i];
+        m->ray[(first + i) % 8] = i == 6 ? diagonal : away;
+    }
+    stand_must(leaks_count(&m->rays, &scripted, script, &job, &leaks, NULL, &reason), &reason);
+    return leaks;
+}
+
+static void each_fault_has_its_count(void **state)
+{
+    (void)state;
+    struct leaks_mesh *m = cube(8);
+    memset(m->aim, LEAK_EDGE, 8);
+    struct leaks leaks = played_faults(m, 0);
+    check_tally(&leaks.tally[LEAK_EDGE]);
     assert_int_equal(leaks.tally[LEAK_VERTEX].rays, 0);
     assert_int_equal(leaks.finding_count, 3);
     assert_true(!leaks.finding[0].is_double && leaks.finding[0].ray_index == 1);
     assert_true(leaks.finding[1].is_double && leaks.finding[1].ray_index == 2);
     assert_true(leaks.finding[1].prim[0] == 0 && leaks.finding[1].prim[1] == 1);
+    assert_true(leaks.finding[2].is_double && leaks.finding[2].ray_index == 6);
+    mesh_free(m);
+}
+
+/* Whatever ray comes first or last, and whatever each was aimed at, the sums are the same. */
+static void sums_do_not_depend_on_the_order_of_rays(void **state)
+{
+    (void)state;
+    struct leaks_mesh *m = cube(8);
+    for (size_t first = 0; first < 8; first++)
+        for (size_t aims = 1; aims <= LEAK_AIMS; aims++) {
+            for (size_t i = 0; i < 8; i++)
+                m->aim[i] = (uint8_t)(i % aims);
+            struct leaks leaks = played_faults(m, first);
+            struct leak_tally total = leaks_total(&leaks);
+            check_tally(&total);
+            for (size_t aim = 0; aim < LEAK_AIMS; aim++)
+                assert_int_equal(leaks.tally[aim].rays,
+                                 aim < aims ? (8 + aims - 1 - aim) / aims : 0);
+        }
     mesh_free(m);
 }
 
@@ -299,6 +336,7 @@ int main(void)
         cmocka_unit_test(the_digest_knows_every_bit),
         cmocka_unit_test(triangles_of_one_side_exclude_each_other),
         cmocka_unit_test(each_fault_has_its_count),
+        cmocka_unit_test(sums_do_not_depend_on_the_order_of_rays),
         cmocka_unit_test(an_engine_without_lists_is_counted),
         cmocka_unit_test(profiles_have_names),
     };
