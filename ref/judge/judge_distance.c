@@ -200,6 +200,7 @@ enum status judge_by_distance(const struct judge *judge, const struct ray *ray,
     /* Between the nearest and the next hit only the nearest can have been lost. */
     if (reach > truth->t_hi && !(answer->prim == truth->prim && reach <= truth->t_next))
         status = worst_loss(judge, ray, truth, reach, &worst, out);
+    out->edge_lost = out->edge_lost && answer->prim != truth->prim;
     if (status)
         return status;
     if (out->verdict == VERDICT_RIGHT)

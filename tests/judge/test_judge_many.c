@@ -2,6 +2,7 @@
  * the triangle tests, and those bent in every way. */
 #include "tests/support/fuzz_trials.h"
 #include "tests/judge/judge_fixture.h"
+#include "tests/judge/judgement_laws.h"
 
 #include "fuzz/gen/gen.h"
 #include "ref/trace/trace.h"
@@ -42,8 +43,11 @@ static bool same_double(double a, double b)
     return memcmp(&a, &b, sizeof a) == 0;
 }
 
+static size_t behind_count;
+
 /* Returns how many are not plainly right. */
-static size_t compare(const struct judge *judge, const struct judge_question *question)
+static size_t compare(const struct oracle *oracle, const struct fixture_subject *subject,
+                      const struct judge *judge, const struct judge_question *question)
 {
     static struct judgement many[RAYS];
     size_t other = 0;
@@ -59,7 +63,19 @@ static size_t compare(const struct judge *judge, const struct judge_question *qu
         assert_true(same_double(one.t_lo, many[i].t_lo) && same_double(one.t_hi, many[i].t_hi));
         assert_true(same_double(one.over, many[i].over));
         assert_true(same_double(one.displacement, many[i].displacement));
+        assert_true(same_double(one.share, many[i].share));
+        assert_true(same_double(one.margin, many[i].margin));
         assert_int_equal(one.fan, many[i].fan);
+        assert_int_equal(one.edge_lost, many[i].edge_lost);
+        assert_int_equal(one.behind, many[i].behind);
+        if (one.behind) {
+            assert_int_equal(one.lost, many[i].lost);
+            assert_true(same_double(one.lost_lo, many[i].lost_lo));
+            assert_true(same_double(one.lost_hi, many[i].lost_hi));
+            behind_count++;
+        }
+        check_laws(oracle, &subject->model, question[i].ray, question[i].truth, question[i].answer,
+                   &one);
         other += one.verdict != VERDICT_RIGHT;
     }
     return other;
@@ -94,7 +110,7 @@ static void many_are_judged_as_each_alone(void **state)
                 hit[i] = bend(&rng, &trial.scene, hit[i]);
                 question[i] = (struct judge_question){&trial.ray[i], &truth[i], &hit[i]};
             }
-            other[s] += compare(judge, question);
+            other[s] += compare(oracle, &subjects[s], judge, question);
             judge_free(judge);
         }
         oracle_free(oracle);
@@ -102,6 +118,7 @@ static void many_are_judged_as_each_alone(void **state)
     }
     for (size_t s = 0; s < SUBJECTS; s++)
         assert_true(other[s] > 500);
+    assert_true(behind_count > 20);
 }
 
 int main(void)
