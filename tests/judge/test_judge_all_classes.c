@@ -28,6 +28,34 @@ static void an_edge_is_chance_but_not_a_gap(void **state)
     judge_fixture_close(c);
 }
 
+/* Of a list of an unknown formula one exact hit is counted: how near to an edge it is, and whether it was
+ * left out for that. Of other formulas, and away from edges, none is. */
+static void one_hit_of_a_list_is_counted_beside_edges(void **state)
+{
+    (void)state;
+    struct judge_fixture *c = inside();
+    for (size_t s = 0; s < SUBJECTS; s++) {
+        const bool unknown = is_unknown(&subjects[s]);
+        judge_fixture_seat(c, &subjects[s], QUERY_ALL);
+        judge_fixture_ask(c, along_z(0.25f + 0x1p-22f, 0.25f)); /* beside the diagonals */
+        const uint32_t first = c->truth.prim;
+        struct judged_list whole = LIST(c, first, first + 2), none = empty;
+        struct judgement *said = &whole.judged.judgement;
+        assert_true(first < 2);
+        assert_int_equal(judge(c, &whole), VERDICT_RIGHT);
+        assert_true(unknown ? said->margin > 0 && said->margin < 1 : said->margin == 0);
+        assert_false(said->edge_lost);
+        (void)judge(c, &none);
+        assert_true(none.judged.judgement.margin == said->margin || !unknown);
+        assert_int_equal(none.judged.judgement.edge_lost, unknown);
+        judge_fixture_ask(c, along_z(0.5f, -0.25f)); /* far from all edges */
+        whole = LIST(c, 0, 2);
+        assert_int_equal(judge(c, &whole), VERDICT_RIGHT);
+        assert_true(said->margin == 0 && !said->edge_lost);
+    }
+    judge_fixture_close(c);
+}
+
 static void an_end_of_the_range_is_chance(void **state)
 {
     (void)state;
@@ -200,6 +228,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_edge_is_chance_but_not_a_gap),
+        cmocka_unit_test(one_hit_of_a_list_is_counted_beside_edges),
         cmocka_unit_test(an_end_of_the_range_is_chance),
         cmocka_unit_test(a_plane_may_be_listed_or_not),
         cmocka_unit_test(out_of_contract_says_nothing),
