@@ -69,6 +69,16 @@ static bool is_pointer(const struct tokens *t, size_t i)
            token_is(t, i + 1, "*") || token_is(t, i + 1, "const");
 }
 
+/* True if the [ at token i begins the size of an array that is declared there: nothing depends on how much
+ * longer than needed it is. */
+static bool is_size_of(const struct tokens *t, size_t i)
+{
+    while (i > 0 && token_is(t, i - 1, "]"))
+        i = t->token[i - 1].mate;
+    return i > 1 && t->token[i - 1].kind == TOKEN_WORD && t->token[i - 2].kind == TOKEN_WORD &&
+           !token_among(t, i - 2, "return case else sizeof goto do");
+}
+
 /* --- operators, constants, signs ---------------------------------------------------------------- */
 
 static void operators(const struct tokens *t, size_t i, struct mutations *out)
@@ -108,11 +118,13 @@ static void constants(const struct tokens *t, size_t i, struct mutations *out)
     for (size_t k = 0; k < span.bytes; k++)
         is_float = is_float || strchr(hex ? ".pP" : ".eEfF", span.text[k]) != NULL;
     bool zero = strtod(span.text, NULL) == 0;
+    const bool is_size =
+        i > 0 && token_is(t, i - 1, "[") && token_is(t, i + 1, "]") && is_size_of(t, i - 1);
     if (is_float && zero)
         add(out, t, "constant", i, span, "1.0");
     else if (is_float)
         ADD(out, t, "constant", i, span, "(%.*s * 2)", SPAN(span));
-    else
+    else if (!is_size)
         ADD(out, t, "constant", i, span, zero ? "1" : "(%.*s + 1)", SPAN(span));
     if (!is_float && !zero)
         ADD(out, t, "constant", i, span, "(%.*s - 1)", SPAN(span));
@@ -233,7 +245,8 @@ static void calls(const struct tokens *t, size_t i, struct mutations *out)
 
 static void indices(const struct tokens *t, size_t i, struct mutations *out)
 {
-    if (!token_is(t, i, "[") || t->token[i].mate == i + 1 || t->token[i].braces == 0)
+    if (!token_is(t, i, "[") || t->token[i].mate == i + 1 || t->token[i].braces == 0 ||
+        is_size_of(t, i))
         return;
     const struct span inside = span_of(t, i + 1, t->token[i].mate - 1);
     ADD(out, t, "index", i, inside, "(%.*s) + 1", SPAN(inside));

@@ -29,7 +29,8 @@ struct mutations {
  *   return     0 in place of the value; of 0, false and true the other
  *   index      one more                        sign      a minus dropped
  *   ignored    0 in place of what a call returned
- * Some do not compile, and some change nothing: that is for the compiler to tell. */
+ * The size of a declared array does not grow. Some do not compile, and some change nothing: that is for
+ * the compiler to tell. */
 void mutations_of(const struct tokens *tokens, struct mutations *out);
 void mutations_free(struct mutations *mutations);
 

@@ -32,6 +32,11 @@ mkdir -p "$dir/tree/$(dirname "$file")" "$dir/units"
 units_of() { find "$build/obj/$1" -name '*.d' -exec grep -lF " $file" {} + 2>/dev/null | sed "s|^$build/obj/||; s|\.d$||"; }
 # Unit, object: from standard input, so that no name of a file is in the object.
 compile() { $CC_CMD -w -g0 -iquote "$dir/tree" -x c -c -o "$2" - <"$1" 2>>"$dir/compile.log" || tell broken compiler; }
+# A warning stops `make check`: whether there is one with the mutation and none without it.
+warns() { # unit
+    $CC_CMD -Werror -g0 -iquote "$dir/tree" -x c -c -o "$dir/strict.o" - <"$(source_of "$1.c")" 2>>"$dir/compile.log" && return 1
+    $CC_CMD -Werror -g0 -x c -c -o "$dir/strict.o" - <"$1.c" 2>>"$dir/compile.log"
+}
 source_of() { [ -e "$dir/tree/$1" ] && echo "$dir/tree/$1" || echo "$1"; }
 # Without the mutation, made once for all.
 healthy_object() { # unit
@@ -44,7 +49,9 @@ compile_units() { # the library's and the commands'
     for unit in $(for room in ref gpu scenes fuzz bench cmd tests/hard; do units_of $room; done); do
         object=$dir/units/$(echo "$unit" | tr / .).o
         compile "$(source_of "$unit.c")" "$object"
-        cmp -s "$object" "$(healthy_object "$unit")" || objects="$objects $object"
+        cmp -s "$object" "$(healthy_object "$unit")" && continue
+        objects="$objects $object"
+        warns "$unit" && tell killed warnings
     done
 }
 compile_shaders() {
@@ -105,13 +112,18 @@ try() { # suite, its usual milliseconds
     tell killed "$1 hangs"
 }
 
-# The suites that run the line, the quick ones first, as long as there is some left of COVERING seconds. Of a shader nothing tells which lines are run: there
-# they are the suites that dispatch any.
+# The suites that run the line, the quick ones first, as long as there is some left of COVERING seconds. Of a
+# line that no suite is seen to run (a table, a part of a statement) they are those of the file; of a shader,
+# those that dispatch any.
 case $file in
 *.[ch]) map=$out/map/$flat at=$line ;;
 *) map=$out/map/gpu.vk.vk_pipeline.c at= ;;
 esac
-[ ! -e "$map" ] || awk -v line="$at" 'line == "" || $1 == line { for (i = 2; i <= NF; i++) print $i }' "$map" | sort -u >"$dir/covering"
+covering() { awk -v line="$1" 'line == "" || $1 == line { for (i = 2; i <= NF; i++) print $i }' "$map" | sort -u; }
+if [ -e "$map" ]; then
+    covering "$at" >"$dir/covering"
+    [ -s "$dir/covering" ] || covering "" >"$dir/covering"
+fi
 touch "$dir/covering"
 count=0
 left=$((${COVERING:-1000000} * 1000))

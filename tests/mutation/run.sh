@@ -25,13 +25,13 @@ cat "$out/times" "$out/red" >"$out/known"
 awk 'NR == FNR { known[$1]; next } !($1 in known) { print $1 }' "$out/known" "$out/suites" |
     xargs -r -P "$(env -u OMP_NUM_THREADS nproc)" -n 1 sh tests/mutation/time.sh "$out"
 
+key=$(echo "$room $seed" | cksum | tr ' ' .)
 # All mutations of the room in an order that depends on the seed alone.
 for file in $files; do
     "$build/mutate" list "$file" | sed "s|^\([0-9]*\) .*|$file \1|"
-done >"$out/all"
-key=$(echo "$room $seed" | cksum | tr ' ' .)
+done >"$out/all.$key"
 perl -e 'srand shift; my @all = <STDIN>; for (my $i = @all; --$i > 0;) { my $j = int rand($i + 1); @all[$i, $j] = @all[$j, $i] } print @all' \
-    "$seed" <"$out/all" >"$out/order.$key"
+    "$seed" <"$out/all.$key" >"$out/order.$key"
 
 name_of() { echo "$out/done/$(echo "$1" | tr / .).$2"; }
 # Those of the first N that count.

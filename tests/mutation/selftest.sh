@@ -23,6 +23,7 @@ int f(int a, float *b)
     g(c, c);
     return c << 2;
 }
+int h(int n) { int d[4][1], e = d[n][0]; }
 C
 cat >"$dir/expected" <<'C'
 2 constant 1 => (1 + 1)
@@ -65,6 +66,11 @@ cat >"$dir/expected" <<'C'
 11 constant 2 => (2 + 1)
 11 constant 2 => (2 - 1)
 11 return c << 2 => 0
+13 constant 0 => 1
+13 constant 1 => (1 - 1)
+13 constant 4 => (4 - 1)
+13 index 0 => (0) + 1
+13 index n => (n) + 1
 C
 "$build/mutate" list "$dir/a.c" | sed 's/^[0-9]* //; s/ *$//' | LC_ALL=C sort -k1,1n -k2 >"$dir/got"
 LC_ALL=C sort -k1,1n -k2 "$dir/expected" | cmp -s - "$dir/got" || {
