@@ -58,6 +58,8 @@ plain)
     suite cli sh tests/scripts/cli.sh "$build/raydiff"
     suite values sh tests/values/values.sh "$build/raydiff"
     suite values_bench sh tests/values/values_bench.sh "$build/raydiff"
+    suite values_paper sh tests/values/values_paper.sh "$build/raydiff" paper
+    suite values_special sh tests/values/values_paper.sh "$build/raydiff" special
     suite values_pictures sh tests/values/values_pictures.sh "$build/raydiff"
     suite values_scenes sh tests/values/values_scenes.sh "$build/raydiff"
     suite fields sh tests/values/fields.sh

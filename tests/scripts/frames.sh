@@ -58,35 +58,5 @@ frames=$(sed -n 's/^ "frames": \([0-9]*\),$/\1/p' "$dir/cut.json")
 grep -q '"stopped": true' "$dir/cut.json" || bad "an interrupted run says so"
 grep -q '</svg>' "$dir/cut.svg" || bad "the chart of an interrupted run is cut"
 
-# The paper's tables, small.
-expect 0 . bench paper --scene rtrs --size 32x24 --frames 2 --out "$dir/paper"
-grep -q '^figure8,rtrs,the paper.s,40,24,680,680,1424,2,51,2448,2448,4,14,656,656$' "$dir/paper.csv" ||
-    bad "Figure 8 of the default scene"
-[ "$(grep -c '^same_tree,rtrs,' "$dir/paper.csv")" -eq 4 ] || bad "four leaf sizes"
-grep -q '^paper_frames,rtrs,"RF, leaf 4",published,vulkan,rtrs_rf,rtrs,mt_rtrs,steps,4,27,656,' "$dir/paper.csv" ||
-    echo "SKIP no Vulkan device: the performance table has no line of it"
-grep -Eq '^ +4 +27 +14 +5 +4 +1296 +864 +1024 +656 +1\.976 +1\.317 +1\.561$' "$dir/out" || bad "ratios of bytes"
-grep -q '</svg>' "$dir/paper.svg" || bad "no plot of the tables"
-grep -q 'of time saved that is 17.8' "$dir/out" || bad "no paragraph on the 19 %"
-grep -q 'WRONG' "$dir/out" && bad "a line's frame is not engine cpu's"
-
-# The pipeline that a scene gets, and the one for every scene: a frame each, too few to say which is faster.
-"$raydiff" bench special --size 16x12 --frames 1 --json "$dir/special.json" >"$dir/out" 2>"$dir/err"
-code=$?
-if [ "$code" -eq 77 ]; then
-    echo "SKIP no Vulkan device: nothing was drawn by two pipelines"
-else
-    [ "$code" -eq 0 ] || bad "bench special ends with $code"
-    [ "$(grep -c 'bits equal' "$dir/out")" -ge 3 ] || bad "bench special: both pipelines draw the same bits"
-    python3 - "$dir/special.json" <<'END' || bad "bench special: the ratio is general to special"
-import json, sys
-rows = json.load(open(sys.argv[1]))["rows"]
-assert len(rows) >= 3
-for row in rows:
-    assert row["bits_equal"] is True
-    assert abs(row["general_ms"] / row["special_ms"] / row["ratio_median"] - 1) < 1e-4, row
-END
-fi
-
 echo "frames: $failed failed"
 [ "$failed" -eq 0 ]

@@ -26,6 +26,8 @@ values() {
     name=$1 least=$2
     shift 2
     awk -f tests/values/flat.awk "$dir/json" >"$dir/flat" || { bad "$name: no JSON"; return; }
+    told=$(sed -n 's/^exit=//p' "$dir/flat")
+    [ "${told:-$code}" -eq "$code" ] || bad "$name: the JSON tells exit code $told, it was $code"
     sh tests/values/fields.sh "$name" "$dir/flat" "$dir/seen" || bad "$name: keys without a line in fields.*.txt"
     laws=$(ls "tests/values/$name.awk" tests/values/*/"$name.awk" 2>/dev/null)
     awk -v least="$least" -v took="$took" -f tests/values/lib.awk $(libraries "$name") -f "$laws" "$dir/flat" "$@" || bad "$name: $ran"

@@ -42,6 +42,9 @@ play_error() {
     bench error 1200 1 --scene 'sphere:n=6;soup:n=150,size=0.5' --count 400 $members
     rm "$dir/other.flat"
     bench error 200 2 --scene 'soup:n=150,size=0.5' --count 300 $members --box rtrs,robust
+    # Nothing is hit: exit code 1, also in the JSON.
+    bench error 30 1 --scene needles:n=1 --count 1 --rays random --engine cpu --layout f32 --tri mt --threads 1
+    [ "$code" -eq 1 ] || bad "a run that proves nothing ends with $code"
     for layouts in f32,rf16 rf16,half4; do
         bench error 80 1 --scene sphere:n=6 --count 100 --engine vulkan,embree --layout $layouts --tri mt
     done

@@ -23,6 +23,10 @@ function base_of(p,  q) {
     return q != "" ? q : row_of(p, v[p ".base"], "null")
 }
 function quantiles(name, p, kind, first) {
+    if (v[p "." kind "_p50"] == "null") {
+        equal(name kind " of no hit", $first $(first + 1) $(first + 2), "nannannan")
+        return
+    }
     same(name kind " p50", $first, "%.3g", v[p "." kind "_p50"])
     same(name kind " p99", $(first + 1), "%.3g", v[p "." kind "_p99"])
     same(name kind " max", $(first + 2), "%.3g", v[p "." kind "_max"])
@@ -44,7 +48,7 @@ function laws(p, name,  q, nodes, f32, c) {
     if (v[p ".judged"] == "true") equal(name "WRONG", v[p ".wrong"], 0)
     if (v[p ".tri"] == "woop" && v[p ".box"] == "watertight" && v[p ".layout"] !~ /^rtrs/) equal(name "leaks of woop", v[p ".edge_leaks"] + v[p ".vertex_leaks"], 0)
     # The error in t moves the point by sqrt(3) of it at most, away from the plane.
-    if (v[p ".wrong_id"] + v[p ".phantom"] + v[p ".in_plane"] == 0)
+    if (v[p ".hits"] > 0 && v[p ".wrong_id"] + v[p ".phantom"] + v[p ".in_plane"] == 0)
         truth(name "off the plane by more than t is wrong", v[p ".plane_max"] <= 1.7321 * v[p ".forward_max"] &&
               v[p ".plane_p50"] <= 1.7321 * v[p ".forward_p50"])
     if (v[p ".layout"] == "null") {

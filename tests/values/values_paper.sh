@@ -1,0 +1,37 @@
+#!/bin/sh
+# The numbers of `raydiff bench paper` and `bench special` by value, of one frame: bytes by hand, ratios from times.
+# Exit code 77: nothing can draw here. sh tests/values/values_paper.sh RAYDIFF [paper special]
+set -u
+raydiff=$1
+shift
+. tests/values/compare.sh
+skipped=0
+
+# benchmark, least number of values, more
+draw() {
+    name=$1 least=$2
+    shift 2
+    "$raydiff" bench "$name" --size 16x12 --frames 1 --out "$dir/x" "$@" >"$dir/text" 2>"$dir/err"
+    code=$? ran="bench $name" took=0
+    [ "$code" -eq 77 ] && { skipped=1; return; }
+    [ "$code" -eq 0 ] || { bad "$ran: exit $code"; return; }
+    cp "$dir/x.json" "$dir/json"
+    awk -f tests/values/flat.awk "$dir/json" >"$dir/flat" &&
+        awk -v rounds=1 -v least=10 -f tests/values/lib.awk -f tests/values/bench/rows.awk "$dir/flat" "$dir/x.csv" || bad "$name: rows of CSV"
+    values "bench_$name" "$least" rounds=1 "$dir/text"
+}
+play_paper() {
+    draw paper 60 --scene rtrs
+    grep -q '</svg>' "$dir/x.svg" || bad 'paper: no plot'
+    grep -q '"left_out": "' "$dir/json" && echo 'SKIP no Vulkan device: the performance table has no line of it'
+}
+# Both pipelines draw the same bits, or it ends with 1.
+play_special() { draw special 30; }
+
+for part in ${*:-paper special}; do
+    "play_$part"
+    [ $skipped -eq 1 ] || all_seen "bench_$part"
+done
+echo "values_paper: $failed failed"
+[ "$failed" -eq 0 ] || exit 1
+[ $skipped -eq 0 ] || { echo 'SKIP no Vulkan device: nothing was drawn by two pipelines'; exit 77; }
