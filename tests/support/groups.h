@@ -5,6 +5,7 @@
 
 #include "tests/support/tree_fixture.h"
 
+#include <math.h>
 #include <string.h>
 
 #define ITEMS_MOST  14u
@@ -126,6 +127,37 @@ static inline void groups_free(struct groups *g)
 static inline void groups_make_cube(struct groups *g)
 {
     g->x[g->count - 1] = g->y[g->count - 1] = g->z[g->count - 1] = END;
+}
+
+/* A node with a leaf of `items` in slot s; the one beside it is full, so that all of them are no leaf, and the others
+ * are of any size. */
+static inline void groups_of_sizes(struct groups *g, uint32_t children, uint32_t s, uint32_t items,
+                                   uint32_t most)
+{
+    for (uint32_t i = 0; i < children; i++) {
+        uint32_t other = i == (s + 1) % children ? most : 1 + (i + items) % most;
+        groups_place(g, i, 16 * (float)i, 16 * (float)(i % 3), i == s ? items : other);
+    }
+    groups_make_cube(g);
+}
+
+/* A short ray through the middle of a triangle, which hits no other. */
+static inline struct ray groups_ray(const struct groups *g, uint32_t prim)
+{
+    float v[3][3], normal[3], length = 0;
+    struct ray ray = {.tmax = 0.008f};
+    scene_tri(&g->scene, prim, v);
+    for (int k = 0; k < 3; k++) {
+        int a = (k + 1) % 3, b = (k + 2) % 3;
+        normal[k] =
+            (v[1][a] - v[0][a]) * (v[2][b] - v[0][b]) - (v[1][b] - v[0][b]) * (v[2][a] - v[0][a]);
+        length += normal[k] * normal[k];
+    }
+    for (int k = 0; k < 3; k++) {
+        ray.dir[k] = normal[k] / sqrtf(length);
+        ray.org[k] = (v[0][k] + v[1][k] + v[2][k]) / 3 - 0.004f * ray.dir[k];
+    }
+    return ray;
 }
 
 /* One node among leaves in slot s of a full node, or one leaf among nodes; each node is full. */

@@ -14,8 +14,6 @@
 
 #include "tests/support/groups.h"
 
-#include <math.h>
-
 /* --- what was met ----------------------------------------------------------------------------- */
 
 struct nodes_met {
@@ -59,23 +57,10 @@ static void expect_nodes(const struct packed *packed, const struct groups *g, st
     packed_walk_free(&walk);
 }
 
-/* A short ray through the middle of each triangle hits it. */
 static void expect_hits(const struct packed *packed, const struct groups *g)
 {
     for (uint32_t i = 0; i < g->total; i++) {
-        float v[3][3], normal[3], length = 0;
-        struct ray ray = {.tmax = 0.008f};
-        scene_tri(&g->scene, i, v);
-        for (int k = 0; k < 3; k++) {
-            int a = (k + 1) % 3, b = (k + 2) % 3;
-            normal[k] = (v[1][a] - v[0][a]) * (v[2][b] - v[0][b]) -
-                        (v[1][b] - v[0][b]) * (v[2][a] - v[0][a]);
-            length += normal[k] * normal[k];
-        }
-        for (int k = 0; k < 3; k++) {
-            ray.dir[k] = normal[k] / sqrtf(length);
-            ray.org[k] = (v[0][k] + v[1][k] + v[2][k]) / 3 - 0.004f * ray.dir[k];
-        }
+        struct ray ray = groups_ray(g, i);
         struct job job = {.scene = &g->scene,
                           .packed = packed,
                           .box = box_tests[0],
@@ -116,8 +101,7 @@ static void expect_tree(const struct layout *layout, struct groups *g, struct no
 
 /* --- the trees -------------------------------------------------------------------------------- */
 
-/* A node of 2 to all children, a leaf of 1 to all items in each slot; one beside it is full, so that all of them are
- * no leaf, and the others are of any size. */
+/* A node of 2 to all children, a leaf of 1 to all items in each slot. */
 static void leaves_of_all_sizes(const struct layout *layout, struct nodes_met *met)
 {
     uint32_t most = groups_leaf_most(layout);
@@ -125,12 +109,7 @@ static void leaves_of_all_sizes(const struct layout *layout, struct nodes_met *m
         for (uint32_t s = 0; s < children; s++)
             for (uint32_t items = 1; items <= most; items++) {
                 struct groups g = {0};
-                for (uint32_t i = 0; i < children; i++)
-                    groups_place(&g, i, 16 * (float)i, 16 * (float)(i % 3),
-                                 i == s                    ? items
-                                 : i == (s + 1) % children ? most
-                                                           : 1 + (i + items) % most);
-                groups_make_cube(&g);
+                groups_of_sizes(&g, children, s, items, most);
                 expect_tree(layout, &g, met);
             }
 }
