@@ -1,4 +1,5 @@
-/* The front door: names, groups, summaries and functions of the commands, and how the program ends. */
+/* The front door: names, groups, summaries and functions of the commands, and how the program
+ * ends. */
 #include "ref/outside/plugin_shader.h"
 #include "ref/base/command.h"
 #include "cmd/common/cmd_nearest.h"
@@ -178,7 +179,8 @@ static void zsh_completion(void)
          "_raydiff \"$@\"");
 }
 
-/* The command of that name, which may follow its group's: *words gets 2 then, else 1. NULL: none. */
+/* The command of that name, which may follow its group's: *words gets 2 then, else 1. NULL:
+ * none. */
 static const struct command *find_command(int argc, char **argv, int *words)
 {
     const struct command *found = NULL;

@@ -101,10 +101,9 @@ struct view {
 
 /* Output of a frame. The arrays are the caller's; row 0 is at the top. */
 struct frame {
-    uint32_t *
-        pixel; /* width * height, as struct image has them (scenes/picture/image.h): red in bits 0-7 */
-    float *color; /* NULL, or `total` of each pixel, 3 floats */
-    float *bound; /* NULL, or for each pixel how far 255 total of any channel can be from that of
+    uint32_t *pixel; /* width * height, as in struct image: red in bits 0-7 */
+    float *color;    /* NULL, or `total` of each pixel, 3 floats */
+    float *bound;    /* NULL, or for each pixel how far 255 total of any channel can be from that of
                      another IEEE renderer whose pow is within Vulkan's precision; set by the
                      renderer in C only */
     struct segment *segment; /* NULL, or `bounces` segments per pixel */

@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Whether ab = cd, by both halves of each product. No product of differences of floats underflows. */
+/* Whether ab = cd, by both halves of each product. No product of differences of floats
+ * underflows. */
 static bool same_product(double a, double b, double c, double d)
 {
     const double p = a * b, q = c * d;

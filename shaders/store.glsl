@@ -94,8 +94,8 @@ bool leaf_test(leaf l, uint slot, uint prim, tri_ray r, out vec3 tuv)
                            block_vertex(l.first, vertices, 2u, slot), tuv);
     } else if (STORE == ABI_STORE_QUANTISED) {
         quantised q = quantised_of(l.first, slot);
-        hit = tri_test_run(TRI_TEST, r, quantised_vertex(q, 0u, slot), quantised_vertex(q, 1u, slot),
-                           quantised_vertex(q, 2u, slot), tuv);
+        hit = tri_test_run(TRI_TEST, r, quantised_vertex(q, 0u, slot),
+                           quantised_vertex(q, 1u, slot), quantised_vertex(q, 2u, slot), tuv);
     } else if (STORE == ABI_STORE_EDGES) {
         hit = tri_moeller_trumbore_edges(r, store_vec(row, 1u), store_vec(row + 3u, 1u),
                                          store_vec(row + 6u, 1u),

@@ -83,7 +83,7 @@ static enum status judge_rays(const struct error_field *field, const struct cont
     enum status status = judge_make(field->oracle, &model, QUERY_CLOSEST, &judge, reason);
     if (status)
         return status;
-#pragma omp parallel for schedule(dynamic, 64) reduction(+ : wrong, named, failed)                  \
+#pragma omp parallel for schedule(dynamic, 64) reduction(+ : wrong, named, failed) \
     reduction(max : over, displacement)
     for (long long i = 0; i < (long long)known->count; i++) {
         struct judgement judgement;

@@ -1,7 +1,7 @@
 /* A fuzzing campaign: worker processes play blocks of trials. Their parent keeps the findings in a
- * folder (fuzz/findings/findings.h), replaces workers that die or hang, and resumes after a kill. The
- * findings of the streams corpus and gen depend on the trials alone: not on the number of workers, on
- * shards, on kills, or on engines that crash. */
+ * folder (fuzz/findings/findings.h), replaces workers that die or hang, and resumes after a kill.
+ * The findings of the streams corpus and gen depend on the trials alone: not on the number of
+ * workers, on shards, on kills, or on engines that crash. */
 #ifndef FUZZ_CAMPAIGN_H
 #define FUZZ_CAMPAIGN_H
 
@@ -108,13 +108,14 @@ size_t campaign_news(const struct campaign_view *view, size_t *flaky);
 /* True if a finding was played again and never shown again. */
 bool campaign_is_flaky(const struct campaign_mark *mark);
 
-/* Why contestant i tested next to nothing in all trials of the campaign: it never answered, or never
- * with a right hit, or refused nearly all. NULL: it tested something, or there was no trial yet. */
+/* Why contestant i tested next to nothing in all trials of the campaign: it never answered, or
+ * never with a right hit, or refused nearly all. NULL: it tested something, or there was no trial
+ * yet. */
 const char *campaign_vacuous(const struct campaign_view *view, size_t i);
 
 /* Why contestant i, whose formula is not known, fails although each answer may be rounding: in all
- * trials together it lost more hits beside edges than rounding does (ref/match/match_edges.c). NULL:
- * it did not. */
+ * trials together it lost more hits beside edges than rounding does (ref/match/match_edges.c).
+ * NULL: it did not. */
 const char *campaign_loses(const struct campaign_view *view, size_t i);
 
 /* Runs a campaign, or resumes the one of the folder's state; `findings` is open for writing. The
@@ -125,8 +126,8 @@ enum status campaign_run(const struct campaign_options *options, struct findings
                          void (*end)(void *user, const struct campaign_view *view),
                          struct reason *reason) MUST_USE;
 
-/* The folder's state: NAME=VALUE, '|' between them; bytes other than letters, digits and _-+:.,/ are
- * written as % and two hexadecimal digits. */
+/* The folder's state: NAME=VALUE, '|' between them; bytes other than letters, digits and _-+:.,/
+ * are written as % and two hexadecimal digits. */
 
 /* Appends a value; false without room. */
 bool campaign_state_put(char *state, size_t size, const char *name, const char *value) MUST_USE;

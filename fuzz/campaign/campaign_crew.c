@@ -1,4 +1,5 @@
-/* The workers of a campaign: their orders and reports, and which died, hang or hold too much memory. */
+/* The workers of a campaign: their orders and reports, and which died, hang or hold too much
+ * memory. */
 #include "fuzz/campaign/campaign_inner.h"
 
 #include <stdatomic.h>

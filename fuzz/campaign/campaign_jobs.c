@@ -158,7 +158,8 @@ static bool shows(const struct work_parts *parts, const struct fuzz_signature *s
 }
 
 /* Offers a shrunk finding. A finding that ran out of asks could be shrunk further, so the log first
- * records the hash of the file: after a kill the finding is known to be shrunk if the file has it. */
+ * records the hash of the file: after a kill the finding is known to be shrunk if the file has
+ * it. */
 static enum status offer(struct campaign *c, size_t i, const struct finding_file *file)
 {
     struct findings_news news;

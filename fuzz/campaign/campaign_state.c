@@ -167,7 +167,8 @@ static bool put_offered(const struct campaign *c, char *state)
     return campaign_state_put(state, FINDINGS_STATE_MOST, "offered", text);
 }
 
-/* A finding that was being written at a kill is shrunk if its file was written; the log is updated. */
+/* A finding that was being written at a kill is shrunk if its file was written; the log is
+ * updated. */
 static void read_offered(struct campaign *c, const char *state)
 {
     char text[64];

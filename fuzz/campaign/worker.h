@@ -70,7 +70,8 @@ struct work_order {
     uint64_t asks, ns;     /* bounds of shrinking, as in struct shrink_options */
     uint32_t ms;           /* of a candidate that may hang or crash: struct shrink_apart */
     uint64_t memory;
-    /* A finding file may follow (fuzz/campaign/worker_base.h): the base of stream or what is to shrink. */
+    /* A finding file may follow (fuzz/campaign/worker_base.h): the base of stream or what is to
+     * shrink. */
 };
 
 /* Makes trial i of an order, drawn members included. Errors: as work_trial_make. */

@@ -65,8 +65,8 @@ enum status work_trial_make(const struct work_rules *rules, enum work_stream str
     return status;
 }
 
-/* Moves the vertices to a grid, so that the lossless storage can hold them. A scene that is too large
- * for any grid stays. */
+/* Moves the vertices to a grid, so that the lossless storage can hold them. A scene that is too
+ * large for any grid stays. */
 static enum status put_on_grid(struct rng *rng, struct fuzz_trial *trial, struct reason *reason)
 {
     uint32_t bits =
@@ -81,8 +81,8 @@ static enum status put_on_grid(struct rng *rng, struct fuzz_trial *trial, struct
     return STATUS_OK;
 }
 
-/* Gives a trial of stream gen the members drawn, and what they need: passes of optimization, a motion,
- * a grid for storage `quantised`. A pure function of rules, index and draw.
+/* Gives a trial of stream gen the members drawn, and what they need: passes of optimization, a
+ * motion, a grid for storage `quantised`. A pure function of rules, index and draw.
  * Errors: STATUS_MEMORY. */
 static enum status draw_members(const struct work_rules *rules, uint64_t index,
                                 const struct work_draw *draw, struct fuzz_trial *trial,

@@ -1,6 +1,6 @@
-/* A finding as a program that needs no raydiff: C, or an Amber script, that makes the same bytes, runs
- * the same driver, and checks the answer. The right answers come from the exact truth and the proven
- * bounds of the formula, as everywhere; the engine's own answer is not used. */
+/* A finding as a program that needs no raydiff: C, or an Amber script, that makes the same bytes,
+ * runs the same driver, and checks the answer. The right answers come from the exact truth and the
+ * proven bounds of the formula, as everywhere; the engine's own answer is not used. */
 #ifndef FUZZ_EXPORT_H
 #define FUZZ_EXPORT_H
 
@@ -35,8 +35,8 @@ struct export_said {
     char text[400]; /* lines with '\n' between them; empty: nothing */
 };
 
-/* Writes the finding. The engine traces the rays once, if it can run here and is not known to crash or
- * hang: its answer is shown in the comment, and the tolerance is that of its driver's measured
+/* Writes the finding. The engine traces the rays once, if it can run here and is not known to crash
+ * or hang: its answer is shown in the comment, and the tolerance is that of its driver's measured
  * arithmetic. Otherwise the tolerance is the specification's. The caller checks `to` for write
  * errors.
  * Errors: STATUS_INPUT there is nothing to export, with what to do instead; the ray is not there;

@@ -142,7 +142,8 @@ static enum status take_rays(struct export_case *the)
     for (uint32_t i = 0; i < trial->ray_count; i++) {
         if (only != EXPORT_ALL_RAYS && i != only)
             continue;
-        /* Embree does not promise to survive such rays: engine embree does not trace them either. */
+        /* Embree does not promise to survive such rays: engine embree does not trace them
+         * either. */
         if (is_embree(the) && !dies(the) && !ray_in_contract(&trial->ray[i])) {
             the->left_out++;
             continue;
@@ -269,8 +270,8 @@ static void adjust(struct export_case *the)
         the->model.watertight = false;
 }
 
-/* Opens the engine, takes its model and traces the rays once. A failure is noted in not_asked; it is
- * no error. */
+/* Opens the engine, takes its model and traces the rays once. A failure is noted in not_asked; it
+ * is no error. */
 static enum status ask_here(struct export_case *the)
 {
     struct reason why = {""};

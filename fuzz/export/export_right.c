@@ -218,10 +218,10 @@ static float in_range(const struct export_case *the, const struct ray *ray, floa
     return t < least ? least : t > most ? most : t;
 }
 
-/* Tries answers for a triangle until the judge allows one: the exact numbers and those that C computes.
- * Neither need be near if the ray lies in the triangle's plane or passes beside it, so also where the
- * ray is nearest to the edges, and where it begins. And as early as the formula may find it: only that
- * may be near enough to a triangle that it hides. */
+/* Tries answers for a triangle until the judge allows one: the exact numbers and those that C
+ * computes. Neither need be near if the ray lies in the triangle's plane or passes beside it, so
+ * also where the ray is nearest to the edges, and where it begins. And as early as the formula may
+ * find it: only that may be near enough to a triangle that it hides. */
 static enum status ask_triangle(struct export_case *the, struct asking *asking, uint32_t i,
                                 uint32_t prim)
 {

@@ -128,7 +128,8 @@ bool export_is_wrong_here(const struct export_case *the, uint32_t i)
            (the->bits_matter && memcmp(&the->here[i], &the->reference[i], sizeof *the->here) != 0);
 }
 
-/* The ray that the comment describes: the first that was wrong here, else wrong in C, else the first. */
+/* The ray that the comment describes: the first that was wrong here, else wrong in C, else the
+ * first. */
 static uint32_t telling_ray(const struct export_case *the)
 {
     for (uint32_t i = 0; i < the->ray_count && the->here; i++)

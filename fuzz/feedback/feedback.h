@@ -1,6 +1,6 @@
-/* Coverage feedback: counts how often a campaign reached each state, keeps the trials that reached one
- * first, and chooses which of them to mutate next, so that rare states are reached. A pure function of
- * the sequence of calls. */
+/* Coverage feedback: counts how often a campaign reached each state, keeps the trials that reached
+ * one first, and chooses which of them to mutate next, so that rare states are reached. A pure
+ * function of the sequence of calls. */
 #ifndef FUZZ_FEEDBACK_H
 #define FUZZ_FEEDBACK_H
 
@@ -57,9 +57,9 @@ struct feedback_list {
 };
 
 /* Reads all ?*.trial of the folder in the order of their names, as many as fit into `bytes_most`;
- * other files are ignored. A file that is no trial is left out; see `said`. The files do not have the
- * coverage: the caller plays the trials again and adds them. Errors: STATUS_INPUT the folder cannot
- * be read; STATUS_MEMORY. */
+ * other files are ignored. A file that is no trial is left out; see `said`. The files do not have
+ * the coverage: the caller plays the trials again and adds them. Errors: STATUS_INPUT the folder
+ * cannot be read; STATUS_MEMORY. */
 enum status feedback_load(const struct folder *folder, size_t bytes_most, struct feedback_list *out,
                           struct reason *reason) MUST_USE;
 void feedback_list_free(struct feedback_list *list);

@@ -27,8 +27,8 @@ const char *pair_factor_name(enum pair_factor factor);
 #define MEET_MOST 256u /* members of a factor */
 #define MEET_NONE UINT16_MAX
 
-/* The members that take part; borrowed. An engine without a tree meets triangle tests only, one with a
- * test of its own neither triangle nor box tests. */
+/* The members that take part; borrowed. An engine without a tree meets triangle tests only, one
+ * with a test of its own neither triangle nor box tests. */
 struct pair_tables {
     const void *member[MEET_FACTORS][MEET_MOST]; /* of OPTIMIZE and MOTION not read */
     uint32_t count[MEET_FACTORS];                /* of those at most 2, the first plain or still */
@@ -42,9 +42,9 @@ struct combination {
 
 struct pair_coverage;
 
-/* Finds the pairs that can meet: not those that layouts and storages refuse in every scene, or engines
- * in every layout. *out is for pair_coverage_close. Errors: STATUS_INPUT an engine, layout or other
- * factor has no member; STATUS_MEMORY. */
+/* Finds the pairs that can meet: not those that layouts and storages refuse in every scene, or
+ * engines in every layout. *out is for pair_coverage_close. Errors: STATUS_INPUT an engine, layout
+ * or other factor has no member; STATUS_MEMORY. */
 enum status pair_coverage_open(const struct pair_tables *tables, struct pair_coverage **out,
                                struct reason *reason) MUST_USE;
 void pair_coverage_close(struct pair_coverage *pair_coverage); /* NULL is fine */
@@ -53,13 +53,13 @@ const struct pair_tables *pair_coverage_tables(const struct pair_coverage *pair_
 /* Name of a member. */
 const char *pair_coverage_name(const struct pair_coverage *pair_coverage, enum pair_factor factor,
                                uint32_t i);
-/* Draws the members that meet in the next `trials` trials: a function of seed, `turn`, tables, and of
- * all that was drawn, met and missed before. Members that the engine does not meet are set to some
- * that can be traced with the others. */
+/* Draws the members that meet in the next `trials` trials: a function of seed, `turn`, tables, and
+ * of all that was drawn, met and missed before. Members that the engine does not meet are set to
+ * some that can be traced with the others. */
 void pair_coverage_draw(struct pair_coverage *pair_coverage, uint64_t seed, uint64_t turn,
                         uint32_t trials, struct combination *out);
-/* Records that of the trials drawn so many were refused, and others rebuilt in place of refitted. Then
- * all their pairs, or those of motion, are due again, unless that always happens. */
+/* Records that of the trials drawn so many were refused, and others rebuilt in place of refitted.
+ * Then all their pairs, or those of motion, are due again, unless that always happens. */
 void pair_coverage_missed(struct pair_coverage *pair_coverage, const struct combination *drawn,
                           uint32_t refused, uint32_t rebuilt);
 
@@ -93,8 +93,8 @@ bool pair_coverage_rarest(const struct pair_coverage *pair_coverage, uint32_t at
 enum status pair_coverage_write(const struct pair_coverage *pair_coverage,
                                 const struct folder *folder, const char *name,
                                 struct reason *reason) MUST_USE;
-/* Takes over what pair_coverage_write wrote, of pairs that are possible here; a file that is not there
- * holds nothing. Errors: STATUS_INPUT "PATH:LINE: rule"; STATUS_MEMORY. */
+/* Takes over what pair_coverage_write wrote, of pairs that are possible here; a file that is not
+ * there holds nothing. Errors: STATUS_INPUT "PATH:LINE: rule"; STATUS_MEMORY. */
 enum status pair_coverage_read(struct pair_coverage *pair_coverage, const struct folder *folder,
                                const char *name, struct reason *reason) MUST_USE;
 

@@ -1,7 +1,7 @@
-/* The baseline: known findings that raydiff cannot repair, each with a reason, a link and a day until
- * which it is excused. Lines "PATTERN [@VERSION] until YYYY-MM-DD REASON...
- * LINK", "until -" for ever; see fuzz/findings/waivers.h. PATTERN is four fields, shell wildcards each, of a
- * signature: engine.layout.kind.cause; VERSION is of the finding's versions.
+/* The baseline: known findings that raydiff cannot repair, each with a reason, a link and a day
+ * until which it is excused. Lines "PATTERN [@VERSION] until YYYY-MM-DD REASON...
+ * LINK", "until -" for ever; see fuzz/findings/waivers.h. PATTERN is four fields, shell wildcards
+ * each, of a signature: engine.layout.kind.cause; VERSION is of the finding's versions.
  * fuzz/baseline.txt is part of the program. */
 #ifndef FUZZ_BASELINE_H
 #define FUZZ_BASELINE_H
@@ -48,8 +48,8 @@ void baseline_today(char day[BASELINE_DAY]);
 void baseline_ask(struct baseline *baseline, const struct fuzz_signature *signature,
                   const char *versions, const char *today, struct baseline_answer *answer);
 
-/* Returns the next entry from *at on (0 to begin) that excused nothing although these contestants, in
- * these versions, could have shown a match; NULL: no more. *path: of its list. */
+/* Returns the next entry from *at on (0 to begin) that excused nothing although these contestants,
+ * in these versions, could have shown a match; NULL: no more. *path: of its list. */
 const struct waiver *baseline_unused(const struct baseline *baseline,
                                      const struct fuzz_field *field, const char *versions,
                                      size_t *at, const char **path);

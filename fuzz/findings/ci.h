@@ -36,8 +36,8 @@ void ci_line(FILE *to, const char *text);
 /* Writes `text` with nothing escaped. */
 void ci_plain(FILE *to, const char *text);
 
-/* A JUnit file being written; the cases are kept in memory, since the head has their number. Zero is
- * none. */
+/* A JUnit file being written; the cases are kept in memory, since the head has their number. Zero
+ * is none. */
 struct ci_junit {
     struct file_out out;
     FILE *body; /* a stream into `text` */

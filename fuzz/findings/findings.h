@@ -51,10 +51,10 @@ struct findings_news {
     bool signature, first, smallest; /* new ones */
 };
 
-/* Opens a folder for writing; a missing one is created (its parent must exist). Reads the content and
- * removes the temporary files of killed writers.
- * Errors: STATUS_INPUT it cannot be written, another process is writing to it, or "PATH: rule" where
- * the content is not that of a folder of findings; STATUS_MEMORY. */
+/* Opens a folder for writing; a missing one is created (its parent must exist). Reads the content
+ * and removes the temporary files of killed writers.
+ * Errors: STATUS_INPUT it cannot be written, another process is writing to it, or "PATH: rule"
+ * where the content is not that of a folder of findings; STATUS_MEMORY. */
 enum status findings_open(const char *folder, struct findings **out,
                           struct reason *reason) MUST_USE;
 
@@ -108,11 +108,12 @@ void findings_path(const struct findings *findings, const struct fuzz_signature 
 /* Closes without a checkpoint. NULL is fine. */
 void findings_close(struct findings *findings);
 
-/* Merges folders into a new one. Counts are added; a finding whose line is in several folders counts
- * once. Each signature keeps the first by origin, the smallest, and its FINDINGS_LINES_MOST lowest
- * lines in order. The result does not depend on the order of the folders, and that of all shards is
- * that of a single run, merged alone. `to` must not exist, or be empty; it appears whole or not at
- * all. Errors: as findings_look; STATUS_INPUT one folder named twice, `to` holds something. */
+/* Merges folders into a new one. Counts are added; a finding whose line is in several folders
+ * counts once. Each signature keeps the first by origin, the smallest, and its FINDINGS_LINES_MOST
+ * lowest lines in order. The result does not depend on the order of the folders, and that of all
+ * shards is that of a single run, merged alone. `to` must not exist, or be empty; it appears whole
+ * or not at all. Errors: as findings_look; STATUS_INPUT one folder named twice, `to` holds
+ * something. */
 enum status findings_merge(const char *const *folder, size_t count, const char *to,
                            struct reason *reason) MUST_USE;
 

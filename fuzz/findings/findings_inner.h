@@ -96,10 +96,10 @@ enum status findings_folder_put(struct findings *findings, const struct finding_
                                 const char *name, struct reason *reason) MUST_USE;
 
 /* Reads log and folders, in that order, `each` as in findings_log_read, and checks that they fit
- * agree. A killed writer or a full disk can leave files that the log does not have, and lower counts.
- * Neither can cause a finding of the log without its files, a count above the log's, or statistics
- * of a campaign beside a log without a checkpoint: these are errors. Errors: as those two;
- * STATUS_INPUT "PATH[:LINE]: rule". */
+ * agree. A killed writer or a full disk can leave files that the log does not have, and lower
+ * counts. Neither can cause a finding of the log without its files, a count above the log's, or
+ * statistics of a campaign beside a log without a checkpoint: these are errors. Errors: as those
+ * two; STATUS_INPUT "PATH[:LINE]: rule". */
 enum status findings_read(struct findings *findings, findings_line_fn *each, void *user,
                           struct reason *reason) MUST_USE;
 

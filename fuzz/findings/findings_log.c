@@ -1,5 +1,5 @@
-/* findings.jsonl: a line per finding, a line per checkpoint. Numbers of 64 bits are written as text,
- * since JSON readers keep 53 bits. */
+/* findings.jsonl: a line per finding, a line per checkpoint. Numbers of 64 bits are written as
+ * text, since JSON readers keep 53 bits. */
 #define _POSIX_C_SOURCE 200809L
 #include "fuzz/findings/findings_inner.h"
 

@@ -1,6 +1,6 @@
 /* Waivers: failures that are known, each with a reason and a link, of the conformance suite and,
- * with dates, of campaigns (fuzz/findings/baseline.h). In the suite one that no longer excuses anything is
- * itself a failure, so that the list cannot grow old. */
+ * with dates, of campaigns (fuzz/findings/baseline.h). In the suite one that no longer excuses
+ * anything is itself a failure, so that the list cannot grow old. */
 #ifndef FUZZ_WAIVERS_H
 #define FUZZ_WAIVERS_H
 
@@ -43,9 +43,9 @@ enum status waivers_shipped_read(struct waivers *out, struct reason *reason) MUS
 void waivers_free(struct waivers *waivers);
 
 /* True if `versions`, the descriptions of engines (as `raydiff doctor` prints them), contain
- * `version`: a text such as "Mesa 22.3.6", or a range "NAME FIRST..LAST", such as "Embree 3..4.3.3",
- * in which a version of NAME lies. Both ends are included. Only as many numbers are compared as LAST
- * has: 4.3.3 is within "..4.3". */
+ * `version`: a text such as "Mesa 22.3.6", or a range "NAME FIRST..LAST", such as "Embree
+ * 3..4.3.3", in which a version of NAME lies. Both ends are included. Only as many numbers are
+ * compared as LAST has: 4.3.3 is within "..4.3". */
 bool version_told(const char *versions, const char *version);
 
 /* True if it is about `name` (shell wildcards) and about one of these versions, or about none. */
@@ -59,10 +59,10 @@ void waivers_count(struct waivers *waivers, const char *name);
 /* True if a waiver that matches `name` is about one version. */
 bool waivers_name_version(const struct waivers *waivers, const char *name);
 
-/* Records the result of `name`, and returns the first waiver that excuses its failure; NULL if it did
- * not fail or none does. All waivers that match count it. Its failure is counted only by those that
- * name no version, or one that `versions`, the descriptions of the engines, contain. `versions` may
- * be "" if waivers_name_version is false, or nothing failed. */
+/* Records the result of `name`, and returns the first waiver that excuses its failure; NULL if it
+ * did not fail or none does. All waivers that match count it. Its failure is counted only by those
+ * that name no version, or one that `versions`, the descriptions of the engines, contain.
+ * `versions` may be "" if waivers_name_version is false, or nothing failed. */
 const struct waiver *waivers_note(struct waivers *waivers, const char *name,
                                   enum waiver_event event, const char *versions);
 

@@ -1,5 +1,5 @@
-/* Rays that aim at features that break tracers: vertices, edges, corners and faces of boxes, and the
- * float16 steps that stored bounds are rounded to. Bytes are the same on every machine, see
+/* Rays that aim at features that break tracers: vertices, edges, corners and faces of boxes, and
+ * the float16 steps that stored bounds are rounded to. Bytes are the same on every machine, see
  * fuzz/gen/gen_sketch.h. */
 #ifndef FUZZ_AIM_H
 #define FUZZ_AIM_H

@@ -123,7 +123,8 @@ float aim_approach(const struct aim *aim, struct rng *rng, const struct target *
     return aim_set(org, dir, out);
 }
 
-/* --- rays that may be out of contract ---------------------------------------------------------------------
+/* --- rays that may be out of contract
+ * ---------------------------------------------------------------------
  */
 
 void aim_degenerate(const struct aim *aim, struct rng *rng, struct ray *out)

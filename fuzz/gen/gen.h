@@ -25,8 +25,8 @@ enum status gen_trial(uint64_t seed, uint64_t index, const struct gen_options *o
                       struct fuzz_trial *out, struct reason *reason) MUST_USE;
 
 /* One edit of a trial, for stream `mut`, that changes something: snap to a lattice, next float,
- * negate, swap axes, scale by 2^k, duplicate, permute, ... (fuzz/gen/mutate.c has the table). Notes its
- * name in the recipe. Errors: STATUS_MEMORY; the trial is then unchanged. */
+ * negate, swap axes, scale by 2^k, duplicate, permute, ... (fuzz/gen/mutate.c has the table). Notes
+ * its name in the recipe. Errors: STATUS_MEMORY; the trial is then unchanged. */
 struct rng;
 enum status gen_mutate(struct rng *rng, struct fuzz_trial *trial, struct reason *reason) MUST_USE;
 

@@ -24,7 +24,8 @@ uint32_t goal_few(struct rng *rng)
 
 /* Small triangles in the cells of a lattice of 2^k cells, half as wide as a cell: the middle of any
  * box of an even number of cells falls between two of them, so that a builder that splits there
- * makes the even tree, full leaves of 8 included. Triangles beyond the cells share the first cells. */
+ * makes the even tree, full leaves of 8 included. Triangles beyond the cells share the first
+ * cells. */
 static void draw_dust(struct sketch *sketch)
 {
     uint32_t bits[3] = {4, 4, 4}, grown = 0; /* cells along each axis, as powers of two */

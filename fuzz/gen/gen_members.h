@@ -1,5 +1,5 @@
-/* Random builders and tests: members as published only if `faithful`; one in four is a member that the
- * products of tests leave out. */
+/* Random builders and tests: members as published only if `faithful`; one in four is a member that
+ * the products of tests leave out. */
 #ifndef FUZZ_GEN_MEMBERS_H
 #define FUZZ_GEN_MEMBERS_H
 

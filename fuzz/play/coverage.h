@@ -1,6 +1,6 @@
-/* The states that a trial reached: a fixed map of bits, set from the tree, the packed bytes, the truth
- * and the judgements. A trial that sets a bit which no earlier one set is worth keeping. A map is a
- * pure function of a trial and the answers to it. */
+/* The states that a trial reached: a fixed map of bits, set from the tree, the packed bytes, the
+ * truth and the judgements. A trial that sets a bit which no earlier one set is worth keeping. A
+ * map is a pure function of a trial and the answers to it. */
 #ifndef FUZZ_COVERAGE_H
 #define FUZZ_COVERAGE_H
 

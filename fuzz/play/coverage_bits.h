@@ -84,8 +84,8 @@ enum coverage_truth {
     COVERAGE_TRUTHS
 };
 
-/* Groups, in the order of their bits: id, number of bits, name, and the names of the bits, if they are
- * listed here. The others are named after members of tables and enumerations. */
+/* Groups, in the order of their bits: id, number of bits, name, and the names of the bits, if they
+ * are listed here. The others are named after members of tables and enumerations. */
 #define COVERAGE_GROUPS(X)                                                                         \
     X(VERDICT, 2 * VERDICT_COUNT, "verdict", NULL)                /* query x verdict */            \
     X(WRONG, WRONG_COUNT, "wrong", NULL)                          /* kind */                       \

@@ -39,8 +39,8 @@ static void name_both(uint32_t n, char name[COVERAGE_NAME_MOST])
                          verdict_name((enum verdict)b));
 }
 
-/* The name of member `i` of a NULL-terminated table of structs that begin with their names; "more" for
- * those that share the last place. */
+/* The name of member `i` of a NULL-terminated table of structs that begin with their names; "more"
+ * for those that share the last place. */
 #define MEMBER(table, i, places) member((const void *const *)(table), (i), (places))
 static const char *member(const void *const *table, uint32_t i, uint32_t places)
 {

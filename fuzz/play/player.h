@@ -99,16 +99,17 @@ void fuzz_player_leave_out(struct fuzz_player *player, uint32_t contestants);
 void fuzz_player_cast(struct fuzz_player *player, size_t contestant, const struct layout *layout);
 
 /* Plays `count` trials, which must have passed fuzz_trial_check. Faults of engines are in the
- * results. Times are added to *time (may be NULL); `mark` may be NULL. An engine that lost its device
- * is opened again. The results do not depend on which trials are played together.
+ * results. Times are added to *time (may be NULL); `mark` may be NULL. An engine that lost its
+ * device is opened again. The results do not depend on which trials are played together.
  * Errors: STATUS_MEMORY; STATUS_DEVICE, STATUS_UNSUPPORTED an engine that died cannot be opened
  * again; STATUS_INTERNAL. */
 enum status fuzz_play(struct fuzz_player *player, const struct fuzz_trial *trial, size_t count,
                       struct fuzz_result *result, struct fuzz_time *time, struct fuzz_mark *mark,
                       struct reason *reason) MUST_USE;
 
-/* Finds the cause of a finding and writes it into its signature (ref/explain). The engine traces the
- * ray again: if that answer is right, the cause is CAUSE_NOT_REPEATABLE. Errors: STATUS_MEMORY. */
+/* Finds the cause of a finding and writes it into its signature (ref/explain). The engine traces
+ * the ray again: if that answer is right, the cause is CAUSE_NOT_REPEATABLE. Errors:
+ * STATUS_MEMORY. */
 enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *trial,
                          struct fuzz_finding *finding, struct reason *reason) MUST_USE;
 

@@ -145,8 +145,8 @@ static enum status ray_cause(struct judged *judged, const struct ray *ray,
     return STATUS_OK;
 }
 
-/* Rays that finish one by one were not finished together. If it happens again, the flags show a driver
- * that counts the rounds of all lanes of a vector as those of one loop. */
+/* Rays that finish one by one were not finished together. If it happens again, the flags show a
+ * driver that counts the rounds of all lanes of a vector as those of one loop. */
 static enum status together_cause(const struct seat *seat, const struct fuzz_trial *trial,
                                   struct fuzz_finding *finding, struct reason *reason)
 {

@@ -102,8 +102,8 @@ static enum status ask_singly(struct fuzz_player *player, size_t seat, struct pl
     return STATUS_OK;
 }
 
-/* Records the fault of an engine in a process of its own, which the next call starts again. False: the
- * engine has no such process. */
+/* Records the fault of an engine in a process of its own, which the next call starts again. False:
+ * the engine has no such process. */
 static bool peer_failed(const struct seat *who, const struct play_stage *stage,
                         struct answers *answers)
 {
@@ -170,8 +170,8 @@ static bool can_ask(const struct seat *seat, struct play_stage *stage, struct an
     return false;
 }
 
-/* The work of the rays in engine cpu on the same tree, if that was traced before. It decides the order
- * in which they are traced, but no answer. */
+/* The work of the rays in engine cpu on the same tree, if that was traced before. It decides the
+ * order in which they are traced, but no answer. */
 static const uint32_t *expected_work(const struct play_stage *stage, const struct seat *seat)
 {
     if (seat->reference >= SEATS_MOST || !stage->answers[seat->reference].has_work)

@@ -1,4 +1,5 @@
-/* The signature of a finding: engine, layout, kind and cause. Findings of one signature are one bug. */
+/* The signature of a finding: engine, layout, kind and cause. Findings of one signature are one
+ * bug. */
 #ifndef FUZZ_SIGNATURE_H
 #define FUZZ_SIGNATURE_H
 

@@ -25,8 +25,9 @@ enum status fuzz_trial_pack(const struct fuzz_trial *trial, const struct layout 
 
 /* Builds, packs, moves and refits; *bvh is the tree of what is packed, its bounds those of the
  * scene that is traced. If a refit returns STATUS_LIMIT, the tree is rebuilt: *motion (may be
- * NULL) is then TRIAL_REBUILT. Both are zero on error. Errors: as fuzz_trial_build and fuzz_trial_pack;
- * STATUS_INPUT to be refitted, but what was packed decodes to no tree of the scene. */
+ * NULL) is then TRIAL_REBUILT. Both are zero on error. Errors: as fuzz_trial_build and
+ * fuzz_trial_pack; STATUS_INPUT to be refitted, but what was packed decodes to no tree of the
+ * scene. */
 enum status fuzz_trial_tree(const struct fuzz_trial *trial, const struct layout *layout,
                             struct bvh *bvh, struct packed *out, enum trial_motion *motion,
                             struct reason *reason) MUST_USE;

@@ -202,8 +202,8 @@ static enum status conclude(struct selftest_job *job, const struct child_fate *f
     return STATUS_OK;
 }
 
-/* Ends a campaign soon after its first finding, even if it shows only among other trials: the campaign
- * still plays it again and reports whether it shows. */
+/* Ends a campaign soon after its first finding, even if it shows only among other trials: the
+ * campaign still plays it again and reports whether it shows. */
 static void stop_soon(struct selftest_job *job)
 {
     char pattern[SELFTEST_PATH_MOST + 16];

@@ -1,6 +1,6 @@
 /* The shrinker: rounds of passes over the smallest trial so far, until a whole round finds nothing
- * smaller. A pass depends on the smallest trial alone, so that shrinking the result again repeats the
- * last round and changes nothing. */
+ * smaller. A pass depends on the smallest trial alone, so that shrinking the result again repeats
+ * the last round and changes nothing. */
 #include "fuzz/shrink/shrink.h"
 
 #include "fuzz/shrink/shrink_inner.h"
@@ -108,7 +108,8 @@ static bool worth_asking(struct shrinker *s, const struct fuzz_trial *trial)
     return true;
 }
 
-/* Makes candidates from place *at on, which moves behind the last one; *more: there are places left. */
+/* Makes candidates from place *at on, which moves behind the last one; *more: there are places
+ * left. */
 static enum status gather(struct shrinker *s, const struct shrink_pass *pass, uint32_t things,
                           struct shrink_place *at, bool *more, struct reason *reason)
 {

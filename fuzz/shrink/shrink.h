@@ -1,6 +1,7 @@
-/* Shrinks a trial while it still shows its finding: fewer triangles, rays and vertices, then shorter
- * numbers and plainer members. To "ask" is to play a candidate; asks are counted. Deterministic: the
- * result depends on the trial and the number of asks alone, unless a time is given. */
+/* Shrinks a trial while it still shows its finding: fewer triangles, rays and vertices, then
+ * shorter numbers and plainer members. To "ask" is to play a candidate; asks are counted.
+ * Deterministic: the result depends on the trial and the number of asks alone, unless a time is
+ * given. */
 #ifndef FUZZ_SHRINK_H
 #define FUZZ_SHRINK_H
 
@@ -13,8 +14,8 @@
 /* Most candidates in one call of a shrink_ask_fn. */
 #define SHRINK_BATCH FUZZ_BATCH
 
-/* Plays candidates, all valid trials (fuzz_trial_check): *first is the index of the first that still
- * shows the finding, or `count`. Errors end the shrinking. */
+/* Plays candidates, all valid trials (fuzz_trial_check): *first is the index of the first that
+ * still shows the finding, or `count`. Errors end the shrinking. */
 typedef enum status shrink_ask_fn(void *user, const struct fuzz_trial *candidate, size_t count,
                                   size_t *first, struct reason *reason);
 
@@ -74,11 +75,11 @@ struct shrink_apart {
     uint64_t memory; /* bytes that the child may hold; more is FUZZ_KIND_CRASH; 0: any number */
 };
 
-/* As fuzz_shrink_finding, for every kind: a child that dies or hangs shows a finding of kind crash or
- * hang; a finding of another kind it does not show, and the shrinking continues. out->versions
+/* As fuzz_shrink_finding, for every kind: a child that dies or hangs shows a finding of kind crash
+ * or hang; a finding of another kind it does not show, and the shrinking continues. out->versions
  * are those of the engine as it is here. The caller has no threads that an engine would need
- * (ref/outside/child.h). Errors: as fuzz_shrink_finding; STATUS_UNSUPPORTED the engine cannot run here;
- * STATUS_DEVICE it cannot be opened, or no process to be had. */
+ * (ref/outside/child.h). Errors: as fuzz_shrink_finding; STATUS_UNSUPPORTED the engine cannot run
+ * here; STATUS_DEVICE it cannot be opened, or no process to be had. */
 enum status fuzz_shrink_apart(const struct shrink_apart *how, const struct finding_file *file,
                               const struct shrink_options *options, struct finding_file *out,
                               struct shrink_stats *stats, struct reason *reason) MUST_USE;

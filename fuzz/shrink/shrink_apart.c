@@ -1,5 +1,5 @@
-/* Plays candidates in a child process, in which an engine may crash or hang. They are sent as the text
- * of finding files. */
+/* Plays candidates in a child process, in which an engine may crash or hang. They are sent as the
+ * text of finding files. */
 #include "ref/outside/child.h"
 #include "fuzz/shrink/shrink_inner.h"
 #include "fuzz/findings/versions.h"

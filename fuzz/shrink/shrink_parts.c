@@ -142,8 +142,8 @@ static bool cut_two(struct fuzz_trial *trial, uint32_t first, uint32_t count, ui
     return cut_triangles(trial, high, count, REMOVE) && cut_triangles(trial, low, count, REMOVE);
 }
 
-/* A chunk of triangles becomes the triangle before or behind it: if only their number matters, equal
- * ones are easier to read. */
+/* A chunk of triangles becomes the triangle before or behind it: if only their number matters,
+ * equal ones are easier to read. */
 static bool repeat_triangle(struct fuzz_trial *trial, uint32_t first, uint32_t count,
                             uint32_t variant)
 {

@@ -15,8 +15,8 @@ static const struct fuzz_finding *of_kind(const struct fuzz_result *result, enum
     return NULL;
 }
 
-/* Whether a trial with this result shows the finding. A result has only the first finding of a kind,
- * which may have another cause: then the rays behind it are played again. */
+/* Whether a trial with this result shows the finding. A result has only the first finding of a
+ * kind, which may have another cause: then the rays behind it are played again. */
 static enum status shows(struct shrink_asking *asking, const struct fuzz_trial *trial,
                          const struct fuzz_result *result, bool *out, struct reason *reason)
 {

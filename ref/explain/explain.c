@@ -21,8 +21,8 @@ static void run(const struct explain_case *the, uint32_t repairs, struct explain
         the->judge(the->judge_user, &the->ray, &out->hit, &out->opinion);
 }
 
-/* Repairs that make a traversal forgiving: each can find a triangle in spite of wrong bytes, so that
- * they prove something only if nothing else helps. */
+/* Repairs that make a traversal forgiving: each can find a triangle in spite of wrong bytes, so
+ * that they prove something only if nothing else helps. */
 #define FORGIVING                                                                                  \
     (1u << REPAIR_BOX_TEST | 1u << REPAIR_WATERTIGHT | 1u << REPAIR_CULLING | 1u << REPAIR_TRIANGLE)
 #define EVERYTHING ((1u << REPAIR_COUNT) - 1)
@@ -86,9 +86,9 @@ static void repair_inside(const struct explain_case *the, struct explanation *ou
     out->cause = first < REPAIR_COUNT ? repair_cause(first) : CAUSE_UNEXPLAINED;
 }
 
-/* The engine did not finish. If C does not either, repairs tell why; else an imitation. A full stack
- * can be the consequence of another fault: a shorter stack has to be shown by other rays, if the
- * engine can trace them. */
+/* The engine did not finish. If C does not either, repairs tell why; else an imitation. A full
+ * stack can be the consequence of another fault: a shorter stack has to be shown by other rays, if
+ * the engine can trace them. */
 static enum status explain_unfinished(const struct explain_case *the,
                                       const struct explain_answer *answer, struct explanation *out)
 {

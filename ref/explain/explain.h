@@ -63,9 +63,9 @@ struct explain_imitation {
 };
 
 #define EXPLAIN_IMITATIONS (DEFECT_COUNT + 8 + 2 * ABI_STACK_MAX + 8)
-/* An imitation is a cause only if the engine agrees with it on at least this many other rays to which C
- * answers otherwise, and also finds hits: what differs from C on the ray alone could be any miss, and
- * so could what loses everything. */
+/* An imitation is a cause only if the engine agrees with it on at least this many other rays to
+ * which C answers otherwise, and also finds hits: what differs from C on the ray alone could be any
+ * miss, and so could what loses everything. */
 #define EXPLAIN_TELLING   3u
 #define EXPLAIN_WITNESSES 400u /* of one round */
 

@@ -21,8 +21,8 @@ static bool alike(const struct explain_case *the, const struct explain_answer *a
     return a->hit.prim == ABI_NO_PRIM || fabsf(a->hit.t - b->hit.t) <= T_ALIKE * fabsf(a->hit.t);
 }
 
-/* An engine that need not have C's bits may differ from the imitation on one ray in this many, of all
- * rays and of those that are evidence. */
+/* An engine that need not have C's bits may differ from the imitation on one ray in this many, of
+ * all rays and of those that are evidence. */
 #define STRAY_ONE_IN 20u
 
 /* Rays of evidence that are enough, if no other cause is left. */
@@ -128,8 +128,8 @@ static size_t best(const struct explanation *out)
     return at;
 }
 
-/* Whether rays of this round could be useful: an imitation with too little evidence is alive, or two
- * with different causes are. */
+/* Whether rays of this round could be useful: an imitation with too little evidence is alive, or
+ * two with different causes are. */
 static bool is_open(const struct explanation *out, uint32_t round)
 {
     const struct explain_imitation *first = NULL;
@@ -192,8 +192,8 @@ static void ask_round(const struct explain_case *the, uint32_t round, struct wit
             hear(the, w, &out->imitation[i]);
 }
 
-/* The cause if no known defect predicts the answers: only that C answers otherwise. An allowed answer
- * lies within what the engine's own operators may give. */
+/* The cause if no known defect predicts the answers: only that C answers otherwise. An allowed
+ * answer lies within what the engine's own operators may give. */
 static enum cause cause_left(const struct explain_case *the, const struct explanation *out)
 {
     if (the->exact)

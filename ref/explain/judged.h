@@ -45,8 +45,9 @@ void judged_free(struct judged *judged);
 enum status judged_explain(struct judged *judged, const struct ray *ray, struct judged_ray *out,
                            struct reason *reason) MUST_USE;
 
-/* Finds the first ray from `first` on that the engine does not finish, answers wrongly, or with other
- * bits than C where it promises C's: *index is that ray, or `count`. Errors: as judged_explain. */
+/* Finds the first ray from `first` on that the engine does not finish, answers wrongly, or with
+ * other bits than C where it promises C's: *index is that ray, or `count`. Errors: as
+ * judged_explain. */
 enum status judged_find(struct judged *judged, const struct ray *ray, size_t first, size_t count,
                         size_t *index, struct reason *reason) MUST_USE;
 

@@ -1,5 +1,5 @@
-/* Hints about an engine whose tree is not accessible: which known box tests reject the bounds of the
- * very triangle that was lost. A box of any tree that ends where the triangle ends is rejected
+/* Hints about an engine whose tree is not accessible: which known box tests reject the bounds of
+ * the very triangle that was lost. A box of any tree that ends where the triangle ends is rejected
  * likewise. No proof: the engine's boxes are unknown. */
 #ifndef EXPLAIN_OUTSIDE_H
 #define EXPLAIN_OUTSIDE_H

@@ -116,8 +116,8 @@ struct item {
     uint32_t slot, prim;
 };
 
-/* The storage that has the triangle, or NULL: it is the scene's, as is a repaired or planted one that
- * is not the triangle of the slot. */
+/* The storage that has the triangle, or NULL: it is the scene's, as is a repaired or planted one
+ * that is not the triangle of the slot. */
 static const struct tri_store *store_of(const struct state *s, const struct item *item)
 {
     if (!item->leaf || item->leaf->item_first == EXPLAIN_NONE || repairs(s, REPAIR_ITEM_STORED))

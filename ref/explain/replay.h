@@ -1,5 +1,5 @@
-/* The reference traversal (ref/trace/trace.c) with switches: repairs that correct one thing, a planted
- * defect that breaks one thing, and notes of what happened. */
+/* The reference traversal (ref/trace/trace.c) with switches: repairs that correct one thing, a
+ * planted defect that breaks one thing, and notes of what happened. */
 #ifndef EXPLAIN_REPLAY_H
 #define EXPLAIN_REPLAY_H
 

@@ -1,6 +1,6 @@
-/* The box tests of ref/primitives/slab.h with a switch for each of their properties: to replay a ray
- * with one of them repaired or broken. With the properties of slab_rule_of the results have the same
- * bits, `plain` or not (tests/explain/test_explain_replay.c). */
+/* The box tests of ref/primitives/slab.h with a switch for each of their properties: to replay a
+ * ray with one of them repaired or broken. With the properties of slab_rule_of the results have the
+ * same bits, `plain` or not (tests/explain/test_explain_replay.c). */
 #ifndef EXPLAIN_SLABS_H
 #define EXPLAIN_SLABS_H
 

@@ -1,5 +1,5 @@
-/* A packed tree beside the canonical tree that it was made from: every record, item and bound can be
- * compared with its correct value, and read with one kind of fault corrected. */
+/* A packed tree beside the canonical tree that it was made from: every record, item and bound can
+ * be compared with its correct value, and read with one kind of fault corrected. */
 #ifndef EXPLAIN_TREE_H
 #define EXPLAIN_TREE_H
 

@@ -58,8 +58,8 @@ static void free_places(struct wide_places *places)
     free(places->leaf);
 }
 
-/* The place of a triangle that a leaf with this box refers to: the last whose own leaf has its middle
- * in the box, or the last of all. */
+/* The place of a triangle that a leaf with this box refers to: the last whose own leaf has its
+ * middle in the box, or the last of all. */
 static uint32_t place_of(const struct explain_tree *tree, const struct wide_places *places,
                          uint32_t prim, const struct box *box)
 {

@@ -122,8 +122,8 @@ static void aim_at_vertex(const struct scene *scene, struct rng *rng, struct ray
     ray->tmax = 1e30f;
 }
 
-/* The ray itself, moved along an edge of a triangle by up to half of it: how it passes what lies along
- * that edge stays as it is. */
+/* The ray itself, moved along an edge of a triangle by up to half of it: how it passes what lies
+ * along that edge stays as it is. */
 static void move_along_edge(const struct scene *scene, struct rng *rng, struct ray *ray)
 {
     float v[3][3], share = rng_range(rng, -0.5f, 0.5f);

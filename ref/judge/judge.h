@@ -52,18 +52,17 @@ struct judgement {
     double displacement; /* unknown formula: smallest displacement of vertices that makes the answer
                             right, in units of u * max |vertex - origin|, u = 2^-24; else 0 */
     double share;        /* unknown formula: displacement over what is allowed there; else 0 */
-    double
-        margin; /* unknown formula: of an exact nearest hit (of a list, of one hit) that rounding may lose, its
-                            distance to the nearest edge in parts of the classical test's bound,
-                            where more than JUDGE_DISPLACEMENT_MOST is allowed in as many parts of
-                            that; else 0 */
-    bool edge_lost; /* likewise: it was lost for that */
-    bool fan;       /* unknown formula: a hit inside a closed fan was lost, see judge_answer */
+    double margin;       /* unknown formula: of an exact nearest hit (of a list, of one hit) that
+                            rounding may lose, its distance to the nearest edge in parts of the
+                            classical test's bound, where more than JUDGE_DISPLACEMENT_MOST is
+                            allowed in as many parts of that; else 0 */
+    bool edge_lost;      /* likewise: it was lost for that */
+    bool fan;            /* unknown formula: a hit inside a closed fan was lost, see judge_answer */
 };
 
-/* The displacement of any triangle that an answer of an unknown formula may need, in units, unless its
- * model has another: above the 21.3 of Woop 2013 with Vulkan's loosest rounding. Where the worst published
- * test in float32 needs more, of slivers and near edge-on, that much is allowed
+/* The displacement of any triangle that an answer of an unknown formula may need, in units, unless
+ * its model has another: above the 21.3 of Woop 2013 with Vulkan's loosest rounding. Where the
+ * worst published test in float32 needs more, of slivers and near edge-on, that much is allowed
  * (ref/judge/judge_allowed.c). What lies beyond both is not rounding. */
 #define JUDGE_DISPLACEMENT_MOST 32.0
 
@@ -82,21 +81,21 @@ const char *wrong_name(enum wrong wrong);
 
 struct judge;
 
-/* Makes the judge of answers to `query` of an engine with this model, on the oracle's scene. The oracle
- * and its scene are borrowed. Errors: STATUS_MEMORY. */
+/* Makes the judge of answers to `query` of an engine with this model, on the oracle's scene. The
+ * oracle and its scene are borrowed. Errors: STATUS_MEMORY. */
 enum status judge_make(const struct oracle *oracle, const struct model *model, enum query query,
                        struct judge **out, struct reason *reason) MUST_USE;
 
 /* With `on` the judge accepts every answer that is within the bounds of a triangle which some
- * evaluation accepts, even where the bounds are so wide that it would else replay the formula. What it
- * accepts of a triangle are then intervals of t, u and v, which can be exported. */
+ * evaluation accepts, even where the bounds are so wide that it would else replay the formula. What
+ * it accepts of a triangle are then intervals of t, u and v, which can be exported. */
 void judge_by_bounds(struct judge *judge, bool on);
 
 /* Judges one answer; safe from several threads at once.
  *   truth   oracle_closest of the same ray with ORACLE_CLOSED, also for QUERY_ANY and open ranges
  * A watertight model has no boundary band inside a closed fan: a hit is lost there only if all
- * triangles of the fan were (ref/judge/judge_fan.c). For an unknown formula out->fan is set, and the
- * answer is WRONG only if the model promises to be watertight.
+ * triangles of the fan were (ref/judge/judge_fan.c). For an unknown formula out->fan is set, and
+ * the answer is WRONG only if the model promises to be watertight.
  * Errors: STATUS_MEMORY (*out is then VERDICT_OUT_OF_CONTRACT: not judged). */
 enum status judge_answer(const struct judge *judge, const struct ray *ray,
                          const struct oracle_answer *truth, const struct hit *answer,

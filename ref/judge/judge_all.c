@@ -106,8 +106,8 @@ static bool beside_edge(const struct listing *l, const struct oracle_crossing *l
     return judge_loss_of(l->judge, l->ray, lost, reach).why == VERDICT_BOUNDARY;
 }
 
-/* For an unknown formula: one of the exact hits, chosen by the ray alone, represents the list in the
- * count of hits beside edges. Where triangles meet, one of them is enough. */
+/* For an unknown formula: one of the exact hits, chosen by the ray alone, represents the list in
+ * the count of hits beside edges. Where triangles meet, one of them is enough. */
 static void note_one(struct listing *l)
 {
     struct judgement *sum = &l->out->judgement;

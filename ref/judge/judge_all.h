@@ -36,8 +36,8 @@ struct list_mesh {
 /* Finds them for the list of one ray in contract.
  *   closed   topology_open_edge found none
  * The number of walls between the ends of the range is known from the exact crossings if the ray
- * passes through their interiors; else from a ray in another direction, which tells whether the origin
- * is inside. Errors: STATUS_MEMORY. */
+ * passes through their interiors; else from a ray in another direction, which tells whether the
+ * origin is inside. Errors: STATUS_MEMORY. */
 enum status judge_list_mesh(const struct oracle *oracle, const struct topology *topology,
                             bool closed, const struct ray *ray, const struct hit *hit, size_t count,
                             struct list_mesh *out);

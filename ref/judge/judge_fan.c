@@ -12,8 +12,8 @@
  * is not proven to be s, the common sign of all determinants, the neighbour joins, and it must run
  * along that edge in the opposite direction. The fan is closed if each such edge has exactly one
  * neighbour, each determinant is proven (so not computed 0 either), each t is proven to lie inside
- * the range, and an edge is left beyond which no triangle was tested. Around an edge or a vertex that the
- * ray nearly meets that is the fan of the edge or the vertex.
+ * the range, and an edge is left beyond which no triangle was tested. Around an edge or a vertex
+ * that the ray nearly meets that is the fan of the edge or the vertex.
  *
  * Claim: the test accepts a triangle of S. Take s = +1, and a point Q near O on no line of an edge.
  * The number of triangles of S with Q inside is the sum of their winding numbers around Q, as all

@@ -81,16 +81,16 @@ bool judge_barycentrics(const struct twin *twin, const struct hit *answer);
 
 /* --- judge_noise.c --- */
 
-/* True if some evaluation of a named formula can give this answer: for a triangle whose determinant's
- * sign is open, so that no bound of t is known. */
+/* True if some evaluation of a named formula can give this answer: for a triangle whose
+ * determinant's sign is open, so that no bound of t is known. */
 bool judge_can_answer(const struct judge *judge, const struct ray *ray, float v[3][3],
                       const struct hit *answer);
 
 /* The same for any answer in the range of the ray. */
 bool judge_can_hit(const struct judge *judge, const struct ray *ray, float v[3][3]);
 
-/* True if the formula, which accepts triangle `v`, may answer t: in the ray's range, or as far outside
- * as a comparison before the division allows. */
+/* True if the formula, which accepts triangle `v`, may answer t: in the ray's range, or as far
+ * outside as a comparison before the division allows. */
 bool judge_may_keep(const struct judge *judge, const struct ray *ray, float v[3][3], float t);
 
 /* --- judge_unnamed.c --- */
@@ -122,8 +122,8 @@ enum status judge_cannot_miss(const struct judge *judge, const struct ray *ray, 
                               const struct judge_found *found, const struct judge_known *known,
                               bool *lost);
 
-/* Looks for a hit that cannot be missed and is clearly nearer than `reach` (INFINITY: the answer is a
- * miss); then *lost is true and `out` names it. Errors: STATUS_MEMORY. */
+/* Looks for a hit that cannot be missed and is clearly nearer than `reach` (INFINITY: the answer is
+ * a miss); then *lost is true and `out` names it. Errors: STATUS_MEMORY. */
 enum status judge_lost(const struct judge *judge, const struct ray *ray,
                        const struct oracle_answer *truth, double reach,
                        const struct judge_known *known, bool *lost, struct judgement *out);

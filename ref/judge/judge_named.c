@@ -9,9 +9,9 @@
 /* Bounds of u and v, and of t in proportion, that decide alone; a choice of speed. */
 #define SHARP 0.25
 
-/* Where the determinant's sign is open the ray lies in the triangle's plane, within the precision of
- * float32: then a possible t counts as on the triangle if the ray is inside its box there, and any
- * other is the quotient of two roundings. */
+/* Where the determinant's sign is open the ray lies in the triangle's plane, within the precision
+ * of float32: then a possible t counts as on the triangle if the ray is inside its box there, and
+ * any other is the quotient of two roundings. */
 static bool on_the_triangle(const struct ray *ray, float v[3][3], double t)
 {
     for (int k = 0; k < 3; k++) {

@@ -1,5 +1,5 @@
-/* Answers that a bound of t does not decide: those of a determinant whose sign is open, and those at
- * the ends of a range. */
+/* Answers that a bound of t does not decide: those of a determinant whose sign is open, and those
+ * at the ends of a range. */
 #include "ref/judge/judge_inner.h"
 #include "ref/twin/twin_replay.h"
 

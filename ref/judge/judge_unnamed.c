@@ -1,6 +1,6 @@
-/* Any-hit answers that are a hit and name no triangle: where nothing is exactly hit the formula must
- * be able to accept some triangle. All are tested, since rounding may find one that the ray passes far
- * beside: in the plane of a triangle every sign is open. */
+/* Any-hit answers that are a hit and name no triangle: where nothing is exactly hit the formula
+ * must be able to accept some triangle. All are tested, since rounding may find one that the ray
+ * passes far beside: in the plane of a triangle every sign is open. */
 #include "ref/judge/judge_inner.h"
 
 #include <math.h>
@@ -11,8 +11,8 @@
  */
 
 /* What the first test keeps: all that judge_may_be_hit or a named formula of has_look may accept.
- * With x = |coordinate| of what is in brackets, M = [vertex - origin], D = [d] and L = [edge] <= 2 M, an edge function may have the
- * other sign by
+ * With x = |coordinate| of what is in brackets, M = [vertex - origin], D = [d] and L = [edge] <= 2
+ * M, an edge function may have the other sign by
  *   A |d x e| u M <= 2 sqrt 3 A u M D L for A units of displacement, or, of the widest of
  *   ref/judge/judge_allowed.c, 16 u (6 + 6 + 12) M D L + 10 u 12 M D L = 504 u M D L
  * and by what is flushed, three times 2^-126 (5 + 9 S + 18 S^2) with S the largest of M, D and L.

@@ -74,10 +74,10 @@ enum status leaks_count(const struct leak_rays *rays, const struct engine *engin
                         const struct job *job, struct leaks *out, uint64_t *digest,
                         struct reason *reason) MUST_USE;
 
-/* Returns how many of the triangles `prim`, all different, are hit too many. Two that the ray sees from the
- * same side exclude each other if they are neighbours along an edge, or lie in one fan that is a
- * ring and seen from that side as a whole: their projections along the ray only touch. Groups of
- * such triangles count once.
+/* Returns how many of the triangles `prim`, all different, are hit too many. Two that the ray sees
+ * from the same side exclude each other if they are neighbours along an edge, or lie in one fan
+ * that is a ring and seen from that side as a whole: their projections along the ray only touch.
+ * Groups of such triangles count once.
  *   pair   set to two that exclude each other, if any; may be NULL
  *   group  room for `count` numbers */
 size_t leaks_extra(const struct topology *topology, const struct oracle *oracle,

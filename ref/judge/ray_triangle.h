@@ -1,5 +1,5 @@
-/* A triangle as a ray sees it, in doubles: how far points of the ray are from it. Distances are in the
- * unit of the scene, and of points relative to the ray's origin. */
+/* A triangle as a ray sees it, in doubles: how far points of the ray are from it. Distances are in
+ * the unit of the scene, and of points relative to the ray's origin. */
 #ifndef RAY_TRIANGLE_H
 #define RAY_TRIANGLE_H
 
@@ -40,8 +40,8 @@ double ray_triangle_plane_distance(double t, const struct ray_triangle *tri);
 /* Distance of p to the line of the ray. */
 double ray_triangle_line_distance(const double p[3], const struct ray_triangle *tri);
 
-/* t where the ray meets the triangle's plane, in double from the triangle's own edges; not finite if
- * the ray is parallel to it. No bound of its error is proven. */
+/* t where the ray meets the triangle's plane, in double from the triangle's own edges; not finite
+ * if the ray is parallel to it. No bound of its error is proven. */
 double judge_plane_t(const struct ray *ray, float v[3][3]);
 
 #endif

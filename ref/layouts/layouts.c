@@ -22,7 +22,8 @@ GRID_MEMBERS(DECLARE)
 
 /* All built-in layouts. */
 #define POINT(width, format, FORMAT, frame, FRAME) &GRID_SYMBOL(width, format, frame),
-#define OWN                                        CORE, &layout_cwbvh80, &layout_half4, AMD64, TINY8, GRID_MEMBERS(POINT)
+
+#define OWN CORE, &layout_cwbvh80, &layout_half4, AMD64, TINY8, GRID_MEMBERS(POINT)
 
 /* Layouts without a file layout_NAME of their own: the grid family, with one shader per width, and
  * the members of other families besides the first. */

@@ -94,7 +94,8 @@ struct node_axis {
 #define NODE_AXIS_LARGEST 0x1p100f /* largest magnitude of a bound */
 
 /* Returns the finest axis whose planes extend from at most lo to at least hi. lo <= hi, both at
- * most NODE_AXIS_LARGEST in magnitude; `most` is 2 to 255: with one step no axis holds both signs. */
+ * most NODE_AXIS_LARGEST in magnitude; `most` is 2 to 255: with one step no axis holds both
+ * signs. */
 struct node_axis node_axis_make(float lo, float hi, uint32_t most);
 
 /* Plane q; the last plane that is at most x; the first that is at least x. */

@@ -1,6 +1,6 @@
-/* Statistics of a ray on its path through a packed tree: to find where a layout is slow. They come from
- * the replay of ref/explain, not from the traversal of engines, which therefore does not pay for them;
- * tests compare both. */
+/* Statistics of a ray on its path through a packed tree: to find where a layout is slow. They come
+ * from the replay of ref/explain, not from the traversal of engines, which therefore does not pay
+ * for them; tests compare both. */
 #ifndef LOOK_NUMBERS_H
 #define LOOK_NUMBERS_H
 

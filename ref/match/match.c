@@ -33,7 +33,8 @@ static size_t brute_share(const struct match *match)
     return affordable < match->ray_count ? (size_t)affordable : match->ray_count;
 }
 
-/* True if two answers of the oracle to one ray agree. Enclosures may differ, but hold the same t. */
+/* True if two answers of the oracle to one ray agree. Enclosures may differ, but hold the same
+ * t. */
 static bool same_truth(const struct oracle_answer *a, const struct oracle_answer *b)
 {
     return a->prim == b->prim && a->tie_count == b->tie_count && a->class == b->class &&
@@ -138,8 +139,9 @@ static enum status trace_again(struct match *match, const struct engine *engine,
 }
 
 /* Traces `repeats` times, at least twice; times and work go to the row, the hits of the first to
- * match->answer. Brute force takes minutes for 100,000 rays on 70,000 triangles, in a time per ray that
- * is known: it answers as many rays as the budget pays for, is timed once, and traces few again. */
+ * match->answer. Brute force takes minutes for 100,000 rays on 70,000 triangles, in a time per ray
+ * that is known: it answers as many rays as the budget pays for, is timed once, and traces few
+ * again. */
 static enum status timed_traces(struct match *match, const struct engine *engine, void *self,
                                 struct row *row)
 {

@@ -1,5 +1,5 @@
-/* A match: one scene, one tree, one set of rays and the exact truth about them. Engines run on it one
- * after the other, and the judge judges each alone. Commands and tests loop over matches. */
+/* A match: one scene, one tree, one set of rays and the exact truth about them. Engines run on it
+ * one after the other, and the judge judges each alone. Commands and tests loop over matches. */
 #ifndef MATCH_H
 #define MATCH_H
 
@@ -58,8 +58,8 @@ struct match_options {
     struct match_demands demands;
 };
 
-/* The effect of a motion on a tree: costs as of tree_sah, 0 if the tree could not be refitted; times of
- * building the tree, of packing it and of refitting the packed one. */
+/* The effect of a motion on a tree: costs as of tree_sah, 0 if the tree could not be refitted;
+ * times of building the tree, of packing it and of refitting the packed one. */
 struct match_refit {
     double sah_before, sah_after;
     uint64_t build_ns, pack_ns, refit_ns;
@@ -149,8 +149,8 @@ struct row {
 
 const char *row_status_name(enum row_status status);
 
-/* The tests that a row's engine ran, which may be its own whatever the options are: "own" is a test of
- * no table, "-" none. */
+/* The tests that a row's engine ran, which may be its own whatever the options are: "own" is a test
+ * of no table, "-" none. */
 const char *row_box_name(const struct row *row);
 const char *row_tri_name(const struct row *row);
 /* The triangle test of the table with that formula, or NULL. */
@@ -220,8 +220,8 @@ void match_set(struct match *match, const struct box_test *box, enum query query
 enum status match_pack(struct match *match, const struct layout *layout,
                        struct reason *reason) MUST_USE;
 
-/* As match_pack with packed_make_auto, or a packed tree in its own layout; `refused` tells why smaller
- * layouts were not possible. */
+/* As match_pack with packed_make_auto, or a packed tree in its own layout; `refused` tells why
+ * smaller layouts were not possible. */
 enum status match_pack_auto(struct match *match, char *refused, size_t refused_bytes,
                             struct reason *reason) MUST_USE;
 

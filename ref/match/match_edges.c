@@ -3,12 +3,12 @@
  * that it may drop would lose whole pixels of every picture, and each loss would be excused.
  *
  * So hits beside edges are counted by their margin, the distance to the nearest edge in parts of
- * the bound of the classical test at that triangle (ref/judge/judge_allowed.c), with those that were
- * lost. Of plain, fused, reciprocal and fast-math Moeller and Trumbore, Woop and others, on meshes,
- * needles and cameras far away, the largest shares lost were 0.16, 0.036, 0.002 and 0
- * (tests/judge/honest.h, tests/judge/test_match_edges.c prints them); allowed are shares of 1/2, 1/8, 1/32 and
- * 1/64, and three standard deviations of so many independent losses and MATCH_EDGES_FEW. A formula
- * that its owner names is judged by that formula instead. */
+ * the bound of the classical test at that triangle (ref/judge/judge_allowed.c), with those that
+ * were lost. Of plain, fused, reciprocal and fast-math Moeller and Trumbore, Woop and others, on
+ * meshes, needles and cameras far away, the largest shares lost were 0.16, 0.036, 0.002 and 0
+ * (tests/judge/honest.h, tests/judge/test_match_edges.c prints them); allowed are shares of 1/2,
+ * 1/8, 1/32 and 1/64, and three standard deviations of so many independent losses and
+ * MATCH_EDGES_FEW. A formula that its owner names is judged by that formula instead. */
 #include "ref/match/match_edges.h"
 
 #include "ref/base/text.h"

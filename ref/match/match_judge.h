@@ -5,8 +5,8 @@
 #include "ref/match/match.h"
 
 /* Judges match->answer and counts in the row: against the truth; against match->cpu if row->bits;
- * repeatability by match->unstable; any-hits against match->closest if that is of the same engine and
- * box test. Errors: STATUS_MEMORY. */
+ * repeatability by match->unstable; any-hits against match->closest if that is of the same engine
+ * and box test. Errors: STATUS_MEMORY. */
 enum status match_judge(const struct match *match, const struct model *model,
                         struct row *row) MUST_USE;
 
@@ -31,7 +31,8 @@ void match_tally_add(struct match_tally *tally, size_t i, bool hit,
 void match_keep_finding(const struct match *match, size_t i, const struct finding *what,
                         struct row *row);
 
-/* Fills in what follows from the counts; `status`: that of the judging. Returns it, or STATUS_MEMORY. */
+/* Fills in what follows from the counts; `status`: that of the judging. Returns it, or
+ * STATUS_MEMORY. */
 enum status match_tally_end(struct match_tally *tally, const struct match *match,
                             enum status status) MUST_USE;
 

@@ -4,8 +4,8 @@
 
 #include "ref/match/match.h"
 
-/* Lists all hits of row->rays rays twice with an engine that is prepared for QUERY_ALL, judges them, and
- * counts in the row; match->answer gets the nearest hits.
+/* Lists all hits of row->rays rays twice with an engine that is prepared for QUERY_ALL, judges
+ * them, and counts in the row; match->answer gets the nearest hits.
  *   cpu    engine cpu's self, prepared for the same job, if row->bits and the engine is another;
  *          else NULL
  * Errors: those of trace_all; STATUS_MEMORY. */

@@ -20,8 +20,8 @@ enum status original_make(const struct scene *scene, const struct quantised *qua
 
 /* Judges match->answer, of the row that was just run on the decoded scene, once more: fills in
  * row->original and adds to row->differences. An answer that needs a displacement of n to be right
- * for the decoded scene, by rounding, may need n + quantised.distance for the original, and no more:
- * what is WRONG for the decoded scene is not counted twice. Answers whose
+ * for the decoded scene, by rounding, may need n + quantised.distance for the original, and no
+ * more: what is WRONG for the decoded scene is not counted twice. Answers whose
  * triangle is none of the scene's or whose t is not finite, rays out of contract and lists are left
  * out. Errors: STATUS_MEMORY. */
 enum status original_judge(const struct original *original, const struct match *match,

@@ -4,8 +4,8 @@
 
 #include "ref/base/float_mode.h"
 
-/* Sets round to nearest, no FTZ, no DAZ on this thread, whatever the caller or a library (Embree) has
- * set; returns the argument for environment_leave. */
+/* Sets round to nearest, no FTZ, no DAZ on this thread, whatever the caller or a library (Embree)
+ * has set; returns the argument for environment_leave. */
 static inline unsigned long environment_enter(void)
 {
     unsigned long saved = float_mode();

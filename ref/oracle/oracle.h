@@ -112,8 +112,8 @@ void oracle_free(struct oracle *oracle); /* NULL is fine */
 const struct scene *oracle_scene(const struct oracle *oracle);
 
 /* Checks what the filter relies on, on the calling thread: round to nearest, subnormals kept
- * (neither FTZ nor DAZ), no contraction, FLT_EVAL_METHOD 0. The functions below correct the modes of
- * their thread (a library may have left FTZ and DAZ set) and restore them. Errors:
+ * (neither FTZ nor DAZ), no contraction, FLT_EVAL_METHOD 0. The functions below correct the modes
+ * of their thread (a library may have left FTZ and DAZ set) and restore them. Errors:
  * STATUS_UNSUPPORTED with what is wrong. */
 enum status oracle_environment(struct reason *reason) MUST_USE;
 
@@ -156,8 +156,8 @@ bool oracle_rational(const struct oracle *oracle, const struct ray *ray, uint32_
 #define ORACLE_T_TEXT 96
 
 /* Writes the exact t of a hit for people: "= 0.25" if a decimal of at most 17 digits is exact,
- * "= 1/3, about 0.3333333333333" if a short fraction is, else "about 0.7071067811865". Without a hit
- * "is none". */
+ * "= 1/3, about 0.3333333333333" if a short fraction is, else "about 0.7071067811865". Without a
+ * hit "is none". */
 void oracle_t_text(const struct oracle *oracle, const struct ray *ray, uint32_t prim,
                    char text[ORACLE_T_TEXT]);
 

@@ -205,8 +205,8 @@ static bool share_axis_plane(float v[3][3], float w[3][3])
 
 /* Whether two hits are in one place by their triangles alone, and so have the same t: in a plane
  * across an axis that holds both; or inside the same face, the triangle, edge or vertex that they
- * share, which is given by the vertices whose w is not 0. The line meets each of these in one point,
- * since no D is 0. False proves nothing. */
+ * share, which is given by the vertices whose w is not 0. The line meets each of these in one
+ * point, since no D is 0. False proves nothing. */
 static bool same_place(const struct scene *scene, const struct decided *a, const struct decided *b)
 {
     float v[3][3], w[3][3];

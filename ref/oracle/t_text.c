@@ -21,7 +21,8 @@ static bool as_decimal(const char *fraction, char text[ORACLE_T_TEXT])
         return false;
     double x = (double)num / (double)den, back;
     snprintf(text, ORACLE_T_TEXT, "= %s%.*g", *fraction == '-' ? "-" : "", DIGITS_MOST, x);
-    /* Seventeen digits distinguish doubles, but need not be the exact value: more digits must be 0. */
+    /* Seventeen digits distinguish doubles, but need not be the exact value: more digits must be
+     * 0. */
     char full[1200], exact[ORACLE_T_TEXT];
     snprintf(full, sizeof full, "%.*e", 1100, x);
     snprintf(exact, sizeof exact, "%.*e", DIGITS_MOST - 1, x);

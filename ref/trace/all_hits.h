@@ -1,5 +1,5 @@
-/* All hits of many rays in bounded memory: calls an engine's trace_all with little room per ray, then
- * again with enough for the rays whose hits did not fit. */
+/* All hits of many rays in bounded memory: calls an engine's trace_all with little room per ray,
+ * then again with enough for the rays whose hits did not fit. */
 #ifndef ALL_HITS_H
 #define ALL_HITS_H
 

@@ -4,8 +4,8 @@
 
 #include <stdbool.h>
 
-/* The formula whose errors are bounded. The first five are those of ref/primitives/; the next two are
- * Embree's default and robust triangle tests, from their published descriptions. */
+/* The formula whose errors are bounded. The first five are those of ref/primitives/; the next two
+ * are Embree's default and robust triangle tests, from their published descriptions. */
 enum twin_formula {
     TWIN_MT,
     TWIN_MT_RTRS,

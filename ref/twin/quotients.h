@@ -1,5 +1,5 @@
-/* Quotients with one divisor: are there a divisor and numerators in their scatters that give an answer?
- * For the replays (ref/twin/twin_replay.h). */
+/* Quotients with one divisor: are there a divisor and numerators in their scatters that give an
+ * answer? For the replays (ref/twin/twin_replay.h). */
 #ifndef QUOTIENTS_H
 #define QUOTIENTS_H
 

@@ -1,8 +1,8 @@
-/* Scatters: all numbers that an operation of a formula may come to under a rounding (ref/twin/model.h).
- * Twins (ref/twin/twin.h) bound how far a value is from the exact one, which is no bound of a quotient
- * whose divisor may be 0; a scatter keeps what is still known: that 0 times anything is 0, that x - x
- * is 0, that each number is a float32 and a multiple of a power of two, and, while they are few,
- * the numbers themselves. Slow, and needed for rare answers only. */
+/* Scatters: all numbers that an operation of a formula may come to under a rounding
+ * (ref/twin/model.h). Twins (ref/twin/twin.h) bound how far a value is from the exact one, which is
+ * no bound of a quotient whose divisor may be 0; a scatter keeps what is still known: that 0 times
+ * anything is 0, that x - x is 0, that each number is a float32 and a multiple of a power of two,
+ * and, while they are few, the numbers themselves. Slow, and needed for rare answers only. */
 #ifndef SCATTER_H
 #define SCATTER_H
 

@@ -1,10 +1,11 @@
-/* Twins: the triangle tests with a proven bound on the rounding error of each value. They tell which
- * signs are right in every engine of that formula, and how far its t may be off. Running error analysis: Wilkinson 1963; Higham 2002, section 3.3.
+/* Twins: the triangle tests with a proven bound on the rounding error of each value. They tell
+ * which signs are right in every engine of that formula, and how far its t may be off. Running
+ * error analysis: Wilkinson 1963; Higham 2002, section 3.3.
  *
- * A rounding (ref/twin/model.h) allows many evaluations of one formula: either neighbour, an inexact
- * division, flushed or fused operations. Everything here holds for each of them and is measured
- * from the exact value, so that an engine is judged by its answer alone, whatever bits its twin
- * would have computed. Derivation: CONTRIBUTING.md, "Where the constants come from". */
+ * A rounding (ref/twin/model.h) allows many evaluations of one formula: either neighbour, an
+ * inexact division, flushed or fused operations. Everything here holds for each of them and is
+ * measured from the exact value, so that an engine is judged by its answer alone, whatever bits its
+ * twin would have computed. Derivation: CONTRIBUTING.md, "Where the constants come from". */
 #ifndef TWIN_H
 #define TWIN_H
 

@@ -1,5 +1,5 @@
-/* The twin of baldwin_webber (ref/primitives/tri_baldwin_webber.h). For ref/twin/twin_steps.h, which
- * see.
+/* The twin of baldwin_webber (ref/primitives/tri_baldwin_webber.h). For ref/twin/twin_steps.h,
+ * which see.
  *
  * The transform is made of rounded numbers, and its last column is as large as the coordinates: its
  * errors are carried into the ray's height, t, the point, u and v like any others, so that the

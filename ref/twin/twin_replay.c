@@ -165,8 +165,8 @@ static void depths(const struct replay *w, const struct scatter z[3], struct quo
     out->pad = 16.0 * r->tiny * (1.0 + most);
 }
 
-/* Axes are in the order of the formula (twin_axes). Edge functions are not contracted (ref/primitives/
- * tri.h), so that x y - y x of equal vertices is 0. */
+/* Axes are in the order of the formula (twin_axes). Edge functions are not contracted
+ * (ref/primitives/ tri.h), so that x y - y x of equal vertices is 0. */
 static bool woop(const struct replay *w)
 {
     const struct liberty *k = w->k, rounded = {k->rounding, false};

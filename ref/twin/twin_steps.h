@@ -1,5 +1,5 @@
-/* The steps of the twins (ref/twin/twin.h) and the formulas made of them, for one pair or for a vector
- * of pairs: included once per kind of number, each in a unit of its own, which defines
+/* The steps of the twins (ref/twin/twin.h) and the formulas made of them, for one pair or for a
+ * vector of pairs: included once per kind of number, each in a unit of its own, which defines
  *   KERNEL_TARGET           an attribute, or nothing
  *   real, single            double and float, or vectors of them
  *   ALL(x), EACH(x)         the number in every lane of a real, of a single
@@ -46,8 +46,8 @@ struct bounded {
     real x, e;
 };
 
-/* A rounding, ready for use. Most of a fuzzing run's own time goes into the steps below, so they are
- * inlined, and what depends only on the rounding is computed once. */
+/* A rounding, ready for use. Most of a fuzzing run's own time goes into the steps below, so they
+ * are inlined, and what depends only on the rounding is computed once. */
 struct rules {
     double add, mul, div; /* relative */
     double tiny, flush;   /* what a subnormal operand or result may lose */
@@ -242,8 +242,8 @@ FORMULA struct outcome eval_woop(const struct rules *k, const struct input *in)
     return out;
 }
 
-/* The sum of the sides divides u and v, and its sign is tested beside the determinant's: where it is
- * open nothing is certain. */
+/* The sum of the sides divides u and v, and its sign is tested beside the determinant's: where it
+ * is open nothing is certain. */
 FORMULA struct outcome eval_pluecker(const struct rules *k, const struct input *in)
 {
     struct bounded a[3][3], e[3][3], sum[3], side[3], n[3];

@@ -30,7 +30,8 @@ uvec4 words_from(uvec4 a, uvec4 b, uint skip)
                     pick((skip & 1u) == 0u, a.z, a.w), pick((skip & 1u) == 0u, a.w, b.x));
     uint d = pick((skip & 1u) == 0u, b.x, b.y), e = pick((skip & 1u) == 0u, b.y, b.z);
     bool near = skip < 2u;
-    return uvec4(pick(near, c.x, c.z), pick(near, c.y, c.w), pick(near, c.z, d), pick(near, c.w, e));
+    return uvec4(pick(near, c.x, c.z), pick(near, c.y, c.w), pick(near, c.z, d),
+                 pick(near, c.w, e));
 }
 
 node wide_child(slab_ray r, wide w, uint slot, out vec3 nearer, out vec3 farther)
@@ -44,7 +45,8 @@ node wide_child(slab_ray r, wide w, uint slot, out vec3 nearer, out vec3 farther
     uvec2 more = uvec2(pick(skip == 0u, second.x, second.z), pick(skip == 0u, second.y, second.w));
     vec3 lo32 = uintBitsToFloat(bits.xyz);
     vec3 hi32 = uintBitsToFloat(uvec3(bits.w, more));
-    vec3 lo16 = vec3(half_any(bits.x & 0xFFFFu), half_any(bits.x >> 16), half_any(bits.y & 0xFFFFu));
+    vec3 lo16 =
+        vec3(half_any(bits.x & 0xFFFFu), half_any(bits.x >> 16), half_any(bits.y & 0xFFFFu));
     vec3 hi16 = vec3(half_any(bits.y >> 16), half_any(bits.z & 0xFFFFu), half_any(bits.z >> 16));
     vec3 lo = pick(w.f32, lo32, lo16);
     vec3 hi = pick(w.f32, hi32, hi16);

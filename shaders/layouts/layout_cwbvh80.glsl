@@ -32,7 +32,8 @@ node wide_child(slab_ray r, wide w, uint slot, out vec3 nearer, out vec3 farther
                      pick(low, w.lo_z_hi_x.x, w.lo_z_hi_x.y));
     uvec3 hi = uvec3(pick(low, w.lo_z_hi_x.z, w.lo_z_hi_x.w), pick(low, w.hi_yz.x, w.hi_yz.y),
                      pick(low, w.hi_yz.z, w.hi_yz.w));
-    frame_order(r, w.head, w.step_size, (lo >> shift) & 0xFFu, (hi >> shift) & 0xFFu, nearer, farther);
+    frame_order(r, w.head, w.step_size, (lo >> shift) & 0xFFu, (hi >> shift) & 0xFFu, nearer,
+                farther);
     uint meta = (pick(low, w.base.z, w.base.w) >> shift) & 0xFFu;
     uint inner = w.head.w >> 24;
     uint before = uint(bitCount(inner & ((1u << slot) - 1u)));

@@ -1,5 +1,5 @@
-/* The bytes of ref/abi.h's structs on the running driver: shaders/probes/probe_abi.comp names every field,
- * C looks for the names where its own structs have the fields. */
+/* The bytes of ref/abi.h's structs on the running driver: shaders/probes/probe_abi.comp names every
+ * field, C looks for the names where its own structs have the fields. */
 #include "ref/abi_frame.h"
 
 #include "tests/support/gpu.h"

@@ -1,4 +1,5 @@
-/* Laws of ref/base/half.h, against a decoder written from the definition and against the CPU's F16C. */
+/* Laws of ref/base/half.h, against a decoder written from the definition and against the CPU's
+ * F16C. */
 #include "ref/base/base.h"
 #include "ref/base/half.h"
 #include "ref/base/rng.h"

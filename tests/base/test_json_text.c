@@ -1,5 +1,5 @@
-/* Laws of ref/base/json_text.h: texts of ours fit, one of empty objects does not, and readers of JSON
- * ask before they parse. */
+/* Laws of ref/base/json_text.h: texts of ours fit, one of empty objects does not, and readers of
+ * JSON ask before they parse. */
 #include "ref/base/json_text.h"
 #include "ref/tree/bvh_json.h"
 #include "scenes/read/formats.h"

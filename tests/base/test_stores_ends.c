@@ -1,6 +1,7 @@
-/* Law of every storage of triangles: what is put into a leaf is read from it to the bit, in every slot of leaves
- * of 1 to 8, at every corner and axis: both zeros, subnormals, the ends of the floats, and triangles' numbers and
- * grids at the ends of the bits that they have. What holds no vertices answers as the vertices do. */
+/* Law of every storage of triangles: what is put into a leaf is read from it to the bit, in every
+ * slot of leaves of 1 to 8, at every corner and axis: both zeros, subnormals, the ends of the
+ * floats, and triangles' numbers and grids at the ends of the bits that they have. What holds no
+ * vertices answers as the vertices do. */
 #include "ref/base/rng.h"
 #include "ref/primitives/primitives.h"
 #include "ref/primitives/test_run.h"
@@ -27,7 +28,8 @@
 static const float ends[] = {0.0f,     -0.0f,    0x1p-149f, -0x1p-149f, 0x1.fffffcp-127f, FLT_MIN,
                              -FLT_MIN, 65504.0f, 1e30f,     -1e30f,     FLT_MAX,          -FLT_MAX};
 
-/* `total` triangles; of those from `first` on 8 are a strip over 16 vertices, each with three of its own numbers. */
+/* `total` triangles; of those from `first` on 8 are a strip over 16 vertices, each with three of
+ * its own numbers. */
 static struct scene strip(uint32_t total, uint32_t first)
 {
     struct scene scene;
@@ -43,7 +45,8 @@ static struct scene strip(uint32_t total, uint32_t first)
     return scene;
 }
 
-/* A leaf of `count` triangles from `first` on, the last first, behind another leaf and before a third. */
+/* A leaf of `count` triangles from `first` on, the last first, behind another leaf and before a
+ * third. */
 static struct packed leaf_of(const struct tri_store *store, const struct scene *scene,
                              uint32_t first, uint32_t count, uint32_t *at)
 {

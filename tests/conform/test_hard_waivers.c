@@ -206,7 +206,8 @@ static void matrix_counts(void **state)
     matrix_free(&m);
 }
 
-/* Every layout with every triangle test: as many columns as that are, and every result in its own. */
+/* Every layout with every triangle test: as many columns as that are, and every result in its
+ * own. */
 static void matrix_is_as_wide_as_it_has_to_be(void **state)
 {
     struct hard_matrix m = {.apart = true};

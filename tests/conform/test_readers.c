@@ -1,5 +1,5 @@
-/* Laws of tests/readers/reader_entry.h: an entry that keeps its reader's promises plays on, one that breaks
- * them ends the program, for each way to break them. The entry is this file's. */
+/* Laws of tests/readers/reader_entry.h: an entry that keeps its reader's promises plays on, one
+ * that breaks them ends the program, for each way to break them. The entry is this file's. */
 #define _GNU_SOURCE
 #include "tests/readers/reader_entry.h"
 

@@ -1,6 +1,7 @@
-/* Decides an answer that was judged WRONG once more: exact hits by tests/exact/exact_gmp.c, what the
- * formula makes of a triangle by tests/exact/exact_gmp_replay.c where its bits are promised, else by the
- * error bounds of tests/exact/exact_gmp_bounds.c. Neither the oracle nor the twins have a part in it. */
+/* Decides an answer that was judged WRONG once more: exact hits by tests/exact/exact_gmp.c, what
+ * the formula makes of a triangle by tests/exact/exact_gmp_replay.c where its bits are promised,
+ * else by the error bounds of tests/exact/exact_gmp_bounds.c. Neither the oracle nor the twins have
+ * a part in it. */
 #ifndef EXACT_GMP_REDECIDE_H
 #define EXACT_GMP_REDECIDE_H
 

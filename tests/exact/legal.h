@@ -1,6 +1,6 @@
-/* Legal evaluations: the triangle tests computed as badly as a rounding (ref/twin/model.h) allows, each
- * operation by choice. Written anew, from the descriptions, with the decisions that the engines
- * make; for tests of the twins. */
+/* Legal evaluations: the triangle tests computed as badly as a rounding (ref/twin/model.h) allows,
+ * each operation by choice. Written anew, from the descriptions, with the decisions that the
+ * engines make; for tests of the twins. */
 #ifndef TESTS_LEGAL_H
 #define TESTS_LEGAL_H
 

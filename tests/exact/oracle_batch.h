@@ -15,8 +15,8 @@ struct oracle_batch {
     struct ray ray[BATCH];
 };
 
-/* Sequences of neighbouring seeds are one sequence, shifted by a number (ref/base/rng.h): start anywhere
- * instead, or batches would repeat each other's triangles. */
+/* Sequences of neighbouring seeds are one sequence, shifted by a number (ref/base/rng.h): start
+ * anywhere instead, or batches would repeat each other's triangles. */
 static inline struct rng far_rng(uint64_t seed)
 {
     struct rng start = rng_make(seed, 1);

@@ -76,9 +76,9 @@ static bool is_documented(int code, int kind)
     return (code >= 0 && code <= 4) || code == 77 || (kind == FAULT_KILL && code == 128 + 9);
 }
 
-/* Whether a temporary file may be left: by a process that is killed, until the command is run again. One that is
- * killed while what it makes has a temporary name: where a file is about to take the place of
- * another, and a merge all the time. */
+/* Whether a temporary file may be left: by a process that is killed, until the command is run
+ * again. One that is killed while what it makes has a temporary name: where a file is about to take
+ * the place of another, and a merge all the time. */
 static bool may_leave(const struct faults_job *job, const struct faults_task *task)
 {
     return task->kind == FAULT_KILL &&

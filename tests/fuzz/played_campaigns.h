@@ -1,6 +1,6 @@
 /* Campaigns that are really played, on engine cpu and one that dies as planned. Include after
- * cmocka.h, fuzz/campaign/campaign.h, ref/base/rng.h, ref/trace/trace.h, ref/files/file.h and stdatomic.h; needs
- * _GNU_SOURCE. */
+ * cmocka.h, fuzz/campaign/campaign.h, ref/base/rng.h, ref/trace/trace.h, ref/files/file.h and
+ * stdatomic.h; needs _GNU_SOURCE. */
 #ifndef TESTS_PLAYED_CAMPAIGNS_H
 #define TESTS_PLAYED_CAMPAIGNS_H
 

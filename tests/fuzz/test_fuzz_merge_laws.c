@@ -1,6 +1,6 @@
-/* Laws of merging folders of findings, by the bytes of all files: the order of the folders, and what was
- * merged before, do not matter; a folder merged with what it already gave adds nothing; and what a merge
- * counts and keeps is what the sets of findings have, made anew here. */
+/* Laws of merging folders of findings, by the bytes of all files: the order of the folders, and
+ * what was merged before, do not matter; a folder merged with what it already gave adds nothing;
+ * and what a merge counts and keeps is what the sets of findings have, made anew here. */
 #define _GNU_SOURCE /* mkdtemp */
 #include "fuzz/findings/findings.h"
 #include "ref/base/rng.h"
@@ -221,8 +221,8 @@ static void what_found_nothing_changes_nothing(void **state)
     must_be_same("01", "with-none");
 }
 
-/* Of one signature there are more findings than lines, from the third shard on: those without a line are
- * counted, in a merge of merges as well. */
+/* Of one signature there are more findings than lines, from the third shard on: those without a
+ * line are counted, in a merge of merges as well. */
 static void what_has_no_line_is_counted_through_every_merge(void **state)
 {
     (void)state;

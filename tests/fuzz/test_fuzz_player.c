@@ -1,5 +1,5 @@
-/* Laws of fuzz/play/player.h: playing many trials at once is playing each alone in a match, and what an
- * engine does wrong is found, whatever it is. */
+/* Laws of fuzz/play/player.h: playing many trials at once is playing each alone in a match, and
+ * what an engine does wrong is found, whatever it is. */
 #include "fuzz/play/coverage.h"
 #include "ref/match/match.h"
 #include "ref/trace/trace.h"

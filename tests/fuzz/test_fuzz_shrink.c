@@ -1,5 +1,6 @@
-/* Laws of fuzz/shrink/shrink.h on questions whose smallest answer is known: what comes out still shows it,
- * is as small as it can be, the same every time, and is not made smaller by doing it again. */
+/* Laws of fuzz/shrink/shrink.h on questions whose smallest answer is known: what comes out still
+ * shows it, is as small as it can be, the same every time, and is not made smaller by doing it
+ * again. */
 #include "fuzz/gen/gen.h"
 #include "fuzz/shrink/shrink.h"
 

@@ -1,5 +1,5 @@
-/* Laws of the embedded SPIR-V, read by another parser (gpu/shaders/spirv_look.h) than that of the tool that
- * made it. */
+/* Laws of the embedded SPIR-V, read by another parser (gpu/shaders/spirv_look.h) than that of the
+ * tool that made it. */
 #define _POSIX_C_SOURCE 200809L
 #include "gpu/shaders/spirv_look.h"
 #include "ref/layout.h"

@@ -1,5 +1,5 @@
-/* Nodes of all numbers of children with leaves of all numbers of items in each slot, and nodes in each slot, as
- * the shaders decode them: a ray at each triangle finds it. */
+/* Nodes of all numbers of children with leaves of all numbers of items in each slot, and nodes in
+ * each slot, as the shaders decode them: a ray at each triangle finds it. */
 #include "ref/primitives/primitives.h"
 #include "ref/store.h"
 #include "tests/support/gpu.h"

@@ -1,4 +1,5 @@
-/* Where tracing on the running driver ends: stacks, cycles, loops and words that no layout would write. */
+/* Where tracing on the running driver ends: stacks, cycles, loops and words that no layout would
+ * write. */
 #include "tests/gpu/vulkan_trace_fixture.h"
 
 static void trace_without_prepare_fails(void **state)

@@ -49,11 +49,11 @@ static void visit_made(const struct hard_case *one, const struct hard_defect *de
 }
 
 /* --- the others ---------------------------------------------------------------------------------
- * The product is of a few layouts and builders. Every other layout meets one of any three neighbouring
- * cases on engine cpu, and every case all builders. With k = (case + layout) / 3, places in their
- * tables, k says builder, box test, triangle test and query, so that for a case as for a layout they
- * come by turns. Of the other engines that walk trees each meets a layout in one of so many of these,
- * since each of its layouts costs a program. */
+ * The product is of a few layouts and builders. Every other layout meets one of any three
+ * neighbouring cases on engine cpu, and every case all builders. With k = (case + layout) / 3,
+ * places in their tables, k says builder, box test, triangle test and query, so that for a case as
+ * for a layout they come by turns. Of the other engines that walk trees each meets a layout in one
+ * of so many of these, since each of its layouts costs a program. */
 #define CASES_APART        3u
 #define CASES_OF_AN_ENGINE 16u
 

@@ -120,6 +120,7 @@ git ls-files -- ':!bench/results' | sed -n 's|/[^/]*$||p' | sort | uniq -c | awk
 [ "$(wc -l <Makefile)" -le 200 ] || breach "Makefile: over 200 lines; its parts stand in the rooms that they build"
 wc -l $(git ls-files '*.c' '*.h' '*.glsl' '*.comp') | awk '$1 > 400 && $2 != "total" {print $2 ": " $1 " lines"; bad = 1} END {exit !bad}' &&
     breach "one concept a file, at most 400 lines"
+git grep -nE '.{101,}' -- '*.c' '*.h' '*.glsl' '*.comp' && breach "a line has at most 100 columns"
 awk 'FNR == 1 {begin = 0} /^\{/ {begin = FNR} /^\}/ && begin {if (FNR - begin - 1 > 60) {print FILENAME ":" begin ": " FNR - begin - 1 " lines"; bad = 1}; begin = 0} END {exit !bad}' \
     $(git ls-files '*.c' '*.h') && breach "a function has at most 60 lines"
 

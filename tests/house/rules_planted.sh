@@ -40,6 +40,7 @@ plant shaders/slab.glsl 'float f(vec3 a) { return dot(a, a); }'
 plant ref/tree/bvh.c 'void f(void) { printf("x"); }'
 plant gpu/vk/vk.c 'void f(void) { exit (1); }'
 plant ref/base/rng.h 'float f(struct rng *rng) { return ldexpf(rng_float(rng), (int)rng_below(rng, 3)); }'
+plant ref/base/half.c "/* $(printf '%098d' 0) */"
 plant ref/base/half.c '#if MUTANT == MUTANT_LOST_SLOT'
 hunk='in ref/base/half.c: half_down
 -    no such line'

@@ -1,5 +1,5 @@
-/* How many honest answers were judged and how many refused, as lines that tests/scripts/honest.sh adds up.
- * Include after cmocka.h. */
+/* How many honest answers were judged and how many refused, as lines that tests/scripts/honest.sh
+ * adds up. Include after cmocka.h. */
 #ifndef TESTS_HONEST_COUNT_H
 #define TESTS_HONEST_COUNT_H
 

@@ -1,4 +1,5 @@
-/* Lists of all hits before the judge: what is allowed has its class, and what cannot be known is not judged. */
+/* Lists of all hits before the judge: what is allowed has its class, and what cannot be known is
+ * not judged. */
 #include "tests/judge/judge_all_fixture.h"
 
 /* On the diagonal of both quads each half is hit by chance, but of a watertight test one is. */
@@ -28,8 +29,8 @@ static void an_edge_is_chance_but_not_a_gap(void **state)
     judge_fixture_close(c);
 }
 
-/* Of a list of an unknown formula one exact hit is counted: how near to an edge it is, and whether it was
- * left out for that. Of other formulas, and away from edges, none is. */
+/* Of a list of an unknown formula one exact hit is counted: how near to an edge it is, and whether
+ * it was left out for that. Of other formulas, and away from edges, none is. */
 static void one_hit_of_a_list_is_counted_beside_edges(void **state)
 {
     (void)state;

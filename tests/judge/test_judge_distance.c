@@ -1,6 +1,6 @@
 /* Answers of an unknown formula, judged by the displacement of vertices that makes them right
- * (ref/judge/judge_distance.c): answers for displaced vertices need no more than that, and what needs too
- * much is WRONG. */
+ * (ref/judge/judge_distance.c): answers for displaced vertices need no more than that, and what
+ * needs too much is WRONG. */
 #include "ref/judge/judge.h"
 #include "ref/base/rng.h"
 #include "scenes/rays/rays.h"

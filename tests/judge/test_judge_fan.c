@@ -1,4 +1,5 @@
-/* Watertight tests get no boundary band inside closed fans, and only there (ref/judge/judge_fan.c). */
+/* Watertight tests get no boundary band inside closed fans, and only there
+ * (ref/judge/judge_fan.c). */
 #include "ref/judge/judge.h"
 #include "ref/base/rng.h"
 #include "scenes/rays/rays.h"

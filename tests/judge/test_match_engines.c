@@ -1,5 +1,5 @@
-/* Laws of ref/match/match.h about answers: wrong ones are found, and told apart. The engine here is made
- * up: it answers what the test tells it. */
+/* Laws of ref/match/match.h about answers: wrong ones are found, and told apart. The engine here is
+ * made up: it answers what the test tells it. */
 #include "ref/match/match.h"
 
 #include <stdarg.h>

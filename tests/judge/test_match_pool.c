@@ -1,5 +1,5 @@
-/* Laws of ref/match/match.h about engines: opened once, failures kept apart. The engine here is made up:
- * it does what the test tells it. */
+/* Laws of ref/match/match.h about engines: opened once, failures kept apart. The engine here is
+ * made up: it does what the test tells it. */
 #include "ref/match/match.h"
 
 #include <stdarg.h>

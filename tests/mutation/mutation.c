@@ -69,8 +69,8 @@ static bool is_pointer(const struct tokens *t, size_t i)
            token_is(t, i + 1, "*") || token_is(t, i + 1, "const");
 }
 
-/* True if the [ at token i begins the size of an array that is declared there: nothing depends on how much
- * longer than needed it is. */
+/* True if the [ at token i begins the size of an array that is declared there: nothing depends on
+ * how much longer than needed it is. */
 static bool is_size_of(const struct tokens *t, size_t i)
 {
     while (i > 0 && token_is(t, i - 1, "]"))
@@ -79,7 +79,8 @@ static bool is_size_of(const struct tokens *t, size_t i)
            !token_among(t, i - 2, "return case else sizeof goto do");
 }
 
-/* --- operators, constants, signs ---------------------------------------------------------------- */
+/* --- operators, constants, signs
+ * ---------------------------------------------------------------- */
 
 static void operators(const struct tokens *t, size_t i, struct mutations *out)
 {
@@ -130,7 +131,8 @@ static void constants(const struct tokens *t, size_t i, struct mutations *out)
         ADD(out, t, "constant", i, span, "(%.*s - 1)", SPAN(span));
 }
 
-/* --- statements --------------------------------------------------------------------------------- */
+/* --- statements
+ * --------------------------------------------------------------------------------- */
 
 /* The ; that ends the statement which begins at token i, or the count of tokens. */
 static size_t end_of_statement(const struct tokens *t, size_t i)
@@ -143,7 +145,8 @@ static size_t end_of_statement(const struct tokens *t, size_t i)
     return i;
 }
 
-/* True if a statement begins at token i: after ; { } else do, or the parentheses of if, for, while. */
+/* True if a statement begins at token i: after ; { } else do, or the parentheses of if, for,
+ * while. */
 static bool begins_statement(const struct tokens *t, size_t i)
 {
     if (i == 0 || t->token[i].braces == 0 || t->token[i].parens > 0)
@@ -199,7 +202,8 @@ static void statements(const struct tokens *t, size_t i, struct mutations *out)
         add(out, t, "statement", i, span_of(t, i, end - 1), "");
 }
 
-/* --- calls ---------------------------------------------------------------------------------------- */
+/* --- calls
+ * ---------------------------------------------------------------------------------------- */
 
 /* Argument that begins at token i, before token `close`: the comma behind it, or `close`. */
 static size_t end_of_argument(const struct tokens *t, size_t i, size_t close)

@@ -1,4 +1,5 @@
-/* Mutations of a C or GLSL source: small changes of its code, each of which a test should notice. */
+/* Mutations of a C or GLSL source: small changes of its code, each of which a test should
+ * notice. */
 #ifndef MUTATION_H
 #define MUTATION_H
 
@@ -29,8 +30,8 @@ struct mutations {
  *   return     0 in place of the value; of 0, false and true the other
  *   index      one more                        sign      a minus dropped
  *   ignored    0 in place of what a call returned
- * The size of a declared array does not grow. Some do not compile, and some change nothing: that is for
- * the compiler to tell. */
+ * The size of a declared array does not grow. Some do not compile, and some change nothing: that is
+ * for the compiler to tell. */
 void mutations_of(const struct tokens *tokens, struct mutations *out);
 void mutations_free(struct mutations *mutations);
 

@@ -24,8 +24,8 @@ struct tokens {
     size_t count;
 };
 
-/* Reads a file and takes it apart; comments and preprocessor lines are no tokens. False, with a line on
- * stderr: it cannot be read, there is no memory, or brackets do not match. */
+/* Reads a file and takes it apart; comments and preprocessor lines are no tokens. False, with a
+ * line on stderr: it cannot be read, there is no memory, or brackets do not match. */
 bool tokens_read(const char *path, struct tokens *out);
 void tokens_free(struct tokens *tokens);
 

@@ -1,5 +1,6 @@
-/* How much slack the bound of Embree's reciprocal has on this processor: all mantissas (every seventh
- * unless RAYDIFF_SLOW), refined as Embree does. Prints the largest errors; fails if one is beyond. */
+/* How much slack the bound of Embree's reciprocal has on this processor: all mantissas (every
+ * seventh unless RAYDIFF_SLOW), refined as Embree does. Prints the largest errors; fails if one is
+ * beyond. */
 #include "ref/base/base.h"
 #include "ref/twin/model.h"
 

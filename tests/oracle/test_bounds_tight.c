@@ -1,7 +1,8 @@
 /* The bound of t where running errors are far too wide and where what it leaves out of them would
  * show: small triangles from afar, down to those whose sides are as short as rounding moves them.
- * Legal evaluations (tests/exact/legal.h) are searched for the worst t. Prints the largest error over
- * bound, with how small the triangle was; fails above 1, and where no error comes within a third.
+ * Legal evaluations (tests/exact/legal.h) are searched for the worst t. Prints the largest error
+ * over bound, with how small the triangle was; fails above 1, and where no error comes within a
+ * third.
  */
 #include "tests/exact/trials.h"
 

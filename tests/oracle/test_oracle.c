@@ -1,5 +1,5 @@
-/* The oracle against GMP rationals, pair by pair, over all kinds of tests/exact/oracle_cases.c. A few
- * thousand pairs per kind; RAYDIFF_SLOW=1: 10^6. */
+/* The oracle against GMP rationals, pair by pair, over all kinds of tests/exact/oracle_cases.c. A
+ * few thousand pairs per kind; RAYDIFF_SLOW=1: 10^6. */
 #include "tests/exact/exact_gmp.h"
 #include "tests/exact/oracle_batch.h"
 

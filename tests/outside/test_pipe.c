@@ -1,6 +1,6 @@
-/* Laws of engines "pipe:COMMAND" (ref/outside/pipe.h): a peer that keeps the protocol is an engine like
- * any other; whatever else it does is said in one line, ends the peer and nothing else, and leaves
- * no process behind. The peers are this program, run as `test_pipe --peer WHAT`. */
+/* Laws of engines "pipe:COMMAND" (ref/outside/pipe.h): a peer that keeps the protocol is an engine
+ * like any other; whatever else it does is said in one line, ends the peer and nothing else, and
+ * leaves no process behind. The peers are this program, run as `test_pipe --peer WHAT`. */
 #define _GNU_SOURCE /* environ, usleep */
 #include "ref/outside/pipe.h"
 #include "ref/base/rng.h"

@@ -1,5 +1,6 @@
 /* Laws of peers in fuzz/play/player.h: what ends a peer is a finding of its kind, with the ray; the
- * trial after it is played as if nothing had happened. The peers are this program (tests/outside/peers.h).
+ * trial after it is played as if nothing had happened. The peers are this program
+ * (tests/outside/peers.h).
  */
 #define _GNU_SOURCE /* setenv, usleep */
 #include "fuzz/gen/gen.h"

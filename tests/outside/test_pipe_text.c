@@ -1,5 +1,5 @@
-/* Laws of the text form of requests and answers (ref/outside/pipe_text.h): what is written reads back to
- * the bit, in both notations; whatever else is in a file is named with its line. */
+/* Laws of the text form of requests and answers (ref/outside/pipe_text.h): what is written reads
+ * back to the bit, in both notations; whatever else is in a file is named with its line. */
 #define _POSIX_C_SOURCE 200809L /* open_memstream */
 #include "ref/outside/pipe_text.h"
 #include "ref/outside/recorded.h"

@@ -232,7 +232,8 @@ static void shader_from_outside_is_pinned(void **state)
     const struct shader *made = shader_find("trace_liar");
     assert_non_null(made);
     assert_int_equal(made->word_count, from->word_count);
-    assert_int_equal(shader_add("liar", GLSL_TRACE, "x.glsl", from->word, 3, &reason), STATUS_INPUT);
+    assert_int_equal(shader_add("liar", GLSL_TRACE, "x.glsl", from->word, 3, &reason),
+                     STATUS_INPUT);
     assert_non_null(strstr(reason.text, "x.glsl: word 0"));
 }
 

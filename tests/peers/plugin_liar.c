@@ -1,5 +1,6 @@
 /* The layout of fuzz/samples/layout/mine.c with a lie, number LIE: a shared object of each for
- * tests/scripts/plugin.sh, and a variable for tests/outside/test_plugin.c. Needs no more than ref/plugin.h. */
+ * tests/scripts/plugin.sh, and a variable for tests/outside/test_plugin.c. Needs no more than
+ * ref/plugin.h. */
 #include "ref/plugin.h"
 
 const struct raydiff_plugin *honest_plugin(void);

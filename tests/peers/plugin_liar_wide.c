@@ -1,4 +1,5 @@
-/* The layout of fuzz/samples/layout/mine4.c with a lie, number LIE; see tests/peers/plugin_liar.c. */
+/* The layout of fuzz/samples/layout/mine4.c with a lie, number LIE; see
+ * tests/peers/plugin_liar.c. */
 #include "ref/plugin.h"
 
 const struct raydiff_plugin *honest_plugin(void);

@@ -1,5 +1,5 @@
-/* The readers under fuzzing: every reader of what comes from outside has an entry point of its own, a
- * program of entry_NAME.c, harness.c and the library. libFuzzer or AFL++ drives it, or main.c,
+/* The readers under fuzzing: every reader of what comes from outside has an entry point of its own,
+ * a program of entry_NAME.c, harness.c and the library. libFuzzer or AFL++ drives it, or main.c,
  * which feeds it files. Whatever the bytes, an entry must
  *   - keep the promises of the reader's header, which its `play` checks,
  *   - hold no more memory at a time than READER_TIMES times the input and a fixed amount,
@@ -15,8 +15,7 @@
 
 struct reader_entry {
     const char *name;
-    size_t
-        fixed; /* bytes that may be held beyond READER_TIMES times the input; READER_ANY: unlimited */
+    size_t fixed; /* bytes that may be held beyond READER_TIMES times the input, or READER_ANY */
     /* One input; bytes[size] is 0. Returns whether the reader took it. */
     bool (*play)(const char *bytes, size_t size);
 };

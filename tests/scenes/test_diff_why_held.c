@@ -1,4 +1,5 @@
-/* Why two paths part: what has no cause, the published profile, and pictures that are not their walks. */
+/* Why two paths part: what has no cause, the published profile, and pictures that are not their
+ * walks. */
 #include "tests/scenes/diff_why_fixture.h"
 
 /* Paths of two engines that agree on every hit, but not on what follows from them. */

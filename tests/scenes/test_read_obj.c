@@ -190,7 +190,8 @@ static void obj_survives_every_prefix(void **state)
 static void obj_survives_every_damaged_byte(void **state)
 {
     (void)state;
-    static const char bytes[] = {0, '\n', '\r', '\\', '/', '-', '9', 'f', 'v', ' ', '#', '.', '\xFF'};
+    static const char bytes[] = {0,   '\n', '\r', '\\', '/', '-',   '9',
+                                 'f', 'v',  ' ',  '#',  '.', '\xFF'};
     char text[sizeof sample];
     for (size_t i = 0; i < strlen(sample); i++) {
         memcpy(text, sample, sizeof sample);

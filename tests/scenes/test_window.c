@@ -131,8 +131,8 @@ static uint32_t word_at(const char *bytes, size_t i)
     return (uint32_t)at[0] << 24 | (uint32_t)at[1] << 16 | (uint32_t)at[2] << 8 | at[3];
 }
 
-/* RAYDIFF_SCREEN="FILE X Y PICTURE.png", see tests/scripts/window.sh: a screen as the X window dump that
- * Xvfb keeps, 32 bits a pixel, and a picture that must be at X, Y on it. */
+/* RAYDIFF_SCREEN="FILE X Y PICTURE.png", see tests/scripts/window.sh: a screen as the X window dump
+ * that Xvfb keeps, 32 bits a pixel, and a picture that must be at X, Y on it. */
 static void the_screen_shows_the_picture(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Trees of any shape for layouts: groups of triangles, each a leaf, in parts that are subtrees. Include after
- * cmocka.h and tree_fixture.h. */
+/* Trees of any shape for layouts: groups of triangles, each a leaf, in parts that are subtrees.
+ * Include after cmocka.h and tree_fixture.h. */
 #ifndef SUPPORT_GROUPS_H
 #define SUPPORT_GROUPS_H
 
@@ -48,8 +48,8 @@ static inline void groups_place(struct groups *g, uint32_t part, float x, float 
     g->total += items;
 }
 
-/* The triangles, in the order of the groups: those of a group turn about the diagonal of a cube, so that all have
- * its box. */
+/* The triangles, in the order of the groups: those of a group turn about the diagonal of a cube, so
+ * that all have its box. */
 static inline void groups_fill(struct groups *g)
 {
     uint32_t prim = 0;
@@ -122,15 +122,15 @@ static inline void groups_free(struct groups *g)
     scene_free(&g->scene);
 }
 
-/* The first and the last group make the root a cube, whose area is a power of two of theirs: the cost of a leaf
- * and of its parts is exactly the same then, and leaves stay whole. */
+/* The first and the last group make the root a cube, whose area is a power of two of theirs: the
+ * cost of a leaf and of its parts is exactly the same then, and leaves stay whole. */
 static inline void groups_make_cube(struct groups *g)
 {
     g->x[g->count - 1] = g->y[g->count - 1] = g->z[g->count - 1] = END;
 }
 
-/* A node with a leaf of `items` in slot s; the one beside it is full, so that all of them are no leaf, and the others
- * are of any size. */
+/* A node with a leaf of `items` in slot s; the one beside it is full, so that all of them are no
+ * leaf, and the others are of any size. */
 static inline void groups_of_sizes(struct groups *g, uint32_t children, uint32_t s, uint32_t items,
                                    uint32_t most)
 {

@@ -7,8 +7,8 @@
 
 #define PUBLISHED_SCENE "RAYDIFF_PUBLISHED_SCENE"
 
-/* What that variable names, or NULL, after a line that says so: then the test is skipped. A file that
- * is named and cannot be read fails the test. */
+/* What that variable names, or NULL, after a line that says so: then the test is skipped. A file
+ * that is named and cannot be read fails the test. */
 static inline const char *published_scene(void)
 {
     const char *path = getenv(PUBLISHED_SCENE);

@@ -1,6 +1,6 @@
-/* Law of every engine: an answer depends on its ray alone, not on how many rays a call has, where in the
- * call it stands, or how much room each has. Engines on a GPU cut calls into batches, of lists at 2^22 hits
- * and of rays at 2^18: both are passed here. */
+/* Law of every engine: an answer depends on its ray alone, not on how many rays a call has, where
+ * in the call it stands, or how much room each has. Engines on a GPU cut calls into batches, of
+ * lists at 2^22 hits and of rays at 2^18: both are passed here. */
 #include "tests/support/all_hits_fixture.h"
 
 #define ROOM_MANY 4096u /* 1024 rays a batch */

@@ -1,5 +1,5 @@
-/* What fuzz/baseline.txt says of Embree 3 and 4, with numbers: two constants that do not scale. Skipped
- * where there is a newer Embree or none. */
+/* What fuzz/baseline.txt says of Embree 3 and 4, with numbers: two constants that do not scale.
+ * Skipped where there is a newer Embree or none. */
 #include "fuzz/findings/baseline.h"
 #include "fuzz/play/player.h"
 

@@ -1,7 +1,8 @@
-/* Law of every engine's three queries, on rays whose hits are known by hand: the list of all hits is the sorted
- * list, with triangles that are there twice and at equal distances, more hits than room, and more rays than a
- * call takes; the closest hit is its first, any hit one of it, and the closest hit behind the last one found
- * the next, to the end. Layers of triangles at whole distances, so that every operation is exact. */
+/* Law of every engine's three queries, on rays whose hits are known by hand: the list of all hits
+ * is the sorted list, with triangles that are there twice and at equal distances, more hits than
+ * room, and more rays than a call takes; the closest hit is its first, any hit one of it, and the
+ * closest hit behind the last one found the next, to the end. Layers of triangles at whole
+ * distances, so that every operation is exact. */
 #include "tests/support/all_hits_fixture.h"
 
 #include <math.h>
@@ -155,7 +156,8 @@ static const struct hit *one_of(const struct engine *engine, uint32_t i, const s
     return NULL;
 }
 
-/* Too little room for some, just enough, and too much: counts are whole, what is listed is hit, each once. */
+/* Too little room for some, just enough, and too much: counts are whole, what is listed is hit,
+ * each once. */
 static void expect_rooms(const struct engine *engine, void *self)
 {
     static const uint32_t rooms[] = {1, 2, 3, 7, 20, 33, MOST};

@@ -1,5 +1,5 @@
-/* Laws of ref/trace/trace.h: how little a ray visits, what the stack must hold, and that no words make it
- * hang. */
+/* Laws of ref/trace/trace.h: how little a ray visits, what the stack must hold, and that no words
+ * make it hang. */
 #include "ref/base/rng.h"
 #include "ref/trace/trace.h"
 #include "scenes/rays/rays.h"

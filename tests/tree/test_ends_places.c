@@ -1,7 +1,7 @@
-/* Law of every layout, in every slot of a node, on each axis and side: the ends of the number formats (both
- * zeros, subnormals, the least normal number, the largest half and float) are held to the bit where the
- * bounds are floats, by the nearest half outward where they are halves, and else outward; none is refused that
- * is in range; and a ray finds what it finds without a tree. */
+/* Law of every layout, in every slot of a node, on each axis and side: the ends of the number
+ * formats (both zeros, subnormals, the least normal number, the largest half and float) are held to
+ * the bit where the bounds are floats, by the nearest half outward where they are halves, and else
+ * outward; none is refused that is in range; and a ray finds what it finds without a tree. */
 #include "ref/base/half.h"
 #include "ref/packed/packed_check.h"
 #include "ref/packed/packed_walk.h"
@@ -136,8 +136,8 @@ static void expect_answers(const struct packed *packed, const struct scene *scen
     }
 }
 
-/* A packed tree of the scene: packed of the scene's own tree, or refitted from the tree before the end was put
- * into it. Refused: STATUS_LIMIT. */
+/* A packed tree of the scene: packed of the scene's own tree, or refitted from the tree before the
+ * end was put into it. Refused: STATUS_LIMIT. */
 static enum status make(const struct layout *layout, const struct groups *before,
                         const struct groups *g, bool refit, float value, struct packed *packed)
 {
@@ -202,7 +202,8 @@ static size_t try_end(const struct layout *layout, const struct end *end)
     return met;
 }
 
-/* Every value with every slot, axis and side; in turns as a leaf of the root or below it, and refitted. */
+/* Every value with every slot, axis and side; in turns as a leaf of the root or below it, and
+ * refitted. */
 static void ends_of_numbers_are_held_in_every_slot(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
-/* Every layout with nodes of all numbers of children, leaves of all numbers of items in each slot, and nodes
- * in each slot: what was packed is found again, by the walk, by packed_check and by rays, item for item. */
+/* Every layout with nodes of all numbers of children, leaves of all numbers of items in each slot,
+ * and nodes in each slot: what was packed is found again, by the walk, by packed_check and by rays,
+ * item for item. */
 #include "ref/packed/packed_check.h"
 #include "ref/packed/packed_walk.h"
 #include "ref/packed/refit.h"

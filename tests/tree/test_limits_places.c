@@ -1,6 +1,6 @@
-/* Law of every layout: what it can hold depends on a scene's numbers, not on the place of the triangle that has
- * them, nor on axis and sign: each triangle in turn gets a far vertex, on each axis and side, so that every child of every node
- * has the largest bound once. */
+/* Law of every layout: what it can hold depends on a scene's numbers, not on the place of the
+ * triangle that has them, nor on axis and sign: each triangle in turn gets a far vertex, on each
+ * axis and side, so that every child of every node has the largest bound once. */
 #include "ref/packed/packed_check.h"
 #include "ref/packed/refit.h"
 
@@ -16,7 +16,8 @@
 
 #define TRIS 41u
 
-/* At the largest float16, one beyond what rounds to it, in the middle of bfloat16, near the largest float. */
+/* At the largest float16, one beyond what rounds to it, in the middle of bfloat16, near the largest
+ * float. */
 static const float far[] = {65504.0f, 65505.0f, 65520.0f, 131072.0f, 1e30f, 3e38f};
 
 /* A grid whose triangle `prim` has one coordinate at `value`. */

@@ -1,5 +1,6 @@
-/* Laws of nodes that quantise: the axis of a node is the finest that holds it and all its planes are exact;
- * amd64 has float32 in exactly the nodes where float16 is refused or adds more than a quarter of area. */
+/* Laws of nodes that quantise: the axis of a node is the finest that holds it and all its planes
+ * are exact; amd64 has float32 in exactly the nodes where float16 is refused or adds more than a
+ * quarter of area. */
 #include "ref/base/half.h"
 #include "ref/base/rng.h"
 #include "ref/layouts/wide_nodes.h"
@@ -18,7 +19,8 @@
 #define PLANE_BITS     24
 #define EXPONENT_LEAST (-100)
 
-/* Whether planes 0 to `most`, 2^exponent apart, can reach from lo to hi with all of them in float32. */
+/* Whether planes 0 to `most`, 2^exponent apart, can reach from lo to hi with all of them in
+ * float32. */
 static bool axis_fits(float lo, float hi, uint32_t most, int exponent)
 {
     double first = floor(ldexp((double)lo, -exponent));

@@ -1,5 +1,6 @@
-/* Laws of ref/packed/packed_file.h: what is written reads back to the byte and traces alike; whatever is
- * changed in it is refused, counted as a fault, or still safe to trace; nothing leads out of it. */
+/* Laws of ref/packed/packed_file.h: what is written reads back to the byte and traces alike;
+ * whatever is changed in it is refused, counted as a fault, or still safe to trace; nothing leads
+ * out of it. */
 #define _POSIX_C_SOURCE 200809L
 #include "ref/packed/packed_file.h"
 #include "ref/base/rng.h"

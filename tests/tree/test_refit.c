@@ -1,5 +1,5 @@
-/* Refit (ref/packed/refit.h): trees of moved scenes stay sound in every layout, or are to be built anew
- * and stay what they were. */
+/* Refit (ref/packed/refit.h): trees of moved scenes stay sound in every layout, or are to be built
+ * anew and stay what they were. */
 #include "ref/packed/refit.h"
 
 #include "ref/packed/packed_walk.h"
@@ -90,8 +90,8 @@ static enum refit_fate fate_of(const struct layout *layout, enum motion motion)
     return halves && !strstr(name, "bf16") && away ? REFUSES : HOLDS;
 }
 
-/* To the scene as it moved, and back to where it was: the tightest boxes depend on where the triangles are
- * alone, so that the words are the first again. */
+/* To the scene as it moved, and back to where it was: the tightest boxes depend on where the
+ * triangles are alone, so that the words are the first again. */
 static void refit_one(struct packed *packed, const struct scene *scene, const struct scene *first,
                       enum motion motion)
 {

@@ -1,5 +1,5 @@
-/* What cannot be refitted (ref/packed/refit.h): other scenes and words that are no tree are said, and left
- * as they are. */
+/* What cannot be refitted (ref/packed/refit.h): other scenes and words that are no tree are said,
+ * and left as they are. */
 #include "ref/packed/refit.h"
 
 #include <stdarg.h>

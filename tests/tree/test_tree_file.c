@@ -1,5 +1,6 @@
-/* Laws of ref/packed/tree_file.h: a tree that is written comes back as it was, in every layout; one of
- * another scene is refused, however it is stored; one with too small boxes is taken, with a doubt.
+/* Laws of ref/packed/tree_file.h: a tree that is written comes back as it was, in every layout; one
+ * of another scene is refused, however it is stored; one with too small boxes is taken, with a
+ * doubt.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "ref/tree/bvh_json.h"
