@@ -76,6 +76,7 @@ plain)
     alone window sh tests/scripts/window.sh "$build"
     suite construct sh tests/scripts/construct.sh "$build/raydiff"
     suite render sh tests/scripts/render.sh "$build/raydiff"
+    suite orbit sh tests/scenes/orbit.sh "$build/raydiff"
     suite tree_files sh tests/scripts/tree_files.sh "$build/raydiff"
     alone frames sh tests/scripts/frames.sh "$build"
     suite show sh tests/scripts/show.sh "$build/raydiff"
