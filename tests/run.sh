@@ -101,7 +101,7 @@ plain)
     suite runner sh tests/house/runner.sh
     suite stubs sh tests/house/stubs.sh "$build"
     suite other sh tests/house/other.sh
-    alone mutants make -s mutants
+    alone mutants make -s mutants PART=3
     suite planted sh tests/planted/selftest.sh "$build"
     suite mutate sh tests/mutation/selftest.sh "$build"
     alone selftest make -s selftest-quick
