@@ -66,11 +66,17 @@ static inline void groups_fill(struct groups *g)
         }
 }
 
-/* Each group by itself, by a distance that depends on its place. */
+/* Moves each group by a distance that depends on its place, and the third corner of each of its
+ * triangles the farther, the later it comes: the last alone has the lower bound in y. */
 static inline void groups_lift(struct groups *g, float by)
 {
-    for (float *p = g->scene.vertex; p < g->scene.vertex + 9 * (size_t)g->total; p += 3)
-        p[2] += by * (float)((int)((p[0] + 1) / 4) % 7);
+    float *p = g->scene.vertex;
+    for (uint32_t i = 0; i < g->count; i++)
+        for (uint32_t j = 0; j < g->items[i]; j++)
+            for (uint32_t c = 0; c < 3; c++, p += 3) {
+                p[1] -= c == 2 ? 0.5f * by * (float)j : 0;
+                p[2] += by * (float)(i % 7);
+            }
 }
 
 /* Where groups lo to hi are halved: between the two parts in the middle, or within the only one. */

@@ -1,7 +1,9 @@
 /* Every layout with nodes of all numbers of children, leaves of all numbers of items in each slot,
  * and nodes in each slot: what was packed is found again, by the walk, by packed_check and by rays,
  * item for item. */
-#include "ref/packed/packed_check.h"
+#define _POSIX_C_SOURCE 200809L /* open_memstream */
+#include "ref/packed/packed_file.h"
+#include "ref/packed/packed_unpack.h"
 #include "ref/packed/packed_walk.h"
 #include "ref/packed/refit.h"
 #include "ref/store.h"
@@ -74,6 +76,59 @@ static void expect_hits(const struct packed *packed, const struct groups *g)
     }
 }
 
+/* Written to a file and read, it has the same words. */
+static void expect_file(const struct packed *packed, const struct groups *g)
+{
+    char *bytes = NULL;
+    size_t size = 0;
+    struct packed again;
+    struct packed_faults faults, none = {0};
+    struct reason reason = {""};
+    FILE *stream = open_memstream(&bytes, &size);
+    assert_non_null(stream);
+    packed_file_write(packed, stream);
+    assert_int_equal(fclose(stream), 0);
+    if (packed_file_read("file", bytes, size, &g->scene, &again, &faults, &reason))
+        fail_msg("%s: %s", packed->layout->name, reason.text);
+    assert_memory_equal(&faults, &none, sizeof none);
+    assert_ptr_equal(again.layout, packed->layout);
+    assert_int_equal(again.root, packed->root);
+    assert_int_equal(again.word_count, packed->word_count);
+    assert_memory_equal(again.word, packed->word, 4 * (size_t)packed->word_count);
+    assert_int_equal(again.item_count, packed->item_count);
+    if (packed->item_count)
+        assert_memory_equal(again.item, packed->item, 4 * (size_t)packed->item_count);
+    packed_free(&again);
+    free(bytes);
+}
+
+/* Of a binary layout it is the tree again, with all leaves, and packs to the same words. */
+static void expect_unpacked(const struct packed *packed, const struct groups *g)
+{
+    struct bvh bvh;
+    struct packed again;
+    struct reason reason = {""};
+    if (layout_is_wide(packed->layout))
+        return;
+    if (packed_unpack(packed, &g->scene, &bvh, &reason) ||
+        packed_make(packed->layout, &bvh, &g->scene, &again, &reason))
+        fail_msg("%s: %s", packed->layout->name, reason.text);
+    assert_int_equal(bvh.node_count, g->bvh.node_count);
+    assert_int_equal(bvh.prim_count, g->bvh.prim_count);
+    assert_memory_equal(bvh.prim, g->bvh.prim, bvh.prim_count * sizeof *bvh.prim);
+    for (uint32_t i = 0; i < bvh.node_count; i++) {
+        const struct bvh_node *got = &bvh.node[i], *want = &g->bvh.node[i];
+        assert_int_equal(got->item_count, want->item_count);
+        assert_int_equal(got->item_first, want->item_first);
+        assert_true(box_contains_box(&got->bounds, &want->bounds));
+        assert_true(want->item_count > 0 || (got->fst == want->fst && got->snd == want->snd));
+    }
+    assert_int_equal(again.word_count, packed->word_count);
+    assert_memory_equal(again.word, packed->word, 4 * (size_t)packed->word_count);
+    packed_free(&again);
+    bvh_free(&bvh);
+}
+
 static void expect_tree(const struct layout *layout, struct groups *g, struct nodes_met *met)
 {
     struct packed packed;
@@ -85,6 +140,8 @@ static void expect_tree(const struct layout *layout, struct groups *g, struct no
         fail_msg("%s: %s", layout->name, reason.text);
     expect_nodes(&packed, g, met);
     expect_hits(&packed, g);
+    expect_file(&packed, g);
+    expect_unpacked(&packed, g);
     /* Bounds written anew in every slot: higher, and where they were. */
     for (uint32_t turn = 0; turn < 2 && layout->rebound; turn++) {
         groups_lift(g, turn ? -0.25f : 0.25f);
