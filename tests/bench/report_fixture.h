@@ -84,8 +84,8 @@ static json_t *json_of(const char *text, const char *const (*words)[2], size_t c
     return json;
 }
 
-static json_t *check_of(const char *wrong, const char *bits, const char *judged,
-                        const char *differences, const char *status)
+static inline json_t *check_of(const char *wrong, const char *bits, const char *judged,
+                               const char *differences, const char *status)
 {
     const char *const words[][2] = {{"WRONG", wrong},
                                     {"BITS", bits},

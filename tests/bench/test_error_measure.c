@@ -169,9 +169,18 @@ static void rates_of_nothing_have_an_upper_limit(void **state)
     static const struct {
         size_t events, count;
         const char *text;
-    } cases[] = {{0, 0, "-"},          {0, 1000000, "<3"},       {0, 65536, "<45.8"},
-                 {1, 65536, "15.3"},   {3, 1000, "3000"},        {1000, 1000, "1000000"},
-                 {1, 10000000, "0.1"}, {12345, 1000000, "12345"}};
+    } cases[] = {{0, 0, "-"},
+                 {0, 1000000, "<3"},
+                 {0, 65536, "<45.8"},
+                 {1, 65536, "15.3"},
+                 {3, 1000, "3000"},
+                 {1000, 1000, "1000000"},
+                 {1, 10000000, "0.1"},
+                 {12345, 1000000, "12345"},
+                 {9994, 10000000, "999"},
+                 {9996, 10000000, "1000"},
+                 {1234, 1000000, "1234"},
+                 {19984, 10000000, "1998"}};
     for (size_t i = 0; i < ARRAY_COUNT(cases); i++) {
         char text[32];
         error_rate_text(cases[i].events, cases[i].count, text, sizeof text);
@@ -203,11 +212,11 @@ static struct played *play(const struct measure_field *f, const char *set, const
     return p;
 }
 
-static struct error_sum sum_of(const struct measure_field *f, const struct played *p)
+static struct error_sum sum_of(const struct measure_field *f, const struct played *p, size_t count)
 {
     struct error_sum sum;
     struct reason reason = {""};
-    if (error_sum_make(f->oracle, &f->scene, p->ray, p->truth, p->answer, RAYS, &sum, &reason))
+    if (error_sum_make(f->oracle, &f->scene, p->ray, p->truth, p->answer, count, &sum, &reason))
         fail_msg("%s", reason.text);
     return sum;
 }
@@ -228,7 +237,7 @@ static void planted_errors_are_counted(void **state)
     (void)state;
     struct measure_field *f = opened("soup:n=300,size=0.5");
     struct played *p = play(f, "random", "woop");
-    struct error_sum before = sum_of(f, p);
+    struct error_sum before = sum_of(f, p, RAYS);
     size_t lost = 0, phantom = 0, wrong = 0;
     assert_int_equal(before.rays, RAYS);
     assert_true(before.hits > RAYS / 10 && before.hits < RAYS);
@@ -249,7 +258,7 @@ static void planted_errors_are_counted(void **state)
         }
     }
     assert_true(lost > 10 && wrong > 10 && phantom > 10);
-    struct error_sum after = sum_of(f, p);
+    struct error_sum after = sum_of(f, p, RAYS);
     assert_int_equal(after.kind[ERROR_LOST], before.kind[ERROR_LOST] + lost);
     assert_int_equal(after.kind[ERROR_PHANTOM], before.kind[ERROR_PHANTOM] + phantom);
     assert_int_equal(after.kind[ERROR_WRONG], before.kind[ERROR_WRONG] + wrong);
@@ -260,18 +269,58 @@ static void planted_errors_are_counted(void **state)
     field_free(f);
 }
 
+static void same_quantiles(struct quantiles is, double *value, size_t count)
+{
+    struct quantiles wanted = quantiles_of(value, count);
+    assert_memory_equal(&is, &wanted, sizeof is);
+}
+
+/* Each measure's quantiles are those of all answers, each measured alone. */
+static void a_sum_is_made_of_all_answers(void **state)
+{
+    (void)state;
+    struct measure_field *f = opened("soup:n=300,size=0.5");
+    struct played *p = play(f, "random", "mt");
+    for (size_t i = 0; i < RAYS; i++) { /* the three measures are apart, and each has its own */
+        p->answer[i].t *= 1 + (float)(i % 90) * 0x1p-22f;
+        p->answer[i].u += (float)(i % 70) * 0x1p-20f;
+    }
+    for (size_t count = 1; count <= RAYS; count = count * 3 + 1) {
+        struct error_sum sum = sum_of(f, p, count);
+        double value[3][RAYS];
+        size_t hits = 0, kind[ARRAY_COUNT(sum.kind)] = {0};
+        for (size_t i = 0; i < count; i++) {
+            struct error_one one =
+                error_measure(f->oracle, &f->scene, &p->ray[i], &p->truth[i], &p->answer[i]);
+            value[0][i] = one.forward;
+            value[1][i] = one.plane;
+            value[2][i] = one.point;
+            kind[one.kind]++;
+            hits += one.kind != ERROR_REFUSED && p->answer[i].prim != ABI_NO_PRIM;
+        }
+        same_quantiles(sum.forward, value[0], count);
+        same_quantiles(sum.plane, value[1], count);
+        same_quantiles(sum.point, value[2], count);
+        assert_memory_equal(sum.kind, kind, sizeof kind);
+        assert_int_equal(sum.rays, count - kind[ERROR_REFUSED]);
+        assert_int_equal(sum.hits, hits);
+    }
+    free(p);
+    field_free(f);
+}
+
 static void far_answers_raise_the_quantiles(void **state)
 {
     (void)state;
     struct measure_field *f = opened("sphere:n=6");
     struct played *p = play(f, "random", "mt");
-    struct error_sum before = sum_of(f, p);
+    struct error_sum before = sum_of(f, p, RAYS);
     assert_true(before.forward.p99 > 0.1 && before.forward.p99 < 100);
     size_t raised = 0;
     for (size_t i = 0; i < RAYS; i++)
         if (p->answer[i].prim != ABI_NO_PRIM && raised++ % 20 == 0) /* more than 1 % */
             p->answer[i].t *= 1 + 0x1p-10f;
-    struct error_sum after = sum_of(f, p);
+    struct error_sum after = sum_of(f, p, RAYS);
     assert_true(after.forward.p50 < 2 * before.forward.p50 + 1);
     assert_true(after.forward.p99 > 1000);
     free(p);
@@ -342,6 +391,7 @@ int main(void)
         cmocka_unit_test(quantiles_are_nearest_ranks),
         cmocka_unit_test(rates_of_nothing_have_an_upper_limit),
         cmocka_unit_test(planted_errors_are_counted),
+        cmocka_unit_test(a_sum_is_made_of_all_answers),
         cmocka_unit_test(far_answers_raise_the_quantiles),
         cmocka_unit_test(rays_from_inside_all_hit_and_only_watertight_tests_see_it),
         cmocka_unit_test(an_open_mesh_has_no_inside),

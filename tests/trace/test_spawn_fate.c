@@ -194,6 +194,36 @@ static void a_huge_offset_skips_surfaces(void **state)
     closed(f);
 }
 
+/* A point in the plane x + y + z = 0 but for `off`, beside the triangle; the ray leaves upwards. */
+static uint32_t steps_from(const struct field *f, float off)
+{
+    const struct spawn_hit hit = {.hit = {1, 0, 0, 0}, .normal = {1, 1, 1}, .dir = {1, 1, 1}};
+    const float p[3] = {1, -1, off};
+    float out[3];
+    return spawn_least(f->oracle, &f->scene, &hit, p, out);
+}
+
+/* Two corners are (0.5, -0.5, 0) and (0, 1, -1) away from the first. A point is behind the plane if
+ * it is by more than the bound on double's rounding, 12 2^-53 of the products' sizes, here 2. */
+static void behind_is_what_is_certainly_behind(void **state)
+{
+    (void)state;
+    static const float vertex[9] = {0, 0, 0, 0.5f, -0.5f, 0, 0, 1, -1};
+    struct field *f = calloc(1, sizeof *f);
+    assert_non_null(f);
+    assert_int_equal(scene_make(3, 1, &f->scene), STATUS_OK);
+    for (uint32_t i = 0; i < 3; i++)
+        f->scene.index[i] = i;
+    memcpy(f->scene.vertex, vertex, sizeof vertex);
+    prepare(f);
+    for (int side = -1; side <= 1; side += 2)
+        for (int units = 0; units <= 64; units += 2) {
+            float off = (float)(side * units) * 0x1p-53f;
+            assert_int_equal(steps_from(f, off), side < 0 && units > 24 ? 1 : 0);
+        }
+    closed(f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -202,6 +232,7 @@ int main(void)
         cmocka_unit_test(fates_are_told_apart),
         cmocka_unit_test(surfaces_at_the_point_itself_are_undecided),
         cmocka_unit_test(a_huge_offset_skips_surfaces),
+        cmocka_unit_test(behind_is_what_is_certainly_behind),
     };
     return cmocka_run_group_tests_name("spawn_fate", tests, NULL, NULL) ? 1 : 0;
 }
