@@ -80,6 +80,43 @@ static void sums_leave_out_what_has_no_value(void **state)
     assert_true(sum.pixels == 0 && sum.sum == 0.0 && sum.mean == 0.0);
 }
 
+/* Every order of the same values, with pixels that have none at every place. */
+static void sums_do_not_depend_on_the_order(void **state)
+{
+    (void)state;
+    const double of[4] = {-3, 0.5, 8, 8};
+    for (size_t order = 0; order < 256; order++) {
+        double value[9];
+        size_t at[4] = {order & 3, order >> 2 & 3, order >> 4 & 3, order >> 6 & 3}, taken = 0;
+        for (size_t i = 0; i < 4; i++)
+            taken |= (size_t)1 << at[i];
+        if (taken != 15)
+            continue; /* no order */
+        for (size_t i = 0; i < ARRAY_COUNT(value); i++)
+            value[i] = i % 2 ? of[at[i / 2]] : (double)NAN;
+        size_t most_at = 1;
+        while (value[most_at] != 8)
+            most_at += 2;
+        for (size_t from = 0; from <= most_at; from++) {
+            size_t left = 4 - from / 2;
+            double sum = 0, least = INFINITY;
+            for (size_t i = from; i < ARRAY_COUNT(value); i++) {
+                sum += isnan(value[i]) ? 0 : value[i];
+                least = isnan(value[i]) || least < value[i] ? least : value[i];
+            }
+            struct show_sum found = show_sum_of(value + from, ARRAY_COUNT(value) - from);
+            assert_int_equal(found.pixels, left);
+            assert_int_equal(found.most_at, most_at - from);
+            assert_true(found.sum == sum && found.mean == sum / (double)left);
+            assert_true(found.least == least && found.most == 8);
+        }
+    }
+    const double one[] = {-5};
+    struct show_sum found = show_sum_of(one, 1);
+    assert_true(found.pixels == 1 && found.most_at == 0 && found.sum == -5 && found.mean == -5);
+    assert_true(found.least == -5 && found.most == -5);
+}
+
 static void values_have_texts(void **state)
 {
     (void)state;
@@ -106,6 +143,7 @@ int main(void)
         cmocka_unit_test(an_unknown_formula_is_measured_by_its_displacement),
         cmocka_unit_test(differences_are_second_less_first),
         cmocka_unit_test(sums_leave_out_what_has_no_value),
+        cmocka_unit_test(sums_do_not_depend_on_the_order),
         cmocka_unit_test(values_have_texts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
