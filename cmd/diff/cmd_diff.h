@@ -29,9 +29,8 @@ struct diff_member {
     struct reason reason;
     struct side side;
     struct pair pair;      /* with the first engine that runs; empty for that one */
-    struct diff_walk walk; /* for --pixel */
-    enum path_field field; /* for --pixel: where its own renderer first differs from that walk */
-    uint32_t segment;      /* of that difference */
+    struct diff_walk walk; /* for --pixel, and what its own renderer made of it */
+    struct side_drawn drawn;
 };
 
 /* One run. Do not move it: its parts point to each other. */

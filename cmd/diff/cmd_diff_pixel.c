@@ -271,29 +271,17 @@ static json_t *member_json(struct page *page, size_t i)
         json_array_append_new(steps, step_json(page, member, segment));
     return json_record("engine=%s value=%u first_bit=%p own_renderer_parts=%s segments=%p",
                        member->engine->name, member->walk.frame.pixel[0], first_json(&first),
-                       path_field_name(member->field), steps);
+                       path_field_name(member->drawn.field), steps);
 }
 
 /* Walks the member's path and compares it with what the member's own renderer draws. */
 static enum status walk_member(struct page *page, struct diff_member *member, struct reason *reason)
 {
-    struct diff_run *run = page->run;
-    size_t pixel = the_pixel(run);
-    struct side *side = &member->side;
-    enum status status = side_walk(side, &run->view, &pixel, 1, &member->walk, reason);
-    if (status || renderer_by_waves(side->renderer))
-        return status;
-    status = side_draw(side, &run->view, reason);
-    if (status)
-        return status;
-    uint32_t bounces = run->stage.job.look.bounces;
-    const struct segment *drawn = side->frame.segment + pixel * bounces;
-    struct segment walked[FRAME_BOUNCES_MOST];
-    walk_segments(&member->walk, 0, walked);
-    member->field = path_first(walked, drawn, bounces, &member->segment);
-    if (!why_walk_is_frame(&member->walk, 0, drawn, side->frame.pixel[pixel], false))
+    enum status status = side_walk_pixel(&member->side, &page->run->view, the_pixel(page->run),
+                                         &member->walk, &member->drawn, reason);
+    if (!status && !member->drawn.follows)
         page->code = exit_worse(page->code, EXIT_MISMATCH);
-    return STATUS_OK;
+    return status;
 }
 
 /* Prints the result of a member's path on one line. */
@@ -316,11 +304,11 @@ static void print_end(struct page *page, size_t i)
     }
     if (!renderer_by_waves(member->side.renderer)) {
         uint32_t drawn = member->side.frame.pixel[the_pixel(run)];
-        if (member->field == PATH_SAME)
+        if (member->drawn.field == PATH_SAME)
             printf("; its own renderer: the same segments");
         else
-            printf("; ITS OWN RENDERER parts at segment %u (%s)", member->segment,
-                   path_field_name(member->field));
+            printf("; ITS OWN RENDERER parts at segment %u (%s)", member->drawn.segment,
+                   path_field_name(member->drawn.field));
         printf(", value %u %u %u", drawn & 255u, drawn >> 8 & 255u, drawn >> 16 & 255u);
     }
     putchar('\n');

@@ -79,6 +79,25 @@ enum status side_walk(struct side *side, const struct view *view, const size_t *
     return status;
 }
 
+enum status side_walk_pixel(struct side *side, const struct view *view, size_t pixel,
+                            struct diff_walk *walk, struct side_drawn *drawn, struct reason *reason)
+{
+    *drawn = (struct side_drawn){.follows = true};
+    enum status status = side_walk(side, view, &pixel, 1, walk, reason);
+    if (status || renderer_by_waves(side->renderer))
+        return status;
+    status = side_draw(side, view, reason);
+    if (status)
+        return status;
+    uint32_t bounces = side->job.look.bounces;
+    const struct segment *segment = side->frame.segment + pixel * bounces;
+    struct segment walked[FRAME_BOUNCES_MOST];
+    walk_segments(walk, 0, walked);
+    drawn->field = path_first(walked, segment, bounces, &drawn->segment);
+    drawn->follows = why_walk_is_frame(walk, 0, segment, side->frame.pixel[pixel], false);
+    return STATUS_OK;
+}
+
 bool sides_same_bits(const struct side *a, const struct side *b)
 {
     const struct job *of_a = &a->job.job, *of_b = &b->job.job;

@@ -36,6 +36,19 @@ enum status side_draw(struct side *side, const struct view *view, struct reason 
 enum status side_walk(struct side *side, const struct view *view, const size_t *pixel, size_t count,
                       struct diff_walk *out, struct reason *reason) MUST_USE;
 
+/* What an engine's own renderer made of a path. */
+struct side_drawn {
+    bool follows;          /* why_walk_is_frame; true without a renderer of its own */
+    enum path_field field; /* the first that differs from the walk */
+    uint32_t segment;      /* where */
+};
+
+/* Walks the path of one pixel. If the engine has its own renderer, draws the picture, too, and
+ * compares. Errors: as side_walk and side_draw. */
+enum status side_walk_pixel(struct side *side, const struct view *view, size_t pixel,
+                            struct diff_walk *walk, struct side_drawn *drawn,
+                            struct reason *reason) MUST_USE;
+
 void side_close(struct side *side);
 
 /* Whether two sides must follow bit-identical paths: both promise the bits of C, and have the same

@@ -205,7 +205,8 @@ bool why_walk_is_frame(const struct diff_walk *walk, size_t index, const struct 
     walk_segments(walk, index, path);
     if (path_first(path, segment, walk->bounces, &at) != PATH_SAME)
         return false;
-    if (pixel == walk->frame.pixel[index] || by_waves)
-        return pixel == walk->frame.pixel[index];
-    return pixel_within(&walk->frame.color[3 * index], walk->frame.bound[index], pixel);
+    if (pixel == walk->frame.pixel[index])
+        return true;
+    return !by_waves &&
+           pixel_within(&walk->frame.color[3 * index], walk->frame.bound[index], pixel);
 }
