@@ -178,4 +178,56 @@ static inline void groups_in_slots(struct groups *g, const struct layout *layout
     }
 }
 
+/* The same with one node and a triangle a group; returns that of slot s of the root, or of the node
+ * below it. */
+static inline uint32_t groups_of_one(struct groups *g, const struct layout *layout, uint32_t s,
+                                     bool below)
+{
+    uint32_t node = below ? s : (s + 1) % layout->width;
+    groups_in_slots(g, layout, node, true);
+    for (uint32_t i = 0; i < g->count; i++)
+        g->items[i] = 1;
+    g->total = g->count;
+    return below ? 2 * s : s + (s > node ? layout->width - 1 : 0);
+}
+
+/* A value in a triangle's box: at its lower bound, its upper, or both. */
+enum bound_side { SIDE_LOWER, SIDE_UPPER, SIDE_BOTH, SIDES };
+
+static inline bool groups_put_end(struct scene *scene, uint32_t prim, int axis,
+                                  enum bound_side side, float value)
+{
+    float *p = scene->vertex + 9 * (size_t)prim + axis, other = side == SIDE_LOWER ? 1.5f : -1.5f;
+    if (side != SIDE_BOTH && (side == SIDE_LOWER ? value >= other : value <= other))
+        return false;
+    for (int c = 0; c < 3; c++)
+        p[3 * c] = c == 1 || side == SIDE_BOTH ? value : other * (float)(c + 1);
+    return true;
+}
+
+#define END_RAYS 14u
+
+/* A ray at such a triangle: along an axis through its middle, from afar; then slanted, from beside
+ * it, at its middle or near its second corner, where the value is. */
+static inline struct ray groups_end_ray(const struct scene *scene, uint32_t prim, uint32_t k)
+{
+    static const float slant[4][3] = {
+        {1, 0.75f, 0.5f}, {-0.75f, 1, 0.625f}, {0.5f, -0.875f, 1}, {-1, -0.625f, -0.75f}};
+    float v[3][3], near = k < 10 ? 0.25f : 0.875f, sign = k % 2 ? -1.0f : 1.0f;
+    struct ray ray = {.tmax = k < 6 ? 0x1p30f : 2};
+    scene_tri(scene, prim, v);
+    for (uint32_t i = 0; i < 3; i++) {
+        ray.org[i] = 0.0625f * v[0][i] + near * v[1][i] + (0.9375f - near) * v[2][i];
+        if (k >= 6) {
+            ray.dir[i] = slant[(k - 6) % 4][i];
+            ray.org[i] -= ray.dir[i];
+        }
+    }
+    if (k < 6) {
+        ray.org[k / 2] = -0x1p17f * sign;
+        ray.dir[k / 2] = sign;
+    }
+    return ray;
+}
+
 #endif

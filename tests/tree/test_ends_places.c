@@ -65,19 +65,6 @@ static float taken(const struct layout *layout)
     return strcmp(layout->name, "amd64_g1") == 0 ? 65000.0f : HALF_MAX;
 }
 
-/* A value in a triangle's box: at its lower bound, its upper, or both. */
-enum bound_side { SIDE_LOWER, SIDE_UPPER, SIDE_BOTH, SIDES };
-
-static bool put_end(struct scene *scene, uint32_t prim, int axis, enum bound_side side, float value)
-{
-    float *p = scene->vertex + 9 * (size_t)prim + axis, other = side == SIDE_LOWER ? 1.5f : -1.5f;
-    if (side != SIDE_BOTH && (side == SIDE_LOWER ? value >= other : value <= other))
-        return false;
-    for (int c = 0; c < 3; c++)
-        p[3 * c] = c == 1 || side == SIDE_BOTH ? value : other * (float)(c + 1);
-    return true;
-}
-
 /* Of a leaf of one triangle: the bounds that its parent has for it. */
 static void expect_bounds(const struct layout *layout, const struct packed *packed,
                           const struct packed_walk *walk, const struct scene *scene, size_t *met)
@@ -109,24 +96,16 @@ static void expect_bounds(const struct layout *layout, const struct packed *pack
     }
 }
 
-/* Along each axis through the middle of the triangle, from both ends. */
 static void expect_answers(const struct packed *packed, const struct scene *scene, uint32_t prim)
 {
-    float v[3][3], middle[3];
-    scene_tri(scene, prim, v);
-    for (int k = 0; k < 3; k++)
-        middle[k] = 0.25f * v[0][k] + 0.25f * v[1][k] + 0.5f * v[2][k];
-    for (int way = 0; way < 6; way++) {
-        float sign = way % 2 ? -1.0f : 1.0f;
-        struct ray ray = {.org = {middle[0], middle[1], middle[2]}, .tmax = 0x1p30f};
+    for (uint32_t k = 0; k < END_RAYS; k++) {
+        struct ray ray = groups_end_ray(scene, prim, k);
         struct job job = {.scene = scene,
                           .packed = packed,
                           .box = box_test_find("watertight"),
                           .tri = tri_test_find("woop"),
                           .query = QUERY_CLOSEST};
         struct hit got, want;
-        ray.org[way / 2] = -0x1p17f * sign;
-        ray.dir[way / 2] = sign;
         trace_brute(scene, job.tri, job.query, &ray, &want);
         assert_int_equal(trace_ray(&job, &ray, &got, NULL), STATUS_OK);
         if ((got.prim == ABI_NO_PRIM) != (want.prim == ABI_NO_PRIM) ||
@@ -175,17 +154,12 @@ static size_t try_end(const struct layout *layout, const struct end *end)
     struct packed_walk walk;
     struct reason reason = {""};
     size_t met = 0;
-    uint32_t node = end->below ? end->s : (end->s + 1) % layout->width;
-    groups_in_slots(&g, layout, node, true);
-    for (uint32_t i = 0; i < g.count; i++)
-        g.items[i] = 1;
-    g.total = g.count;
+    uint32_t prim = groups_of_one(&g, layout, end->s, end->below);
     before = g;
     groups_fill(&before);
     groups_grow(&before);
     groups_fill(&g);
-    uint32_t prim = end->below ? 2 * end->s : end->s + (end->s > node ? layout->width - 1 : 0);
-    bool possible = put_end(&g.scene, prim, end->axis, end->side, end->value);
+    bool possible = groups_put_end(&g.scene, prim, end->axis, end->side, end->value);
     groups_grow(&g);
     if (possible && !make(layout, &before, &g, end->refit, end->value, &packed)) {
         if (packed_check(&packed, &g.scene, NULL, &reason))
