@@ -115,7 +115,7 @@ const struct option_set fuzz_set = {
              "in fewer than --pairs, 2 bad input, 3 an engine cannot be opened, 4 internal error, "
              "77 an engine cannot run here, 128 + the signal that ended it before all of --trials "
              "were played and shrunk; run again, the campaign ends as one that nothing "
-             "interrupted",
+             "interrupted (with --pairs other members are drawn)",
     .example = "fuzz --time 60\n"
                "fuzz --time 3600 --pairs 1000",
     .makes_folder = true,
