@@ -37,11 +37,11 @@ converted() {
     run scene convert "$1" "$dir/x.json" && awk -f tests/values/flat.awk "$dir/x.json" >"$dir/other.flat"
 }
 play_info() {
-    for scene in rtrs sphere:n=3 cornell:n=2 grid:n=4,z=-3 platonic "$dir/odd.obj"; do
+    for scene in rtrs sphere:n=3 cornell:n=2 grid:n=4,z=-3 platonic soup:n=1 soup:n=0 "$dir/odd.obj"; do
         converted "$scene"
         [ $kept = "$(case $scene in rtrs | cornell*) echo no ;; *) echo yes ;; esac)" ] || bad "$scene: what is not kept is told: $kept"
         run scene info "$scene" --json && cp "$dir/text" "$dir/json" && run scene info "$scene" &&
-            values scene_info 40 "$dir/other.flat" "$dir/x.obj" "$dir/text"
+            values scene_info 30 "$dir/other.flat" "$dir/x.obj" "$dir/text"
     done
     # Several scenes, in their order.
     run scene info rtrs sphere:n=3 --json && cp "$dir/text" "$dir/json" && awk -f tests/values/flat.awk "$dir/json" >"$dir/flat"

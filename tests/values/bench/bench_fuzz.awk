@@ -7,6 +7,9 @@
     same(name "trials/s", $3, "%.0f", v[p ".trials_per_s"])
     same_span(name "trials/s", $4, "%.0f", v[p ".trials_per_s_least"], v[p ".trials_per_s_most"])
     same(name "judged rays/s", $6, "%.3f", v[p ".judged_rays_per_s"] * 1e-6)
+    split(substr($7, 2, length($7) - 2), span, "-")
+    truth(name "judged rays/s in their span", span[1] <= $6 && $6 <= span[2] && (rounds > 1 || span[1] == span[2]))
+    truth(name "rays of most trials are judged", v[p ".judged_rays_per_s"] >= 250 * v[p ".trials_per_s"])
     equal(name "trials", v[p ".trials"], v[p ".workers"] * rounds * trials)
     # A trial has 500 rays; of those that an engine refuses not all are judged.
     truth(name "rays a trial", v[p ".judged_rays_per_s"] <= 500.0001 * v[p ".trials_per_s"])
@@ -15,6 +18,9 @@
     next
 }
 /^  harness / {
+    lines++
+    split(substr($4, 2, length($4) - 2), span, "-")
+    truth(name "share in its span", span[1] <= $2 && $2 <= span[2] && (rounds > 1 || span[1] == span[2]))
     same(name "harness", $2, "%.1f", 100 * v[p ".harness_share"])
     same(name "harness to engines", $8, "%.2f", v[p ".harness_to_engines"])
     same(name "us of core time", $12, "%.0f", v[p ".core_us_per_trial"])
@@ -22,6 +28,7 @@
     next
 }
 / trials of .* triangles, / {
+    lines++
     equal(name "trials", $1, v[p ".trials"])
     same(name "triangles", $4, "%.1f", v[p ".triangles"])
     equal(name "at fault", $6, v[p ".at_fault"])
@@ -40,6 +47,7 @@
 }
 END {
     equal("rows", r, v["rows.count"])
+    equal("lines", lines, 2 * r)
     equal("parts of the harness", parts, 4 * r)
     if (r == 2) equal("one worker first", v["rows.0.workers"], 1)
     print "bench fuzz: " checked " values, " wrong + 0 " wrong"

@@ -67,6 +67,7 @@ BEGIN { split("prim rand diff o-shad o-rand", kind, " ") }
     shown = $0
     sub(/^[^:]*: /, "", shown)
     equal("front", shown, text)
+    fronts++
     table = 0
     next
 }
@@ -80,6 +81,7 @@ BEGIN { split("prim rand diff o-shad o-rand", kind, " ") }
         truth("worth using, but it loses hits", v["rows." i ".lost"] + v["rows." i ".leaks"] == 0)
     }
     equal("worth using", count, worth + 0)
+    worths++
     next
 }
 table && NF > 8 {
@@ -92,6 +94,8 @@ table && NF > 8 {
 }
 END {
     equal("rows", r, v["rows.count"])
+    for (i = 0; i < r; i++) is_worth += v["rows." i ".worth"] != "-"
+    equal("lines of the front", fronts " " worths + 0, "1 " (is_worth > 0))
     print "bench matrix: " checked " values, " wrong + 0 " wrong"
     exit wrong > 0 || checked < least
 }

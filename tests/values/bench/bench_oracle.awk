@@ -23,9 +23,13 @@
     if (rounds == 1) truth(name $1 " of one round", span[1] == $2 && span[2] == $2)
     equal(name $1 " chosen", $NF == "chosen", $1 == v[p ".kernel"])
     kernels++
+    truth(name $1 " takes time", v[p "." $1 "_ns"] > 0)
     next
 }
 /^  chosen \/ scalar / {
+    lines++
+    # The chosen kernel is there because it is faster.
+    truth(name "faster than the full filter", v[p ".ratio"] < 1)
     same(name "chosen to scalar", $4, "%.3f", v[p ".ratio"])
     equal(name "pairs", $7, v[p ".pairs"])
     equal(name "left to integers", $9, v[p ".undecided"])
@@ -35,6 +39,7 @@
     next
 }
 /^  exact nearest hits: brute / {
+    lines++
     same(name "brute", $5, "%.3f", v[p ".brute_s"])
     text = $0
     sub(/.*tree /, "", text)
@@ -47,6 +52,7 @@
 }
 END {
     equal("rows", r, v["rows.count"])
+    equal("lines", lines, 2 * r)
     truth("kernels", kernels >= 2 * r)
     print "bench oracle: " checked " values, " wrong + 0 " wrong"
     exit wrong > 0 || checked < least

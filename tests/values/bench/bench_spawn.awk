@@ -23,6 +23,7 @@ function rate(what, text, events, count,  number) {
     equal(name "hits", word[12], v[p ".hits"])
     truth(name "more hits than rays", word[12] + 0 <= rays + 0)
     near_most = word[16]
+    blocks++
     equal(name "undecided", substr($(NF - 1), 2), v[p ".undecided"])
     next
 }
@@ -44,8 +45,8 @@ function rate(what, text, events, count,  number) {
         rate(what "beside", $(6 + 3 * j), v[p ".beside"], v[p ".hits"])
         rate(what "skip", $(7 + 3 * j), v[p ".skipped"], v[p ".hits"])
         truth(what "a ray has one fate", v[p ".self"] + v[p ".beside"] + v[p ".skipped"] <= v[p ".hits"] + 0)
-        # No two triangles of a soup touch.
-        if (v[p ".scene"] ~ /^soup/) equal(what "beside", v[p ".beside"], 0)
+        # No two triangles of a soup touch, unless rounding far away moves their corners together.
+        if (v[p ".scene"] ~ /^soup/ && v[p ".far"] < 1e5) equal(what "beside", v[p ".beside"], 0)
         truth(what "moved, in order", v[p ".moved_p50"] <= v[p ".moved_p99"] && v[p ".moved_p99"] <= v[p ".moved_max"])
         # Who is moved less than a constant is rounded to where it was.
         if ($2 == "1e-3") truth(what "moved as far as told", v[p ".moved_p99"] >= 0.9e-3)
@@ -67,6 +68,7 @@ function rate(what, text, events, count,  number) {
     sub(":", "", point)
     if (line > 0) equal(name "most near", near_most, most_near + 0)
     line = most_near = 0
+    least_told++
     for (i = first; i < r; i++)
         if (v["rows." i ".point"] == point && v["rows." i ".rule"] == "least" && v["rows." i ".engine"] == "exact") p = "rows." i
     what = name point " "
@@ -78,6 +80,7 @@ function rate(what, text, events, count,  number) {
 }
 END {
     equal("rows", r, v["rows.count"])
+    equal("lines of the rule least", least_told, 2 * blocks)
     print "bench spawn: " checked " values, " wrong + 0 " wrong"
     exit wrong > 0 || checked < least
 }

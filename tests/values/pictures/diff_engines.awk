@@ -76,6 +76,7 @@ FNR == 1 {
     laws(p)
     next
 }
+$1 ~ /^(paths|segments|values|explained|faults)$/ { lines++ }
 $1 == "paths" { equal("paths", $2 " " $4, v[p ".paths_different"] " " v[p ".paths"]) }
 $1 == "segments" {
     gsub(",", "")
@@ -114,6 +115,7 @@ $1 == "faults" {
     equal("pixels of that place in JSON", shown, 1)
 }
 END {
+    equal("lines", lines, 5 * r)
     equal("pairs", r, v["pairs.count"])
     truth("nothing is compared with paths", compared)
     print "diff of engines: " checked " values, " wrong + 0 " wrong"

@@ -34,6 +34,7 @@ FNR == 1 {
     equal("size", $(NF - 3) " " $(NF - 1), v["width"] " " v["height"])
     next
 }
+{ lines++ }
 $1 == "different" {
     equal("different", $2 " " $4, v["different"] " " v["pixels"])
     same("per cent", substr($5, 2), "%.4f", 100 * v["different"] / v["pixels"])
@@ -45,10 +46,12 @@ $1 == "different" {
 }
 $1 == "largest" {
     gsub(",", " ")
+    equal("channels of largest", NF, 9)
     for (c = 1; c <= 4; c++) equal("largest", $(2 * c) " " $(2 * c + 1), channel[c] " " v["largest." channel[c]])
 }
 /^  mean of all / {
     gsub(",", " ")
+    equal("channels of mean", NF, 11)
     for (c = 1; c <= 4; c++) {
         equal("mean of", $(2 + 2 * c), channel[c])
         same("mean of " channel[c], $(3 + 2 * c), "%.6f", v["mean." channel[c]])
@@ -61,6 +64,8 @@ $1 == "within" {
 $1 == "first" || $1 == "worst" {
     name = $1
     gsub(/[(),:]/, " ")
+    places = places name
+    equal(name " numbers", NF, 13)
     equal(name " place", $2 " " $3, v[name ".x"] " " v[name ".y"])
     for (c = 0; c < 4; c++) {
         equal(name " value of a", $(5 + c), v[name ".a." c])
@@ -68,6 +73,8 @@ $1 == "first" || $1 == "worst" {
     }
 }
 END {
+    equal("lines", lines, v["different"] > 0 ? 7 : 1)
+    equal("places", places "", v["different"] > 0 ? "firstworst" : "")
     print "diff of pictures: " checked " values, " wrong + 0 " wrong"
     exit wrong > 0 || checked < least
 }

@@ -62,6 +62,7 @@ FNR == 1 {
     same(p " u", substr($11, 1, length($11) - 1), "%.9g", v[p ".u.value"])
     same(p " v", $13, "%.9g", v[p ".v.value"])
     told++
+    hits_told[e]++
 }
 /^    light [0-9]+ / {
     light = $2

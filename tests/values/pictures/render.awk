@@ -23,12 +23,15 @@ function frame(f,  p, turn) {
     # It turns around its target, in a plane: as far from it as in the first frame, and by that angle.
     if (orbit) {
         close_to(name "distance", dot(p ".pos", p ".pos"), dot("frames.0.pos", "frames.0.pos"))
+        near(name "height", v[p ".pos.1"], v["frames.0.pos.1"])
         close_to(name "turn", dot(p ".forward", "frames.0.forward"), cos(turn))
     }
     sum_ns += v[p ".trace_ns"]
 }
 function laws(  f, tree) {
     for (f = 0; f < v["frames.count"]; f++) frame(f)
+    # Of scene rtrs, as scene info has it.
+    if (v["scene"] == "rtrs") equal("camera", v["frames.0.pos.0"] " " v["frames.0.pos.1"] " " v["frames.0.pos.2"], "0.0 0.0 -10.0")
     if (width[0]) equal("size of the picture", width[0] "x" height[0], v["width"] "x" v["height"])
     if (pixels[0]) equal("pixels", pixels[0], v["width"] * v["height"])
     if (v["tree"] != "null")

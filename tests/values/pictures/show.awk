@@ -45,6 +45,13 @@ function line(p, first, name,  whole) {
     equal(name "pixels", $(first + 8) " " $(first + 10), v[p ".pixels"] " " v["width"] * v["height"])
     lines++
 }
+# Where to look closer: the first five pixels of the column that are not `plain`, with their names if `named`.
+function places(column, plain, named,  i, n, text) {
+    for (i = 0; i < rows && n < 5; i++)
+        if (cell[i, column] != "" && cell[i, column] != plain)
+            text = text (n++ ? ", " : "") i % v["width"] "," int(i / v["width"]) (named ? " " cell[i, column] : "")
+    return text (n == 5 ? ", ..." : "")
+}
 function layer_name(l) { return ("layers." l ".layout") in v ? v["layers." l ".layout"] : v["layers." l ".engine"] }
 # Between the normals of a pixel, which have three columns each.
 function degrees(i,  k, a, b, dot, cross) {
@@ -129,6 +136,14 @@ FNR == 1 {
 !names && planes == 1 && v["layers.count"] == 2 && $1 == layer_name(1) && $2 == "-" { line("difference.values", 4, "difference "); next }
 !names && planes == 1 && v["layers.count"] == 2 && $1 == layer_name(1) { line("layers.1.values", 2, $1 " "); next }
 /^degrees between / { line("difference.values", 3, "degrees "); next }
+/^([a-z0-9_]+: )?pixels [0-9]+,[0-9]+/ {
+    text = $0
+    sub(/^[^,]*pixels /, "", text)
+    if ($1 == "pixels") equal("places that differ", text, places(columns, "0", 0))
+    else equal("places of " $1, text, places($1 == layer_name(0) ":" ? 3 : 4, "right", 1))
+    placed++
+    next
+}
 /: more in [0-9]+ pixels, less in / {
     equal("more", $4, v["difference.more"])
     equal("less", $NF, v["difference.less"])
@@ -157,6 +172,9 @@ names && ("layers.0.verdicts." $1) in v {
 }
 END {
     truth("lines", lines > 0)
+    for (l = 0; l < v["layers.count"] && v["show"] == "class"; l++) to_place += places(3 + l, "right", 1) != ""
+    if (names && v["layers.count"] == 2) to_place += places(columns, "0", 0) != ""
+    equal("lines of places", placed + 0, to_place + 0)
     print "show " v["show"] ": " checked " values, " wrong + 0 " wrong"
     exit wrong > 0 || checked < least
 }
