@@ -52,6 +52,9 @@ play_error() {
 play_spawn() {
     run bench spawn --scene soup:n=100,size=0.5 --count 800 --tri mt --threads 1 --json "$dir/json" --csv "$dir/csv" &&
         rows spawn 0 && values bench_spawn 2000 "$dir/text"
+    # Neighbours touch.
+    run bench spawn --scene sphere:n=4 --count 150 --threads 1 --engine cpu --tri mt --json "$dir/json" --csv "$dir/csv" &&
+        values bench_spawn 1000 "$dir/text"
 }
 # The third scene has far more triangles than vertices: a time of one is none of the other.
 play_builders() {
@@ -109,6 +112,8 @@ play_matrix() {
     for rounds in 1 2; do
         bench matrix 200 "$rounds" --scene sphere:n=5 --count 160 --threads 1 --engine cpu,fast --layout f32,rf16,half4
     done
+    # Larger than the caches.
+    bench matrix 150 1 --scene sphere:n=32 --count 400 --threads 1 --engine cpu,fast --layout f32,rf16
     bench matrix 80 1 --scene soup:n=100 --count 100 --threads 1 --engine embree_robust
 }
 play_tightness() {

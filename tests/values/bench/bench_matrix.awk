@@ -25,6 +25,14 @@ function speeds(  k, product, ratio, base) {
     same(name "mean", word[11], "%.2f", v[p ".mean_ratio"])
     same(name "prim Mr/s", word[12], "%.3f", v[p ".prim_mrays"])
 }
+# What a name is made of.
+function members() {
+    truth(name "engine", index(v[p ".name"], v[p ".engine"]) == 1)
+    if (v[p ".engine"] == "cpu") truth(name "layout", index(v[p ".name"], "cpu " v[p ".layout"]) == 1)
+    if (v[p ".engine"] == "fast") truth(name "builder", index(v[p ".name"], "fast " v[p ".builder"]) == 1)
+    if (v[p ".layout"] == "-") equal(name "no members", v[p ".store"] v[p ".builder"], "--")
+    else truth(name "storage", v[p ".store"] ~ /^(indexed|compact)$/)
+}
 function sizes(  k, touched, sum, at) {
     touched = v[p ".prim_line_bytes"] != "null"
     sum = v[p ".node_bytes"] + v[p ".item_bytes"] + v[p ".scene_bytes"]
@@ -88,6 +96,7 @@ table && NF > 8 {
     p = "rows." r++
     name = v[p ".name"] " "
     equal("name", name_of(), v[p ".name"])
+    members()
     if (table == 1) speeds()
     else sizes()
     next

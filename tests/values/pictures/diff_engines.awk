@@ -45,6 +45,24 @@ function laws(p,  k, sum, allowed) {
     equal("largest", v[p ".largest"], is["largest"] + 0)
     compared++
 }
+# The rest of such a line: "; pictures part at segment 0 (t); rays at segment 1, light 2, of cpu".
+function details(q,  text, word) {
+    if (match($0, /; pictures part at segment [0-9]+ \([a-z]+\)/)) {
+        split(substr($0, RSTART + 2, RLENGTH - 3), word, /[ (]+/)
+        equal(q " pictures part", word[5] " " word[6], v[q ".picture_segment"] " " v[q ".picture_field"])
+    } else
+        equal(q " pictures do not part", v[q ".picture_field"], "same")
+    if (match($0, /; rays at segment [0-9]+(, light [0-9]+)?/)) {
+        n = split(substr($0, RSTART + 2, RLENGTH - 2), word, /[ ,]+/)
+        equal(q " rays part", word[4] " " (n > 4 ? word[6] : "null"), v[q ".segment"] " " v[q ".light"])
+    } else
+        truth(q " where rays part is not told", v[q ".class"] == "rounding" || v[q ".class"] == "same" || v[q ".class"] == "renderer")
+    if (match($0, /, of [a-z_0-9]+$/)) {
+        text = substr($0, RSTART + 5)
+        equal(q " of whom", text == v[p ".engine"] || text == v[p ".reference"], 1)
+    }
+    described++
+}
 # What is listed of a kind: place and value of each pixel.
 function listed(p, kind,  k, q, i) {
     for (k = 0; k < v[p ".pixels." kind ".count"]; k++) {
@@ -53,6 +71,7 @@ function listed(p, kind,  k, q, i) {
         if (v[p ".engine"] == engine) equal("value of a pixel that is listed", v[q ".value_difference"], channels_apart(i))
         if ($2 == v[q ".x"] "," v[q ".y"] && $3 == v[q ".class"] ":") {
             equal("value of " $2, $7 + 0, v[q ".value_difference"])
+            details(q)
             shown++
         }
     }
@@ -76,6 +95,12 @@ FNR == 1 {
     laws(p)
     next
 }
+/^tree: builder / {
+    gsub(",", "")
+    equal("tree", $5 " " $NF, v["layout"] " " v["tri"])
+    trees++
+}
+/^    WRONG / { wrongs++ }
 $1 ~ /^(paths|segments|values|explained|faults)$/ { lines++ }
 $1 == "paths" { equal("paths", $2 " " $4, v[p ".paths_different"] " " v[p ".paths"]) }
 $1 == "segments" {
@@ -116,6 +141,17 @@ $1 == "faults" {
 }
 END {
     equal("lines", lines, 5 * r)
+    equal("line of the tree", trees, 1)
+    # Of each kind four pixels are listed, of the answers of each those that are WRONG.
+    for (i = 0; i < r; i++)
+        for (k = split("same rounding allowed drift published renderer wrong unexplained", of, " "); k > 0; k--) {
+            n = v["pairs." i ".why." of[k]]
+            to_list += n < 4 ? n : 4
+            for (n = 0; n < 4; n++)
+                for (side = 0; side < 2; side++) to_wrong += v["pairs." i ".pixels." of[k] "." n ".answers." side ".verdict"] == "wrong"
+        }
+    equal("pixels listed", described + 0, to_list + 0)
+    equal("answers WRONG", wrongs + 0, to_wrong + 0)
     equal("pairs", r, v["pairs.count"])
     truth("nothing is compared with paths", compared)
     print "diff of engines: " checked " values, " wrong + 0 " wrong"

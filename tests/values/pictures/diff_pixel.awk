@@ -64,6 +64,38 @@ FNR == 1 {
     told++
     hits_told[e]++
 }
+# "0x1p+1 (2)  0x0p+0 (0)  ..." against the floats at a path.
+function vector(path,  k, text) {
+    text = $0
+    for (k = 0; k < 3; k++) {
+        match(text, /\([^)]*\)/)
+        same(path, substr(text, RSTART + 1, RLENGTH - 2), "%.9g", v[path "." k ".value"] + 0)
+        text = substr(text, RSTART + RLENGTH)
+    }
+    vectors[$1]++
+}
+/^    origin / { vector("paths." e ".segments." segment ".closest.ray.origin") }
+/^    direction / { vector("paths." e ".segments." segment ".closest.ray.direction") }
+/^    (point|normal|plane) / { vector("paths." e ".segments." segment "." $1) }
+/^    (hit|  met)  *a miss$/ {
+    ray = $1 == "hit" ? "closest" : "lights." light ".shadow_ray"
+    equal("a miss", v["paths." e ".segments." segment "." ray ".hit.prim"], "null")
+    told++
+}
+/^    exact / {
+    exact++
+    p = "paths." e ".segments." segment "." ray "."
+    equal(p "exact", $2 == "a" ? "null" : $3, v[p "exact_triangle"])
+    if (match($0, / at t in \[[^]]*\]/)) {
+        split(substr($0, RSTART + 10, RLENGTH - 11), of, ", ")
+        near(p "t_lo", of[1] + 0, v[p "t_lo"] + 0)
+        truth(p "t_lo and t_hi", v[p "t_lo"] <= v[p "t_hi"] && of[1] == sprintf("%.17g", v[p "t_lo"]) && of[2] == sprintf("%.17g", v[p "t_hi"]))
+    }
+    text = $0
+    sub(/, error of t.*/, "", text)
+    sub(/.*: /, "", text)
+    equal(p "verdict", text, v[p "verdict"] == "wrong" ? "WRONG, " v[p "wrong"] : v[p "verdict"])
+}
 /^    light [0-9]+ / {
     light = $2
     p = "paths." e ".segments." segment ".lights." light
@@ -75,7 +107,7 @@ FNR == 1 {
 }
 /^    weight / {
     p = "paths." e ".segments." segment
-    same(p " weight", $2 + 0, "%.9g", v[p ".weight.value"])
+    same(p " weight", substr($2, 1, length($2) - 1), "%.9g", v[p ".weight.value"])
     for (k = 0; k < 3; k++) same(p " colour", $(6 + k), "%.9g", v[p ".color." k ".value"])
 }
 /^    FIRST / {
@@ -93,6 +125,9 @@ FNR == 1 {
 END {
     equal("engines", ends, v["paths.count"])
     truth("nothing is told of a hit", told > 0)
+    equal("exact of each", exact, told)
+    equal("a ray has two vectors", vectors["origin"], vectors["direction"])
+    equal("a hit has a normal", vectors["point"] + 0, vectors["normal"] + 0)
     print "diff of a pixel: " checked " values, " wrong + 0 " wrong"
     exit wrong > 0 || checked < least
 }
