@@ -57,10 +57,12 @@ plain)
     suite readers sh tests/scripts/readers.sh "$build"
     suite cli sh tests/scripts/cli.sh "$build/raydiff"
     suite values sh tests/values/values.sh "$build/raydiff"
-    suite values_bench sh tests/values/values_bench.sh "$build/raydiff"
+    suite values_bench sh tests/values/values_bench.sh "$build/raydiff" layouts error spawn
+    suite values_times sh tests/values/values_bench.sh "$build/raydiff" builders oracle fuzz frames fast matrix tightness
     suite values_paper sh tests/values/values_paper.sh "$build/raydiff" paper
     suite values_special sh tests/values/values_paper.sh "$build/raydiff" special
-    suite values_pictures sh tests/values/values_pictures.sh "$build/raydiff"
+    suite values_pictures sh tests/values/values_pictures.sh "$build/raydiff" render paths images engines faults
+    suite values_show sh tests/values/values_pictures.sh "$build/raydiff" show
     suite values_scenes sh tests/values/values_scenes.sh "$build/raydiff"
     suite fields sh tests/values/fields.sh
     suite shipped sh tests/scripts/shipped.sh "$build/raydiff"

@@ -27,7 +27,7 @@ function same_span(what, text, format, least, most,  side) {
 function near(what, number, is,  far) {
     checked++
     far = number - is
-    if ((far < 0 ? -far : far) > 1e-7 * (is < 0 ? -is : is)) bad(what ": " number ", and computed anew " is)
+    if (!((far < 0 ? -far : far) <= 1e-7 * (is < 0 ? -is : is))) bad(what ": " number ", and computed anew " is)
 }
 function truth(what, holds) {
     checked++

@@ -37,7 +37,7 @@ play_layouts() {
 # Members as published lose hits and make triangles up; mt leaks on a closed mesh.
 play_error() {
     members='--engine cpu,embree_robust --layout f32,rtrs_rf,rf16 --tri mt,woop --threads 1'
-    other check sphere:n=6 soup:n=150,size=0.5 --layout f32,rf16 --engine cpu --rays edges --count 400 --repeat 1 --brute 0 \
+    other check sphere:n=6 soup:n=150,size=0.5 --layout f32,rf16,rtrs_rf --engine cpu --rays edges --count 400 --repeat 1 --brute 0 \
         --threads 1
     bench error 1200 1 --scene 'sphere:n=6;soup:n=150,size=0.5' --count 400 $members
     rm "$dir/other.flat"

@@ -1,6 +1,6 @@
 #!/bin/sh
 # The numbers of `raydiff render`, `render --show` and `raydiff diff` by value: against the pixels of the PNG files, the
-# segments of every path and the value of every pixel. sh tests/values/values_pictures.sh RAYDIFF [render paths show images engines]
+# segments of every path and the value of every pixel. sh tests/values/values_pictures.sh RAYDIFF [render paths show images engines faults]
 set -u
 raydiff=$1
 shift
@@ -85,9 +85,23 @@ play_engines() {
     done
 }
 
-for part in ${*:-render paths show images engines}; do
+# Faults: of a tracer with a bug, where it was built.
+play_faults() {
+    for bug in "$(dirname "$raydiff")/samples/tracer_bug1" build/samples/tracer_bug1; do
+        [ -x "$bug" ] || continue
+        run diff sphere:n=6 --camera-light-strength 1 $small --engine "cpu,pipe:$bug" --json "$dir/json" &&
+            values diff_engines 40 engine=none "$dir/text"
+        return
+    done
+}
+
+for part in ${*:-render paths show images engines faults}; do
     "play_$part"
+    case $part in
+    render | show) all_seen $part ;;
+    images) all_seen diff_images ;;
+    engines) all_seen diff_engines diff_pixel ;;
+    esac
 done
-case ${*:-all} in all) all_seen render show diff_images diff_engines diff_pixel ;; esac
 echo "values_pictures: $failed failed"
 [ "$failed" -eq 0 ]

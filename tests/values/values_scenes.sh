@@ -92,7 +92,10 @@ play_gen() {
 
 for part in ${*:-info construct precompute gen}; do
     "play_$part"
+    case $part in
+    info) all_seen scene_info ;;
+    construct) all_seen construct ;;
+    esac
 done
-case ${*:-all} in all) all_seen scene_info construct ;; esac
 echo "values_scenes: $failed failed"
 [ "$failed" -eq 0 ]

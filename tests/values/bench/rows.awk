@@ -23,6 +23,7 @@ function spread(name, least, median, most) {
         truth(name ": null alone", median == least && least == most)
         return
     }
+    truth(name ": " least " is above 0", least > 0)
     truth(name ": " least " <= " median " <= " most, least + 0 <= median + 0 && median + 0 <= most + 0)
     if (rounds == 1) truth(name ": one round, but " least ", " median ", " most, least == median && median == most)
     if (rounds == 2) near(name ": median of two rounds", median, (least + most) / 2)

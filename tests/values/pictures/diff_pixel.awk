@@ -82,6 +82,8 @@ function vector(path,  k, text) {
     equal("a miss", v["paths." e ".segments." segment "." ray ".hit.prim"], "null")
     told++
 }
+/^      met / { met++ }
+/^    explain   raydiff explain / { explained++ }
 /^    exact / {
     exact++
     p = "paths." e ".segments." segment "." ray "."
@@ -99,6 +101,7 @@ function vector(path,  k, text) {
 /^    light [0-9]+ / {
     light = $2
     p = "paths." e ".segments." segment ".lights." light
+    asked += !/not asked/
     equal(p " shadow", /not asked/ ? "false false" : /in the shadow/ ? "true true" : "true false", v[p ".asked"] " " v[p ".shadowed"])
 }
 /^    exact .*error of t / {
@@ -126,6 +129,8 @@ END {
     equal("engines", ends, v["paths.count"])
     truth("nothing is told of a hit", told > 0)
     equal("exact of each", exact, told)
+    equal("a command for each", explained, told)
+    equal("lights that are asked", met + 0, asked + 0)
     equal("a ray has two vectors", vectors["origin"], vectors["direction"])
     equal("a hit has a normal", vectors["point"] + 0, vectors["normal"] + 0)
     print "diff of a pixel: " checked " values, " wrong + 0 " wrong"
