@@ -33,6 +33,8 @@ numbers() {
 }
 same_as_whole() {
     same_folders whole "$1"
+    awk -F= '{ v[$1] = $2 } END { exit v["trials_before"] + v["trials"] - v["corpus"] != 96 }' \
+        "$(ls "$dir/$1".[0-9]* | tail -n 1)" >"$dir/out" 2>"$dir/err" || bad "$1 says other trials than 96, earlier ones with them"
     numbers whole >"$dir/numbers"
     numbers "$1" >"$dir/other"
     [ "$(grep -cE '^(sum (rays|judged|verdicts|corpus)|findings.*count=|contestants.*answered=)' "$dir/numbers")" -ge 14 ] ||

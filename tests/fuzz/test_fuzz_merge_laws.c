@@ -221,6 +221,30 @@ static void what_found_nothing_changes_nothing(void **state)
     must_be_same("01", "with-none");
 }
 
+/* Of one signature the log has the lowest findings, as many as there are lines, in their order. */
+static void must_have_the_lowest(const char *merged, uint64_t all)
+{
+    char *text = NULL, *path = join_path(in_root(merged), "findings.jsonl"),
+         key[FUZZ_SIGNATURE_MOST];
+    size_t size = 0, lines = 0;
+    uint64_t next = 0;
+    assert_int_equal(file_read(path, &text, &size, &reason), STATUS_OK);
+    snprintf(key, sizeof key, "\"signature\":\"%s\"", names[0]);
+    for (char *rest = NULL, *line = strtok_r(text, "\n", &rest); line;
+         line = strtok_r(NULL, "\n", &rest)) {
+        const char *index = strstr(line, "\"index\":\"");
+        if (!strstr(line, key) || !index)
+            continue;
+        while (next < all && kind_of(next) != 0)
+            next++;
+        assert_int_equal(strtoull(index + 9, NULL, 10), next++);
+        lines++;
+    }
+    assert_int_equal(lines, FINDINGS_LINES_MOST);
+    free(text);
+    free(path);
+}
+
 /* Of one signature there are more findings than lines, from the third shard on: those without a
  * line are counted, in a merge of merges as well. */
 static void what_has_no_line_is_counted_through_every_merge(void **state)
@@ -251,6 +275,7 @@ static void what_has_no_line_is_counted_through_every_merge(void **state)
         want += findings_entry(findings, k)->count;
     assert_int_equal(want, all);
     findings_close(findings);
+    must_have_the_lowest("two-1-0", all);
 }
 
 int main(void)
