@@ -1,6 +1,6 @@
 #!/bin/sh
 # The numbers of `raydiff scene`, `construct`, `precompute` and `judge gen` by value: against the scene as OBJ, trees as
-# JSON. sh tests/values/values_scenes.sh RAYDIFF [info construct precompute gen]
+# JSON. sh tests/values/values_scenes.sh RAYDIFF [info list construct precompute gen]
 set -u
 raydiff=$1
 shift
@@ -90,7 +90,33 @@ play_gen() {
     [ "$(sort -u "$dir/hashes" | wc -l)" -eq 4 ] || bad 'judge gen: other rays, or another query, and the same hash'
 }
 
-for part in ${*:-info construct precompute gen}; do
+# The defaults are those that stand there; an end of a range belongs to it, and what is beyond does not.
+play_list() {
+    run scene list
+    awk '/^  [a-z]/ { name = $1 }
+        /^    [a-z]+ +[-0-9.e+]+ to / {
+            value = $5
+            gsub(/[][]/, "", value)
+            print name, $1, $2, $4, value
+        }' "$dir/text" >"$dir/params"
+    [ "$(wc -l <"$dir/params")" -ge 20 ] || bad 'scene list: parameters'
+    for name in $(cut -d' ' -f1 "$dir/params" | uniq); do
+        all=$(awk -v name="$name" '$1 == name { printf "%s%s=%s", n++ ? "," : "", $2, $5 }' "$dir/params")
+        run scene info "$name" && sed 1d "$dir/text" >"$dir/default"
+        run scene info "$name:$all" && sed 1d "$dir/text" | cmp -s - "$dir/default" || bad "$name is not $name:$all"
+    done
+    awk '{
+        print 0, $1 ":" $2 "=" $3
+        printf "2 %s:%s=%.9g\n2 %s:%s=%.9g\n", $1, $2, $3 - 1 - $3 ^ 2, $1, $2, $4 + 1 + ($4 > 1e6) * $4
+    }' "$dir/params" >"$dir/tries"
+    while read -r want spec; do
+        "$raydiff" scene info "$spec" >"$dir/text" 2>"$dir/err"
+        got=$?
+        [ "$got" -eq "$want" ] || bad "scene info $spec: exit $got, not $want"
+    done <"$dir/tries"
+}
+
+for part in ${*:-info list construct precompute gen}; do
     "play_$part"
     case $part in
     info) all_seen scene_info ;;
