@@ -90,12 +90,13 @@ static void report_setting(struct bench *bench, const struct fuzz_field *field,
     printf("  %llu trials of %.1f triangles, %llu answers at fault, %llu refusals\n",
            (unsigned long long)setting->all, triangles, (unsigned long long)setting->wrong,
            (unsigned long long)setting->refused);
-    json_t *row =
-        json_record("workers=%zu trials=%zu trials_per_s=%g trials_per_s_least=%g "
-                    "trials_per_s_most=%g judged_rays_per_s=%g harness_share=%g "
-                    "harness_to_engines=%g core_us_per_trial=%g triangles=%g at_fault=%zu",
-                    setting->workers, setting->all, trials.median, trials.least, trials.most,
-                    judged.median, share.median, ratio, core, triangles, setting->wrong);
+    json_t *row = json_record(
+        "workers=%zu trials=%zu trials_per_s=%g trials_per_s_least=%g "
+        "trials_per_s_most=%g judged_rays_per_s=%g harness_share=%g "
+        "harness_to_engines=%g core_us_per_trial=%g triangles=%g at_fault=%zu "
+        "refused=%zu",
+        setting->workers, setting->all, trials.median, trials.least, trials.most, judged.median,
+        share.median, ratio, core, triangles, setting->wrong, setting->refused);
     for (size_t i = 0; i < field->count + PARTS; i++) {
         char name[96];
         double us = spread_of(setting->us[i], rounds).median;

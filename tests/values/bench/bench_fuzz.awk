@@ -35,6 +35,7 @@
     equal(name "trials", $1, v[p ".trials"])
     same(name "triangles", $4, "%.1f", v[p ".triangles"])
     equal(name "at fault", $6, v[p ".at_fault"])
+    equal(name "refusals", $(NF - 1), v[p ".refused"])
     next
 }
 / us a trial$/ {
