@@ -68,6 +68,16 @@ play_images() {
         run diff "$dir/$1.png" "$dir/$2.png" --json "$dir/json" &&
             values diff_images 16 "$dir/x.a.pixels" "$dir/x.b.pixels" "$dir/text"
     done
+    # Where the heat map has each pixel.
+    for ambience in 0 0.5; do
+        run render sphere:n=6 -w 7 -h 5 --ambience $ambience --out "$dir/h$ambience.png"
+    done
+    pixels "$dir/h0.png" "$dir/x.a.pixels"
+    pixels "$dir/h0.5.png" "$dir/x.b.pixels"
+    echo none=0 >"$dir/none"
+    run diff "$dir/h0.png" "$dir/h0.5.png" --out "$dir/heat.png" && pixels "$dir/heat.png" "$dir/heat.map" &&
+        awk -v least=7000 -f tests/values/lib.awk -f tests/values/pictures/pixels.awk -f tests/values/pictures/heat.awk "$dir/none" \
+            "$dir/x.a.pixels" "$dir/x.b.pixels" "$dir/heat.map" "$dir/text" || bad "$ran: heat map"
 }
 play_engines() {
     for scene in cornell:n=4 'rtrs --profile rtrs'; do
