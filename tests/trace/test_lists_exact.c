@@ -255,7 +255,7 @@ static bool play(const struct engine *engine, const char *box, uint32_t rays)
     }
     engine->close(self);
     if (status == STATUS_UNSUPPORTED)
-        print_message("SKIP %s\n", reason.text);
+        print_message("not played: %s\n", reason.text);
     else
         stand_must(status, &reason);
     return !status;

@@ -43,6 +43,7 @@ static void expect_nodes(const struct packed *packed, const struct groups *g, st
     struct packed_walk walk;
     assert_int_equal(packed_walk_make(packed, &walk), STATUS_OK);
     assert_int_equal(walk.bad_refs + walk.repeats, 0);
+    assert_int_equal(walk.stack_most, packed->stack_need);
     for (uint32_t i = 0; i < walk.visit_count; i++) {
         struct wide node;
         packed->layout->load(packed, walk.visit[i].ref, &node);
