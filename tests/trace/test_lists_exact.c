@@ -334,11 +334,55 @@ static void trees_of_all_kinds_list_what_is_there(void **state)
     }
 }
 
+/* As many triangles between the first half of them and the second as make more than one dispatch,
+ * which no ray comes near. */
+static void push_apart(uint32_t by, uint32_t rays)
+{
+    struct scene *small = &stand.scene, large;
+    uint32_t count = small->tri_count, half = count / 2;
+    assert_int_equal(scene_make(small->vertex_count + 3, count + by, &large), STATUS_OK);
+    memcpy(large.vertex, small->vertex, 12 * (size_t)small->vertex_count);
+    for (uint32_t i = 0; i < 9; i++)
+        large.vertex[3 * (size_t)small->vertex_count + i] = 1000 + (float)(i * i);
+    for (uint32_t i = 0; i < 3 * (count + by); i++) {
+        bool between = i >= 3 * half && i < 3 * (half + by);
+        uint32_t own = i < 3 * half ? i : i - 3 * by;
+        large.index[i] = between ? small->vertex_count + i % 3 : small->index[own];
+    }
+    for (uint32_t i = 0; i < rays; i++)
+        for (uint32_t k = 0; k < stand.count[i]; k++)
+            stand.want[i][k].prim += stand.want[i][k].prim >= half ? by : 0;
+    scene_free(small);
+    *small = large;
+}
+
+/* Parts of the triangles, and of the rays, too: 2^24 tests are a batch, 2^14 triangles a part. */
+static void brute_force_in_parts_lists_what_is_there(void **state)
+{
+    (void)state;
+    const struct engine *engine = engine_find("vulkan_brute");
+    const uint32_t rays = 1040;
+    struct reason reason = {""};
+    void *self = stand_open(engine);
+    push_apart(16400, rays);
+    for (enum query query = 0; query < QUERY_COUNT; query++) {
+        struct job job = {
+            .scene = &stand.scene, .box = box_tests[0], .tri = tri_test_find("mt"), .query = query};
+        stand_must(engine->prepare(self, &job, &reason), &reason);
+        if (query == QUERY_ALL)
+            expect_lists(engine, self, rays, false);
+        else
+            expect_singles(engine, self, rays, query == QUERY_ANY);
+    }
+    engine->close(self);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_engine_lists_what_is_there),
         cmocka_unit_test(trees_of_all_kinds_list_what_is_there),
+        cmocka_unit_test(brute_force_in_parts_lists_what_is_there), /* last: another scene */
     };
     return cmocka_run_group_tests(tests, make_stand, drop_stand);
 }
