@@ -3,6 +3,7 @@
 #include "cmd/fuzz/cmd_replay.h"
 
 #include "ref/outside/plugin_shader.h"
+#include "ref/base/command.h"
 #include "fuzz/play/trial_tree.h"
 #include "fuzz/findings/versions.h"
 #include "cmd/explain/cmd_explain.h"
@@ -191,9 +192,11 @@ static enum status make_page(struct troupe *troupe, const struct request *reques
         status = fuzz_explain_scaled(open->player, trial, request->ray, &parts->ray, reason);
     if (status)
         return status;
-    char again[EXPLAIN_COMMAND_MOST];
+    char again[EXPLAIN_COMMAND_MOST] = "raydiff replay";
     const char *path = troupe->files[request->file].path;
-    snprintf(again, sizeof again, "raydiff replay %s --engine %s", path, request->who.engine->name);
+    command_word(again, sizeof again, path);
+    command_word(again, sizeof again, "--engine");
+    command_word(again, sizeof again, request->who.engine->name);
     if (layout)
         plugin_command(again, sizeof again, layout);
     const struct explain_of of = {.spec = path,

@@ -1,0 +1,128 @@
+#!/bin/sh
+# The numbers of `raydiff fuzz`, `min`, `replay` and `explain` by value: every line of text against the JSON, sums, rates and
+# steps computed anew; commands that are printed do what they did. sh tests/values/values_findings.sh RAYDIFF
+set -u
+raydiff=$1
+. tests/values/compare.sh
+
+# name, least number of values, variables of awk
+laws() {
+    name=$1 least=$2
+    shift 2
+    awk "$@" -v least="$least" -f tests/values/lib.awk -f tests/values/floats.awk -f "tests/values/findings/$name.awk" "$dir/flat" \
+        "$dir/text" || bad "$name: $ran"
+}
+# exit code, arguments of raydiff
+try() {
+    wanted=$1
+    shift
+    ran="raydiff $*"
+    "$raydiff" "$@" --json "$dir/json" >"$dir/text" 2>"$dir/err"
+    code=$?
+    [ "$code" -eq "$wanted" ] || bad "$ran: exit $code, not $wanted"
+    awk -f tests/values/flat.awk "$dir/json" >"$dir/flat"
+    [ "$(sed -n 's/^exit=//p' "$dir/flat")" = "$code" ] || bad "$ran: the JSON tells another exit code"
+}
+# Runs the last command of the page, which prints the same page but for itself.
+again() {
+    cp "$dir/text" "$dir/before"
+    printed=$(sed -n 's/^again     raydiff //p' "$dir/text")
+    [ -n "$printed" ] || { bad "$ran: nothing shows how to get it again"; return; }
+    eval "\"\$raydiff\" $printed" >"$dir/text" 2>"$dir/err"
+    for page in before text; do sed '/^scene  /,$!d; /^again  /d; /^engine .* answered [0-9]/d' "$dir/$page" >"$dir/$page.page"; done
+    [ -s "$dir/text.page" ] && cmp -s "$dir/before.page" "$dir/text.page" || bad "$ran: $printed prints another page"
+}
+# file, hints, arguments
+explained() {
+    file=$1 lost=$2
+    shift 2
+    try 1 explain "$file" "$@"
+    laws explain 120 -v "triangles=$(sed -n 's/^triangles //p' "$file")" -v "lost=$lost"
+    again
+}
+# file, exit code, how one player ended or "", arguments
+replayed() {
+    file=$1 wanted=$2 status=$3
+    shift 3
+    try "$wanted" replay "$file" "$@"
+    laws replay 20 -v "trial=$file" -v "status=$status"
+}
+
+fuzz="--rays 40 --jobs 2 --corpus none --faithful --seed 9"
+try 1 fuzz $fuzz --engine cpu --layout rtrs_rf,f32 --trials 128 --no-shrink --dir "$dir/a"
+laws fuzz 140 -v rays=40
+try 1 fuzz --dir "$dir/a" --trials 129 --no-shrink
+laws fuzz 60 -v rays=40
+try 0 fuzz --rays 30 --jobs 1 --corpus none --engine cpu,brute --layout f32 --trials 64 --dir "$dir/sound"
+laws fuzz 60 -v rays=30
+printf '%s until - a word docs/fuzzing.md\n' 'cpu.rtrs_rf.missed.*' 'cpu.*.*.determinant_threshold' >"$dir/known.txt"
+try 1 fuzz --dir "$dir/a" --baseline "$dir/known.txt" --trials 129 --no-shrink
+laws fuzz 60 -v rays=40
+try 0 min "$dir/a"
+laws min 80
+try 0 min "$dir/a" # nothing is smaller now
+laws min 80
+
+missed=0
+for file in "$dir"/a/*/smallest.trial fuzz/corpus/wrong-item.trial fuzz/corpus/slot-not-read.trial; do
+    replayed "$file" 1 skipped --engine cpu,brute,vulkan --driver no-such-driver
+    case $(sed -n 's/^expect //p' "$file") in
+    *.missed.*)
+        missed=$((missed + 1))
+        again
+        explained "$file" 0
+        ;;
+    esac
+done
+[ "$missed" -ge 6 ] || bad "only $missed rays that are lost"
+replayed fuzz/corpus/bad-rays.trial 77 skipped --engine cpu,vulkan --driver no-such-driver
+replayed fuzz/corpus/bad-rays.trial 0 played --engine cpu,brute
+
+# A tracer and a blind one. A hit on an edge where the triangle's box ends may be lost by slabs; no word of that
+# if it is answered, nor inside, nor where nothing is hit.
+cat >"$dir/edge.trial" <<'END'
+raydiff trial 1
+expect clean
+builder median leaf 4 eps 0.02
+box robust
+tri mt
+query closest
+vertices 3
+0 0 0
+-1 0 0
+0 -1 0
+triangles 1
+0 1 2
+rays 3
+-0.25 0 1 0 0 -1 0 9
+-0.25 -0.25 1 0 0 -1 0 9
+0.25 0.25 1 0 0 -1 0 9
+end
+END
+for tracer in sees blind; do
+    sed "$([ $tracer = blind ] && echo 's/size > 0\.0f/size > 1e30f/')" fuzz/samples/sample_tracer.c >"$dir/$tracer.c"
+    cc -O1 -o "$dir/$tracer" "$dir/$tracer.c" || bad "$tracer is not compiled"
+    for index in 0 1 2; do
+        case $tracer$index in
+        blind0) hints=2 code=0 ;;
+        blind1) hints=0 code=1 ;;
+        *) hints=0 code=0 ;;
+        esac
+        try $code explain "$dir/edge.trial" --index $index --engine "pipe:$dir/$tracer"
+        laws explain 30 -v triangles=1 -v "lost=$hints"
+        again
+    done
+done
+
+# Names with blanks, of files and of tracers.
+mkdir "$dir/two words"
+sed 's/^expect .*/expect pipe:blind.-.missed.scale/' "$dir/edge.trial" >"$dir/two words/edge.trial"
+replayed "$dir/two words/edge.trial" 1 played --engine "pipe:$dir/blind  "
+again
+cp fuzz/corpus/wrong-item.trial "$dir/two words"
+replayed "$dir/two words/wrong-item.trial" 1 played --engine cpu
+again
+explained "$dir/two words/wrong-item.trial" 0
+
+echo "values_findings: $failed failed"
+[ "$failed" -eq 0 ]
