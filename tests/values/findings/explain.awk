@@ -233,7 +233,7 @@ END {
     if (goal != "") equal("pages of the triangle", exactly[goal], 1)
     if (v["answer.prim"] != "null") equal("pages of the answer", exactly[v["answer.prim"]], 1)
     equal("hints", hints + 0, v["hints.count"])
-    # Only who answers a miss, with a tree that nobody sees, has lost what is exactly hit.
+    # Only an engine whose tree is unknown and that answers a miss has lost what is exactly hit.
     equal("hints", v["hints.count"], lost && v["answer.prim"] == "null" && v["truth.prim"] != "null" ? lost : 0)
     while (tried < v["tried.count"]) if (v["tried." tried++ ".changed"] == "true" && v["inside"] == "true") bad("a repair is not printed")
     print "explain: " checked " values, " wrong + 0 " wrong"
