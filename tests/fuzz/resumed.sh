@@ -59,6 +59,11 @@ awk -F= '$1 == "trials" && $2 + 0 < 96 { few = 1 } END { exit !few }' "$dir/unti
 part until 2 --trials 96 --jobs 1 --time 600 --seed 9 --rays 40 --layout rf16,f32
 same_as_whole until
 
+# Ended by the number of findings it shrinks those that it has.
+part early 1 $campaign --layout rf16,f32 --corpus none --trials 96 --jobs 2 --until 1
+awk -F= '$1 ~ /^findings\.[0-9]+\.triangles$/ { found++; large += $2 > 4 } END { exit !found || large > 0 }' "$dir/early.1" ||
+    bad "--until 1 leaves findings as they are"
+
 # What raydiff min makes of it is what the campaign's own shrinking makes.
 expect 0 . min "$dir/min" >>"$dir/log"
 same_folders whole min
