@@ -4,6 +4,17 @@ function hex(text,  i, n) {
     for (i = 3; i <= length(text); i++) n = n * 16 + index("0123456789abcdef", substr(text, i, 1)) - 1
     return n
 }
+# A number as printf has it, also as a hexadecimal float, of which not every awk knows.
+function float_number(text,  part, sign, n, dot, i) {
+    if (text !~ /0x/) return text + 0
+    sign = text ~ /^-/ ? -1 : 1
+    sub(/^[-+]?0x/, "", text)
+    split(text, part, "p")
+    for (i = 1; i <= length(part[1]); i++)
+        if (substr(part[1], i, 1) == ".") dot = i
+        else n = n * 16 + index("0123456789abcdef", substr(part[1], i, 1)) - 1
+    return sign * n * 2 ^ (part[2] - (dot ? 4 * (length(part[1]) - dot) : 0))
+}
 # The float of a word; of infinities and what is no number the word itself.
 function float_of(word,  sign, exponent, fraction) {
     sign = word >= 2147483648 ? -1 : 1

@@ -45,16 +45,24 @@ show() {
     what=$1 layouts=$2
     shift 2
     run render "$@" $small --show "$what" --layout "$layouts" --csv "$dir/s.csv" --out "$dir/a.png" --json "$dir/json" &&
-        pixels "$dir/a.png" "$dir/a.pixels" --size && values show 400 "$dir/a.pixels" "$dir/s.csv" "$dir/text"
+        pixels "$dir/a.png" "$dir/a.pixels" --size && values show 400 "$dir/a.pixels" $(ls "$dir/a.csv" 2>/dev/null) "$dir/s.csv" "$dir/text"
 }
+told() { sed -n "s/^$1=//p" "$dir/flat"; }
 # half4 and f32 walk other trees; rtrs_rf with a box test that culls loses hits, which the judge calls WRONG.
 play_show() {
+    run render cornell:n=3 $small --bounces 1 --layout f32 --out "$dir/a.png" --paths "$dir/a.csv"
     for what in t prim normal boxes triangles depth overlap inflation error class; do
         show $what f32,half4 cornell:n=3
     done
+    rm "$dir/a.csv"
     show boxes f32 sphere:n=6
+    # What one layout loses is WRONG, and has no t, or another.
     show class f32,rtrs_rf rtrs --box robust
+    lost=$(told layers.1.verdicts.wrong)
+    [ "${lost:-0}" -gt 0 ] && [ "$(told layers.0.verdicts.wrong)" = 0 ] || bad "$ran: $lost are WRONG"
     show t f32,rtrs_rf rtrs --box robust
+    other=$(($(told difference.only_one) + $(told difference.more) + $(told difference.less)))
+    [ "$other" = "$lost" ] || bad "$ran: $other are lost, $lost WRONG"
 }
 play_images() {
     run render rtrs $small --out "$dir/a.png"
@@ -67,6 +75,14 @@ play_images() {
         pixels "$dir/$2.png" "$dir/x.b.pixels"
         run diff "$dir/$1.png" "$dir/$2.png" --json "$dir/json" &&
             values diff_images 16 "$dir/x.a.pixels" "$dir/x.b.pixels" "$dir/text"
+        # The exit code is that of the largest difference of any channel.
+        most=$(sed -n 's/^largest\.[a-z]*=//p' "$dir/flat" | sort -n | tail -n 1)
+        [ "$code" -eq $((most > 0)) ] || bad "$ran: exit $code, differs by $most"
+        for max in $most $((most - 1)); do
+            [ "$max" -ge 0 ] || continue
+            run diff "$dir/$1.png" "$dir/$2.png" --max "$max"
+            [ "$code" -eq $((most > max)) ] || bad "$ran: exit $code, differs by $most"
+        done
     done
     # Where the heat map has each pixel.
     for ambience in 0 0.5; do

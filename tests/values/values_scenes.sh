@@ -82,7 +82,7 @@ play_gen() {
         for seed in 1 7; do
             what="sphere:n=2 --query $query --seed $seed --count 40"
             run judge gen $what && cp "$dir/text" "$dir/hex" && run judge gen $what --decimal --out "$dir/decimal" &&
-                awk -v least=700 -v query=$query -v count=40 -v seed=$seed -v scene=sphere:n=2 -f tests/values/lib.awk -f tests/values/scenes/obj.awk \
+                awk -v least=700 -v query=$query -v count=40 -v seed=$seed -v scene=sphere:n=2 -f tests/values/lib.awk -f tests/values/floats.awk -f tests/values/scenes/obj.awk \
                     -f tests/values/scenes/gen.awk "$dir/none" "$dir/x.obj" "$dir/hex" "$dir/decimal" || bad "judge gen $what"
             sed -n 's/^from \([0-9a-f]*\) .*/\1/p' "$dir/hex" >>"$dir/hashes"
         done

@@ -1,5 +1,6 @@
 # `raydiff render --show` of one or two layouts against its CSV, where every pixel's value stands:
-# awk -f lib.awk -f pixels.awk -f show.awk FLAT a.pixels s.csv TEXT
+# awk -f lib.awk -f pixels.awk -f paths.awk -f floats.awk -f show.awk FLAT a.pixels [a.csv] s.csv TEXT
+# a.csv: the paths of the first layout, of which t and prim must be those of the first segments.
 function sort(count,  i, k, x) {
     for (i = 2; i <= count; i++) {
         x = sorted[i]
@@ -91,6 +92,26 @@ function two(  i, more, less, one, d, count, different) {
     equal("less", v["difference.less"], less + 0)
     statistics(d, "difference.values", "difference ")
 }
+function first_segments(  i, at, hit) {
+    for (i = 0; i < rows; i++) {
+        at = 0 SUBSEP i % v["width"] SUBSEP int(i / v["width"])
+        split(segment[0, at, 0], hit, SUBSEP)
+        if (hit[2] == "") equal("nothing hit at " i, cell[i, 3], "")
+        else if (v["show"] == "prim") equal("triangle at " i, cell[i, 3], hit[2])
+        else same("t at " i, cell[i, 3], "%.9g", float_number(hit[1]))
+        compared++
+    }
+}
+# Normals have length 1.
+function lengths(  i, l, k, square) {
+    for (i = 0; i < rows; i++)
+        for (l = 0; l < v["layers.count"]; l++) {
+            if (cell[i, 3 + 3 * l] == "") continue
+            square = 0
+            for (k = 0; k < 3; k++) square += cell[i, 3 + 3 * l + k] ^ 2
+            truth("length of the normal at " i, (square - 1) ^ 2 < 1e-10)
+        }
+}
 function verdicts(l,  i, k, count, name) {
     for (i = 0; i < rows; i++) count[cell[i, 3 + l]]++
     for (k in v) {
@@ -113,6 +134,8 @@ function laws(  l) {
         if (v["show"] ~ /^(boxes|triangles)$/) equal("counted", v["layers." l ".counted." v["show"]], v["layers." l ".values.sum"] + 0)
     }
     if (v["layers.count"] == 2) two()
+    if ((0, 0) in in_all && v["show"] ~ /^(t|prim)$/) first_segments()
+    if (planes == 3) lengths()
 }
 FILENAME ~ /s\.csv$/ {
     n = split($0, field, ",")

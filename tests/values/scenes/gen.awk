@@ -1,15 +1,5 @@
 # What `raydiff judge gen` writes against the scene as OBJ and the same request in the other form (hexadecimal and
-# decimal): awk -f lib.awk -f obj.awk -f gen.awk -v query=Q -v count=N -v seed=S -v scene=SPEC NONE x.obj HEX DECIMAL
-function number(text,  part, sign, n, dot, i) {
-    if (text !~ /0x/) return text + 0
-    sign = text ~ /^-/ ? -1 : 1
-    sub(/^[-+]?0x/, "", text)
-    split(text, part, "p")
-    for (i = 1; i <= length(part[1]); i++)
-        if (substr(part[1], i, 1) == ".") dot = i
-        else n = n * 16 + index("0123456789abcdef", substr(part[1], i, 1)) - 1
-    return sign * n * 2 ^ (part[2] - (dot ? 4 * (length(part[1]) - dot) : 0))
-}
+# decimal): awk -f lib.awk -f floats.awk -f obj.awk -f gen.awk -v query=Q -v count=N -v seed=S -v scene=SPEC NONE x.obj HEX DECIMAL
 FNR == 1 {
     form++
     equal("head", $0, "raydiff 1")
@@ -22,13 +12,13 @@ $1 == "from" {
     truth("hash", $2 ~ /^[0-9a-f]+$/ && length($2) == 16)
 }
 $1 == "query" { equal("query", $2, query) }
-$1 == "v" { for (k = 0; k < 3; k++) near("vertex " v_, number($(2 + k)), vertex[v_, k]); v_++ }
+$1 == "v" { for (k = 0; k < 3; k++) near("vertex " v_, float_number($(2 + k)), vertex[v_, k]); v_++ }
 $1 == "t" { for (k = 0; k < 3; k++) equal("triangle " t_, $(2 + k), corner[t_, k]); t_++ }
 $1 == "r" {
     equal("numbers of a ray", NF, 9)
     for (k = 2; k <= NF; k++) {
-        if (form == 1) ray[r_, k] = number($k)
-        near("ray " r_, number($k), ray[r_, k])
+        if (form == 1) ray[r_, k] = float_number($k)
+        near("ray " r_, float_number($k), ray[r_, k])
     }
     truth("ray " r_ " has a direction and a range", ray[r_, 6] ^ 2 + ray[r_, 7] ^ 2 + ray[r_, 8] ^ 2 > 0 && ray[r_, 5] <= ray[r_, 9])
     if (r_ > 0 && $0 != before) other_rays++
