@@ -1,10 +1,12 @@
 # Mutations: every small change of the code should make a test suite fail.
 #   make mutation ROOM=ref/judge [SAMPLE=200] [SEED=1]      finished mutations are not repeated
-# config=mutation builds library and commands as one shared object. A mutated unit loaded before it
-# replaces the original unit in every program (tests/mutation/play.sh).
+# config=mutation builds library and commands as one shared object, which programs find by LD_LIBRARY_PATH
+# first: one with a mutated unit in it takes its place in every program (tests/mutation/play.sh).
 ifeq ($(config),mutation)
 $(B)/libraydiff.so: $(LIB_OBJ)
-	$(CC) $(CFLAGS) -shared -o $@ $^ $(LDLIBS) $(PROGRAM_LIBS)
+	$(CC) $(CFLAGS) -shared -Wl,-soname,$(@F) -o $@ $^ $(LDLIBS) $(PROGRAM_LIBS)
+	@echo '$^' | tr ' ' '\n' >$(B)/objects; echo '-fopenmp $(LDLIBS) $(PROGRAM_LIBS)' >$(B)/libraries
+LDLIBS += -Wl,-rpath,$(abspath $(B))
 $(B)/libraydiff.a: $(B)/libraydiff.so
 	@echo 'INPUT($(abspath $<))' >$@
 endif

@@ -5,11 +5,12 @@
 #   survived   all suites that run the line stay green, and others for 120 s more; BY: how many ran the line
 #   same       the compiler makes the same code of it
 #   broken     it does not compile
-# A C file is compiled and loaded before the library, whose unit it replaces; of a header all units that
-# include it, and unit tests that do; of GLSL all shaders that include it.
+# A C file is compiled, and programs get a library with it in place of the unit; of a header all units that
+# include it, and unit tests that do; of GLSL all shaders that include it. What turns red must be green
+# without the mutation, then and there.
 set -u
 out=$1 file=$2 number=$3
-build=$out/..
+build=$(dirname "$out")
 flat=$(echo "$file" | tr / .)
 dir=$out/play/$flat.$number
 mkdir -p "$dir" "$out/done" "$out/healthy"
@@ -50,7 +51,7 @@ compile_units() { # the library's and the commands'
         object=$dir/units/$(echo "$unit" | tr / .).o
         compile "$(source_of "$unit.c")" "$object"
         cmp -s "$object" "$(healthy_object "$unit")" && continue
-        objects="$objects $object"
+        objects="$objects $build/obj/$unit.o=$object"
         warns "$unit" && tell killed warnings
     done
 }
@@ -71,7 +72,7 @@ compile_shaders() {
     done
     [ -n "$changed" ] || return 0
     "$build/spirv_tool" embed "$dir/shaders.c" $modules && compile "$dir/shaders.c" "$dir/units/shaders.o"
-    objects=$dir/units/shaders.o
+    objects=$build/obj/gen/shaders.o=$dir/units/shaders.o
 }
 
 objects= tests=
@@ -84,7 +85,15 @@ case $file in
 *) compile_shaders ;;
 esac
 [ -n "$objects$tests" ] || tell same compiler
-[ -z "$objects" ] || $CC_CMD -shared -o "$dir/unit.so" $objects || exit 4
+# The library with these in place of its own.
+with=$build
+if [ -n "$objects" ]; then
+    for pair in $objects; do echo "$pair"; done |
+        awk -F= 'NR == FNR { other[$1] = $2; next } { print $1 in other ? other[$1] : $1; used += $1 in other }
+            END { exit used == 0 }' - "$build/objects" >"$dir/objects" &&
+        $CC_CMD -shared -Wl,-soname,libraydiff.so -o "$dir/libraydiff.so" $(cat "$dir/objects" "$build/libraries") || tell broken linker
+    with=$dir
+fi
 
 # --- suites ------------------------------------------------------------------------------------------
 
@@ -96,20 +105,23 @@ program_of() { # suite
     $CC_CMD -o "$dir/$1" "$dir/$1.o" $(cat "$build/links/$1") || exit 4
     echo "$dir/$1"
 }
-red() { # suite, seconds that it may take
+red() { # suite, seconds that it may take, folder of the library
     command=$(program_of "$1")
     logs=$dir
     (
-        [ -z "$objects" ] || export LD_PRELOAD="$(realpath "$dir/unit.so")"
+        export LD_LIBRARY_PATH="$(realpath "$3")"
         eval "timeout -k 5 $2 $command"
     ) >"$dir/log" 2>&1 </dev/null
     code=$?
     [ "$code" -ne 0 ] && [ "$code" -ne 77 ]
 }
 try() { # suite, its usual milliseconds
-    red "$1" "$((60 + 20 * $2 / 1000))" || return
-    [ "$code" -ne 124 ] && [ "$code" -ne 137 ] && tell killed "$1"
-    tell killed "$1 hangs"
+    limit=$((60 + 20 * $2 / 1000))
+    red "$1" "$limit" "$with" || return
+    by=$1
+    { [ "$code" -eq 124 ] || [ "$code" -eq 137 ]; } && by="$1 hangs"
+    (tests= && red "$1" "$limit" "$build") && return
+    tell killed "$by"
 }
 
 # The suites that run the line, the quick ones first, as long as there is some left of COVERING seconds. Of a
