@@ -79,6 +79,52 @@ static void camera_orbit_turns_from_x_to_z(void **state)
     }
 }
 
+/* One triangle between two corners of a box, and a vertex far away that no triangle has. */
+static struct camera camera_of_box(const float lo[3], const float hi[3], uint32_t tris)
+{
+    struct scene scene;
+    assert_int_equal(scene_make(4, 1, &scene), STATUS_OK);
+    for (int k = 0; k < 3; k++) {
+        scene.vertex[k] = hi[k];
+        scene.vertex[3 + k] = lo[k];
+        scene.vertex[6 + k] = k == 1 ? hi[k] : lo[k];
+        scene.vertex[9 + k] = -1000;
+        scene.index[k] = (uint32_t)k;
+    }
+    scene.tri_count = tris;
+    struct camera camera = scene_camera(&scene);
+    scene_free(&scene);
+    return camera;
+}
+
+/* It looks at the middle, from as far as the longest side is long. */
+static void camera_of_a_scene_without_one(void **state)
+{
+    (void)state;
+    static const float size[][3] = {{4, 2, 1}, {1, 6, 2}, {2, 1, 8},
+                                    {3, 3, 3}, {0, 0, 5}, {2, 0, 0}};
+    static const float lo[] = {-3, 5, 0.5f}, zero[] = {0, 0, 0}, one[] = {1, 1, 1};
+    for (size_t i = 0; i < sizeof size / sizeof *size; i++) {
+        float hi[3];
+        double middle[3], longest = 0;
+        for (int k = 0; k < 3; k++) {
+            hi[k] = lo[k] + size[i][k];
+            middle[k] = (double)lo[k] + (double)size[i][k] / 2;
+            longest = fmax(longest, (double)size[i][k]);
+        }
+        struct camera camera = camera_of_box(lo, hi, 1);
+        assert_true(camera.orbit);
+        assert_vector(camera.at, middle[0], middle[1], middle[2]);
+        assert_vector(camera.pos, middle[0] + longest, middle[1] + 0.7 * longest,
+                      middle[2] + 1.3 * longest);
+    }
+    struct camera point = camera_of_box(one, one, 1), empty = camera_of_box(zero, one, 0);
+    assert_vector(point.at, 1, 1, 1);
+    assert_vector(point.pos, 2, 1.7, 2.3);
+    assert_vector(empty.at, 0, 0, 0);
+    assert_vector(empty.pos, 2, 1.4, 2.6);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -86,6 +132,7 @@ int main(void)
         cmocka_unit_test(camera_repaired_has_square_pixels),
         cmocka_unit_test(camera_looks_straight_down_and_at_itself),
         cmocka_unit_test(camera_orbit_turns_from_x_to_z),
+        cmocka_unit_test(camera_of_a_scene_without_one),
     };
     return cmocka_run_group_tests_name("camera", tests, NULL, NULL);
 }

@@ -194,6 +194,28 @@ static void values_are_held_to_the_bound(void **state)
     walk_free(&walk);
 }
 
+/* A value beside a border: nothing to explain, and the bound of the C renderer. */
+static void expect_border(uint32_t value, uint32_t other)
+{
+    struct side *const of[2] = {&a, &b};
+    for (size_t side = 0; side < 2; side++)
+        assert_int_equal(side_draw(of[side], &picture.view, &reason), STATUS_OK);
+    for (size_t turned = 0; turned < 2; turned++) {
+        struct pair pair;
+        size_t *pixel, count;
+        const struct pixel_border *border = &pair.border[0];
+        assert_int_equal(pair_compare(of[turned], of[1 - turned], &pair, &pixel, &count, &reason),
+                         STATUS_OK);
+        assert_true(pair_agrees(&pair) && count == 0 && pair.asked == 0);
+        assert_true(pair.diff.allowed == 1 && pair.border_count == 1);
+        assert_int_equal(border->pixel, lie.pixel);
+        assert_int_equal(border->value[turned], value);
+        assert_int_equal(border->value[1 - turned], other);
+        assert_true(border->bound == a.frame.bound[lie.pixel]);
+        free(pixel);
+    }
+}
+
 /* The value on the other side of a rounding border follows from the same path. */
 static void values_beside_a_border_follow(void **state)
 {
@@ -211,6 +233,7 @@ static void values_beside_a_border_follow(void **state)
             lie.pixel = i;
             lie.value = value ^ other;
             assert_true(drawn_at(&b, i, NULL).follows);
+            expect_border(value, other);
             found++;
         }
         walk_free(&walk);

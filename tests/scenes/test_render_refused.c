@@ -15,12 +15,12 @@
 static const struct engine_options options = {.threads = 2, .device = -1};
 
 /* A renderer that has drawn a picture. */
-struct stand {
+struct refuser {
     struct picture picture;
     struct renderer *renderer;
 };
 
-static void begin(enum profile profile, struct stand *s)
+static void begin(enum profile profile, struct refuser *s)
 {
     const struct look look = {.profile = profile, .bounces = 2, .camera_light = 0.25f};
     struct reason reason;
@@ -32,13 +32,13 @@ static void begin(enum profile profile, struct stand *s)
         fail_msg("%s", reason.text);
 }
 
-static void end(struct stand *s)
+static void end(struct refuser *s)
 {
     renderer_close(s->renderer);
     picture_free(&s->picture);
 }
 
-static enum status ask(struct stand *s, enum query query, struct reason *reason)
+static enum status ask(struct refuser *s, enum query query, struct reason *reason)
 {
     const struct ray ray = {.dir = {0, 0, 1}, .tmax = 1};
     struct hit hit;
@@ -46,7 +46,7 @@ static enum status ask(struct stand *s, enum query query, struct reason *reason)
 }
 
 /* The job is refused with that text, and neither pictures nor rays are left of the last one. */
-static void refused(struct stand *s, const struct frame_job *job, const char *text)
+static void refused(struct refuser *s, const struct frame_job *job, const char *text)
 {
     struct reason reason = {""};
     struct frame *frame = &s->picture.frame;
@@ -60,7 +60,7 @@ static void refused(struct stand *s, const struct frame_job *job, const char *te
     assert_string_equal(reason.text, "engine cpu: not prepared for rays of query closest");
 }
 
-static void taken(struct stand *s, const struct frame_job *job)
+static void taken(struct refuser *s, const struct frame_job *job)
 {
     struct reason reason = {""};
     if (renderer_prepare(s->renderer, job, &reason))
@@ -81,7 +81,7 @@ static void sides_are_from_1_to_the_most(void **state)
         {16385, 7, "a picture of 16385 x 7 pixels: 1 to 16384 each"},
         {7, 16385, "a picture of 7 x 16385 pixels: 1 to 16384 each"},
     };
-    struct stand s;
+    struct refuser s;
     begin(PROFILE_REPAIRED, &s);
     struct frame_job job = s.picture.job;
     for (size_t i = 0; i < ARRAY_COUNT(bad); i++) {
@@ -100,7 +100,7 @@ static void sides_are_from_1_to_the_most(void **state)
 static void bounces_and_tiles_have_a_most(void **state)
 {
     (void)state;
-    struct stand s;
+    struct refuser s;
     begin(PROFILE_REPAIRED, &s);
     struct frame_job job = s.picture.job;
     job.look.bounces = 65;
@@ -133,7 +133,7 @@ static void lights_are_0_or_more(void **state)
     (void)state;
     static const float bad[] = {-0x1p-149f, -1, -INFINITY, INFINITY, NAN};
     static const float good[] = {-0.0f, 0, 0x1p-149f, 0x1.fffffep127f};
-    struct stand s;
+    struct refuser s;
     begin(PROFILE_REPAIRED, &s);
     for (int of_eye = 0; of_eye < 2; of_eye++) {
         struct frame_job job = s.picture.job;
@@ -158,7 +158,7 @@ static void rays_of_other_queries_are_refused(void **state)
 {
     (void)state;
     static const char text[] = "engine cpu: not prepared for rays of query ";
-    struct stand s;
+    struct refuser s;
     struct reason reason = {""};
     begin(PROFILE_REPAIRED, &s);
     assert_int_equal(ask(&s, QUERY_CLOSEST, &reason), STATUS_OK);

@@ -102,6 +102,18 @@ expect 2 "--fps: '0' is not above 0" render --fps 0 $small
 # Scenes that cannot be shown.
 sed 's/"material": 2/"material": 9/' "$dir/scene.json" >"$dir/nine.json"
 expect 2 'nine.json: .*material' render "$dir/nine.json" $small
+# Of a scene without a camera the first of its coordinates that is beyond a float; well below it there is one.
+far() { # vertices
+    printf 'v %s\nv %s\nv %s\nf 1 2 3\n' "$@" >"$dir/far.obj"
+}
+far '1.4e38 0 0' '3.4e38 0 0' '2e38 1 0'
+expect 2 "^raydiff render: $dir/far.obj: the camera's coordinate x is not finite\$" render "$dir/far.obj" $small
+far '0 1.4e38 0' '0 3.4e38 0' '1 2e38 0'
+expect 2 "^raydiff render: $dir/far.obj: the camera's coordinate y is not finite\$" render "$dir/far.obj" $small
+far '-1.5e38 0 0' '1.5e38 0 0' '0 1 0'
+expect 2 "^raydiff render: $dir/far.obj: the camera's coordinate z is not finite\$" render "$dir/far.obj" $small
+far '-1.2e38 0 0' '1.2e38 0 0' '0 1 0'
+expect 0 . render "$dir/far.obj" $small
 expect 2 'no file, and no generator' render nothing_like_it $small
 expect 2 "$dir" render "$dir" $small
 expect 2 "one scene" render rtrs --path rtrs $small

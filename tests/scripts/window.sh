@@ -28,13 +28,22 @@ cleanup() {
 trap cleanup EXIT
 trap 'exit 1' INT TERM
 
+# The line at the end against the log: how many pictures, their mean time, the last one's angle. A time of 0.1 ms at
+# least, so that it is not taken for the angle.
+summed() { # NAME
+    awk 'FNR == NR { n++; ms += $NF; angle = $4; wrong += $2 != n || $NF < 0.001; next }
+        /^[0-9]+ pictures, / { told++; wrong += $1 != n || ($3 - ms / n) ^ 2 > 0.06 ^ 2 || $9 != sprintf("%.1f", angle * 180 / atan2(0, -1)) }
+        END { exit wrong || told != 1 }' "$dir/$1.log" "$dir/out" || bad "$1: the line at the end is not that of the log"
+}
+
 # Without a display: one clear line; with --out the picture all the same.
 unset DISPLAY WAYLAND_DISPLAY SDL_VIDEODRIVER
 small="-w 96 -h 72"
 expect 77 . render rtrs --window $small
 grep -q 'no window: no display.*--out FILE.png draws without one' "$dir/err" || bad "says what is missing"
 [ "$(wc -l <"$dir/err")" -eq 1 ] || bad "an error is one line"
-expect 0 . render rtrs --window $small --out "$dir/without.png"
+expect 0 . render rtrs --window $small --out "$dir/without.png" --log "$dir/without.log"
+summed without
 grep -q 'is drawn without one' "$dir/err" || bad "says that there is no window"
 expect 0 . render rtrs $small --out "$dir/plain.png"
 cmp -s "$dir/without.png" "$dir/plain.png" || bad "without a display the picture is the same"
@@ -94,6 +103,7 @@ ended() {
     shown=
     cp "$dir/$1.out" "$dir/out"
     cp "$dir/$1.err" "$dir/err"
+    summed "$1"
     [ "$code" -eq 0 ] || bad "$1: exit code $code"
     [ ! -s "$dir/$1.err" ] || bad "$1: it complains"
     echo "passed  window $1"
