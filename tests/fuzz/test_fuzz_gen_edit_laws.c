@@ -21,13 +21,13 @@ static const struct gen_options short_ones = {16, 64, 40, false};
 enum map_kind { MAP_SCALE, MAP_MOVE, MAP_NEGATE, MAP_SWAP, MAP_FLATTEN, MAP_SNAP, MAP_HALVES };
 
 /* `by`: the factor, the distance, the place or the step; of halves 0 or 1: between them. */
-struct map {
+struct edit_map {
     enum map_kind kind;
     int axis;
     float by;
 };
 
-static float mapped(const struct map *map, const float x[3], int axis, bool is_direction)
+static float mapped(const struct edit_map *map, const float x[3], int axis, bool is_direction)
 {
     switch (map->kind) {
     case MAP_SCALE:
@@ -57,7 +57,8 @@ static bool same(float a, float b)
     return float_bits(a) == float_bits(b) || (isnan(a) && isnan(b));
 }
 
-static bool maps_scene(const struct map *map, const struct scene *before, const struct scene *after)
+static bool maps_scene(const struct edit_map *map, const struct scene *before,
+                       const struct scene *after)
 {
     for (uint32_t i = 0; i < before->vertex_count; i++)
         for (int k = 0; k < 3; k++) {
@@ -69,7 +70,7 @@ static bool maps_scene(const struct map *map, const struct scene *before, const 
     return true;
 }
 
-static bool maps_rays(const struct map *map, const struct fuzz_trial *before,
+static bool maps_rays(const struct edit_map *map, const struct fuzz_trial *before,
                       const struct fuzz_trial *after)
 {
     for (uint32_t i = 0; i < before->ray_count; i++)
@@ -106,12 +107,12 @@ struct edit_tally {
 };
 
 /* True if this map is what happened. */
-static bool explains(const struct map *map, const struct fuzz_trial *before,
+static bool explains(const struct edit_map *map, const struct fuzz_trial *before,
                      const struct fuzz_trial *after, struct edit_tally *tally)
 {
     if (!maps_scene(map, &before->scene, &after->scene))
         return false;
-    const struct map still = {MAP_SCALE, 0, 1};
+    const struct edit_map still = {MAP_SCALE, 0, 1};
     bool alone = maps_rays(&still, before, after);
     bool along = map->kind <= MAP_SWAP && maps_rays(map, before, after);
     if (!alone && !along)
@@ -124,7 +125,7 @@ static bool explains(const struct map *map, const struct fuzz_trial *before,
     return true;
 }
 
-static bool found_on_axis(struct map map, const struct fuzz_trial *before,
+static bool found_on_axis(struct edit_map map, const struct fuzz_trial *before,
                           const struct fuzz_trial *after, struct edit_tally *tally)
 {
     if (map.kind == MAP_NEGATE || map.kind == MAP_SWAP)
@@ -164,7 +165,7 @@ static struct edit_tally play(const char *name, enum map_kind kind)
         assert_int_equal(edit->apply(&rng, &after, &changed), STATUS_OK);
         assert_only_coordinates(&before, &after);
         for (int axis = 0; axis < (axes ? 3 : 1) && changed && !found; axis++)
-            found = found_on_axis((struct map){kind, axis, 0}, &before, &after, &tally);
+            found = found_on_axis((struct edit_map){kind, axis, 0}, &before, &after, &tally);
         if (changed && !found)
             fail_msg("%s, trial %u: its coordinates were not changed by one map", name,
                      (unsigned)seed);
