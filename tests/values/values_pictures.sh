@@ -1,8 +1,6 @@
 #!/bin/sh
 # The numbers of `raydiff render`, `render --show` and `raydiff diff` by value: against the pixels of the PNG files, the
 # segments of every path and the value of every pixel. sh tests/values/values_pictures.sh RAYDIFF [render paths show images engines faults borders]
-
-# segments of every path and the value of every pixel. sh tests/values/values_pictures.sh RAYDIFF [render paths show images engines borders]
 set -u
 raydiff=$1
 shift

@@ -45,6 +45,44 @@ function laws(p,  k, sum, allowed) {
     equal("largest", v[p ".largest"], is["largest"] + 0)
     compared++
 }
+# The engine that is named has the verdict. With "border" both can be right, on either side of a light.
+function blamed(q, engine,  a, class) {
+    a = v[q ".answers.0.engine"] == engine ? 0 : 1
+    class = v[q ".class"]
+    if (class == "renderer") return
+    equal(q " of whom", engine, v[q ".answers." a ".engine"])
+    if (class == "wrong" || class == "published") equal(q " is wrong", v[q ".answers." a ".verdict"], "wrong")
+    else if (class != "border" || v[q ".answers." 1 - a ".verdict"] != "right") equal(q " has the verdict", v[q ".answers." a ".verdict"], class)
+    named[class]++
+}
+# Both answers to their own rays against the truth. Of a shadow ray any hit is right.
+function answers(q,  a, p, t, closest) {
+    closest = v[q ".light"] == "null" || v["profile"] == "rtrs"
+    for (a = 0; a < 2; a++) {
+        p = q ".answers." a
+        if (v[p] == "null") continue
+        equal(p " kind of WRONG", v[p ".wrong"] == "not", v[p ".verdict"] != "wrong")
+        if (closest && v[p ".verdict"] == "right") equal(p " is the triangle", v[p ".answer.prim"], v[p ".expected"])
+        if (v[p ".expected"] == "null") continue
+        truth(p " interval of t", v[p ".t_lo"] + 0 <= v[p ".t_hi"] + 0)
+        t = v[p ".answer.t.value"]
+        if (closest && v[p ".verdict"] == "right") truth(p " t", (t - v[p ".t_lo"]) ^ 2 < 1e-8 * t * t)
+    }
+}
+# "WRONG missed cpu o=... => miss  expected: prim=32 t=9.59" and its command, of the pixel told of last.
+function wrong_answer(  a, p) {
+    a = v[told_of ".answers.0.engine"] == $3 ? 0 : 1
+    p = told_of ".answers." a
+    equal(p " who is wrong", $3, v[p ".engine"])
+    equal(p " verdict", v[p ".verdict"] " " v[p ".wrong"], "wrong " $2)
+    if (match($0, /=> (miss|prim=[0-9]+)/)) equal(p " answer", substr($0, RSTART + 3, RLENGTH - 3), v[p ".answer.prim"] == "null" ? "miss" : "prim=" v[p ".answer.prim"])
+    if (match($0, /expected: prim=[0-9]+ t=[^ ]+/)) {
+        split(substr($0, RSTART, RLENGTH), word, /[ =]/)
+        equal(p " expected", word[3], v[p ".expected"])
+        truth(p " expected t", (word[5] - v[p ".t_lo"]) ^ 2 < 1e-24 * word[5] ^ 2)
+    }
+    told_wrong = p
+}
 # The rest of such a line: "; pictures part at segment 0 (t); rays at segment 1, light 2, of cpu".
 function details(q,  text, word) {
     if (match($0, /; pictures part at segment [0-9]+ \([a-z]+\)/)) {
@@ -57,10 +95,9 @@ function details(q,  text, word) {
         equal(q " rays part", word[4] " " (n > 4 ? word[6] : "null"), v[q ".segment"] " " v[q ".light"])
     } else
         truth(q " where rays part is not told", v[q ".class"] == "rounding" || v[q ".class"] == "same" || v[q ".class"] == "renderer")
-    if (match($0, /, of [a-z_0-9]+$/)) {
-        text = substr($0, RSTART + 5)
-        equal(q " of whom", text == v[p ".engine"] || text == v[p ".reference"], 1)
-    }
+    if (match($0, /, of [^ ,]+$/)) blamed(q, substr($0, RSTART + 5))
+    else truth(q " no engine is named", v[q ".class"] ~ /^(same|rounding|drift|unexplained)$/)
+    told_of = q
     described++
 }
 # What is listed of a kind: place and value of each pixel.
@@ -68,6 +105,8 @@ function listed(p, kind,  k, q, i) {
     for (k = 0; k < v[p ".pixels." kind ".count"]; k++) {
         q = p ".pixels." kind "." k
         i = v[q ".y"] * v["width"] + v[q ".x"]
+        if (!(q in answered)) answers(q)
+        answered[q] = 1
         if (v[p ".engine"] == engine) equal("value of a pixel that is listed", v[q ".value_difference"], channels_apart(i))
         if ($2 == v[q ".x"] "," v[q ".y"] && $3 == v[q ".class"] ":") {
             equal("value of " $2, $7 + 0, v[q ".value_difference"])
@@ -100,7 +139,8 @@ FNR == 1 {
     equal("tree", $5 " " $NF, v["layout"] " " v["tri"])
     trees++
 }
-/^    WRONG / { wrongs++ }
+/^    WRONG / { wrongs++; wrong_answer() }
+/^    explain: / { equal("command", substr($0, 14), v[told_wrong ".explain"]) }
 /^  (as it should be|DIFFERS|vacuous: .*)$/ {
     ends++
     equal("it agrees", $1 == "as" ? "true" : "false", v[p ".agrees"])

@@ -137,6 +137,18 @@ function laws(  l) {
     if ((0, 0) in in_all && v["show"] ~ /^(t|prim)$/) first_segments()
     if (planes == 3) lengths()
 }
+function what_of(show) {
+    if (show == "t") return "distance of the hit along its ray"
+    if (show == "prim") return "which triangle was hit"
+    if (show == "normal") return "the shading normal"
+    if (show == "boxes" || show == "triangles") return show " tested"
+    if (show == "depth") return "most entries on the traversal stack"
+    if (show == "overlap") return "boxes of leaves that the hit point lies in"
+    if (show == "overlap-all") return "boxes of leaves and inner nodes that it lies in"
+    if (show == "inflation") return "surface of the boxes tested over that of their triangles' bounds, mean"
+    if (show == "error") return "error of t in units of its proven bound: above 1 is a bug"
+    return "verdict of the judge"
+}
 FILENAME ~ /s\.csv$/ {
     n = split($0, field, ",")
     if (FNR == 1) {
@@ -152,7 +164,7 @@ FILENAME ~ /s\.csv$/ {
 }
 FNR == 1 {
     laws()
-    equal("scene", substr($0, 1, length(v["scene"]) + 1), v["scene"] ":")
+    equal("scene, and what it shows", $0, v["scene"] ": " what_of(v["show"]))
     next
 }
 !names && planes == 1 && $1 == layer_name(0) { line("layers.0.values", 2, $1 " "); next }
