@@ -64,6 +64,7 @@ plain)
     suite values_pictures sh tests/values/values_pictures.sh "$build/raydiff" render paths images engines faults
     suite values_show sh tests/values/values_pictures.sh "$build/raydiff" show
     suite values_scenes sh tests/values/values_scenes.sh "$build/raydiff"
+    suite values_conform sh tests/values/values_conform.sh "$build/raydiff"
     suite values_findings sh tests/values/values_findings.sh "$build/raydiff"
     suite fields sh tests/values/fields.sh
     suite shipped sh tests/scripts/shipped.sh "$build/raydiff"

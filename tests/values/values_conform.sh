@@ -1,0 +1,91 @@
+#!/bin/sh
+# The numbers of `raydiff conform` by value: its sums against each other, JUnit and TAP against the text, pairs of
+# members counted from the names of trials, and the exit code of each situation. sh tests/values/values_conform.sh RAYDIFF
+set -u
+raydiff=$1
+dir=$(mktemp -d) || exit 4
+trap 'rm -rf "$dir"' EXIT
+failed=0
+bad() {
+    echo "FAILED  $*"
+    failed=$((failed + 1))
+}
+# exit code, arguments
+ends() {
+    wanted=$1
+    shift
+    "$raydiff" conform "$@" >"$dir/out" 2>&1
+    code=$?
+    [ "$code" -eq "$wanted" ] || { bad "conform $*: exit $code, not $wanted"; tail -n 3 "$dir/out"; }
+}
+number() { sed -nE "s/$1/\\1/p" "$dir/text" | tail -n 1; }
+
+# So few rays that some trials hit nothing, which fails them.
+rays=20
+"$raydiff" conform --engine cpu,fast --count $rays --threads 1 --junit "$dir/xml" >"$dir/text" 2>"$dir/err"
+[ $? -eq 1 ] || bad "failed trials: not exit 1"
+cat "$dir/err" >>"$dir/text"
+trials=$(number '^([0-9]+) trials in .*') waived=$(number '^.* s, ([0-9]+) waived.*')
+passed=$(number '^([0-9]+) passed, .*') wrong=$(number '^[0-9]+ passed, ([0-9]+) failed, .*')
+skipped=$(number '^.* failed, ([0-9]+) skipped$') judged=$(number '^([0-9]+) rays judged: .*')
+verdicts=$(number '^[0-9]+ rays judged: (.*)' | awk '{ for (i = 2; i <= NF; i += 2) sum += $i; print sum }')
+named=$(grep -c '^engine [a-z]* answered [0-9]* of [0-9]*' "$dir/text")
+[ "$wrong" -gt 0 ] && [ "$skipped" -gt 0 ] && [ "$named" -eq 2 ] || bad "no trial failed, none was skipped, or no engine is named"
+[ "$trials" -eq $((passed + wrong + skipped + waived)) ] || bad "$trials trials are not the sum of their ends"
+[ "$judged" -eq "$verdicts" ] || bad "$judged rays judged, $verdicts verdicts"
+[ "$judged" -eq $((rays * (passed + wrong))) ] || bad "$judged rays judged in $((passed + wrong)) trials of $rays"
+[ "$(grep -c '^FAILED  ' "$dir/text")" -eq "$wrong" ] || bad "not a line for each of $wrong failed"
+for engine in cpu fast; do
+    line=$(grep "^engine $engine answered " "$dir/text" | sed 's/[,:].*//')
+    of=$(grep -o 'name="[^"]*"' "$dir/xml" | grep -v answered | grep -c "^name=\"[a-z]*\.$engine\.")
+    no=$(grep -c "name=\"[a-z]*\.$engine\.[^>]*><skipped" "$dir/xml")
+    [ "$line" = "engine $engine answered $((of - no)) of $of" ] || bad "'$line', of $of trials $no were skipped"
+done
+# The named engines are cases, too.
+cases="tests=\"$((trials + named))\" failures=\"$wrong\" errors=\"0\" skipped=\"$((skipped + waived))\""
+grep -q "^<testsuite .*$cases" "$dir/xml" || bad "JUnit has not $cases"
+[ "$(grep -c '<testcase ' "$dir/xml")" -eq $((trials + named)) ] && [ "$(grep -c '<failure' "$dir/xml")" -eq "$wrong" ] &&
+    [ "$(grep -c '<skipped' "$dir/xml")" -eq $((skipped + waived)) ] || bad "JUnit has other cases than sums"
+
+# Pairs: fields 1 to 8 of a name are members of as many tables; '-' is none.
+pairs=$(awk '
+    /^<testcase / && !/\.answered"/ {
+        name = $0
+        sub(/.* name="/, "", name)
+        sub(/".*/, "", name)
+        split(name, part, ".")
+        for (a = 1; a <= 8; a++)
+            for (b = a + 1; b <= 8; b++)
+                if (part[a] != "-" && part[b] != "-") {
+                    pair = a " " part[a] " " b " " part[b]
+                    met[pair] = met[pair] || !/<skipped/
+                }
+    }
+    END {
+        for (pair in met) {
+            all++
+            unmet += !met[pair]
+        }
+        print all " pairs of members met, " unmet + 0 " of them only in trials that were refused or skipped"
+    }' "$dir/xml")
+grep -q "^$pairs" "$dir/text" || bad "not '$pairs', but '$(grep ' pairs of members met' "$dir/text")'"
+
+"$raydiff" conform --engine cpu,fast --count $rays --threads 1 --tap >"$dir/tap" 2>/dev/null
+[ $? -eq 1 ] || bad "failed trials, TAP: not exit 1"
+[ "$(grep -c '^ok ' "$dir/tap")" -eq $((passed + skipped + waived + named)) ] && [ "$(grep -c '^not ok ' "$dir/tap")" -eq "$wrong" ] &&
+    [ "$(grep -ci '^ok .*# SKIP' "$dir/tap")" -eq $((skipped + waived)) ] && grep -qx "1\.\.$((trials + named))" "$dir/tap" ||
+    bad "TAP has other cases than sums"
+[ "$(sed -nE 's/^(not )?ok ([0-9]+) - .*/\2/p' "$dir/tap")" = "$(seq $((trials + named)))" ] || bad "TAP does not count its cases"
+
+one='closest.cpu.f32.median.robust.mt.sphere.primary.1'
+ends 0 "$one"
+ends 1 'closest.cpu_stackless.bvh4_f16_node.median.robust.mt.sphere.primary.1' # refused, and nothing else ran
+ends 77 '*.sphere.primary.1' --engine pipe:/no/such/program
+ends 2 'nothing.*'
+ends 2 "$one" --count 0
+printf '%s no reason https://example.org/1\n' "$one" >"$dir/waivers"
+for tap in '' --tap; do
+    ends 1 "$one" --waivers "$dir/waivers" $tap # it excuses nothing
+done
+echo "values_conform: $failed failed"
+[ "$failed" -eq 0 ]
