@@ -1,0 +1,198 @@
+#!/bin/sh
+# The exit codes of every command, each in the situations that its help tells: all is well, something is wrong, bad
+# input, an engine that fails, a driver that is not there, nothing that was run though it was wanted.
+#   sh tests/values/exits.sh RAYDIFF [PART...]     PART: judging, findings, files
+set -u
+raydiff=$1
+shift
+. tests/values/compare.sh
+tried=0
+
+# exit code, arguments of raydiff. 2 has its reason on standard error.
+ends() {
+    wanted=$1
+    shift
+    tried=$((tried + 1))
+    timeout 20 "$raydiff" "$@" >"$dir/text" 2>"$dir/err" </dev/null
+    code=$?
+    [ "$code" -eq "$wanted" ] || bad "raydiff $*: exit $code, not $wanted: $(tail -n 1 "$dir/err")"
+    [ "$code" -ne 2 ] || [ -s "$dir/err" ] || bad "raydiff $*: no reason on standard error"
+}
+# A tracer that sees, one that finds nothing, one that refuses everything, one that ends at the first
+# rays, one that does at once, and one that is not there.
+for tracer in sees blind refuser ender; do
+    case $tracer in
+    sees) edit= ;;
+    blind) edit='s/size > 0\.0f/size > 1e30f/' ;;
+    refuser) edit='s/"RDRA", 1, 0, q.rays/"RDRA", 1, q.rays > 0, 0/; s/i < q.rays/i < 0/' ;;
+    ender) edit='s/^        struct ray \*ray = /        if (q.rays > 0) exit(9);&/' ;;
+    esac
+    sed "$edit" fuzz/samples/sample_tracer.c >"$dir/$tracer.c"
+    cc -O1 -o "$dir/$tracer" "$dir/$tracer.c" || bad "$tracer is not compiled"
+done
+sees="pipe:$dir/sees" blind="pipe:$dir/blind" refuser="pipe:$dir/refuser" ender="pipe:$dir/ender" dies="pipe:false" missing="pipe:$dir/missing"
+none='--engine vulkan --driver no-such-driver'
+gone="$dir/gone"
+echo 'no file of this kind' >"$dir/other.obj"
+head -c 64 /dev/zero >"$dir/zeros.trial"
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$dir/one.obj"
+
+# exit code, file of answers
+verified() {
+    tried=$((tried + 1))
+    "$raydiff" verify <"$dir/$2" >"$dir/text" 2>"$dir/err"
+    code=$?
+    [ "$code" -eq "$1" ] || bad "raydiff verify <$2: exit $code, not $1"
+}
+judging() {
+    few='--count 100'
+    name=closest.cpu.f32.median.robust.mt.soup.random.1
+    ends 0 check soup:n=50 --engine cpu,brute --layout f32 --repeat 1 $few
+    ends 0 check soup:n=50 --engine "$sees" --repeat 1 $few
+    ends 0 check soup:n=50 --driver no-such-driver --layout f32 --repeat 1 $few # an engine that was not named
+    ends 1 check soup:n=50 --engine "$blind" --repeat 1 $few
+    ends 1 check soup:n=50 --engine "$refuser" --repeat 1 $few # vacuous
+    ends 2 check "$gone.obj" $few
+    ends 2 check "$dir/other.obj" $few
+    ends 2 check soup:n=50 --json "$gone/file" --engine cpu --layout f32 --repeat 1 $few
+    ends 3 check soup:n=50 --engine "$ender" --repeat 1 $few
+    ends 3 check soup:n=50 --engine "$dies" --repeat 1 $few
+    ends 3 check soup:n=50 --engine "cpu,$dies,$blind" --repeat 1 $few
+    ends 77 check soup:n=50 $none $few
+    ends 77 check soup:n=50 --engine "$missing" $few
+    ends 0 leaks sphere:n=4 --engine cpu --layout f32 --tri woop --box watertight --count 1000
+    ends 0 leaks sphere:n=4 --driver no-such-driver --layout f32 --tri woop --count 1000
+    ends 1 leaks sphere:n=4 --engine cpu --layout f32 --tri woop --box watertight --count 999 # too few rays
+    ends 1 leaks sphere:n=4 --engine "$refuser" --count 1000
+    ends 2 leaks "$dir/one.obj" --engine cpu $few
+    ends 3 leaks sphere:n=4 --engine "$dies" --count 1000
+    ends 77 leaks sphere:n=4 $none --count 1000
+    ends 0 conform $name $few
+    ends 1 conform --engine "$blind" 'closest.*.soup.random.1' $few
+    ends 1 conform --engine "$refuser" 'closest.*.soup.random.1' $few
+    ends 2 conform 'closest.warp.*'
+    ends 3 conform --engine "$dies" 'closest.*.soup.random.1' $few
+    ends 77 conform closest.vulkan.f32.median.robust.mt.soup.random.1 --driver no-such-driver
+    ends 1 conform closest.vulkan.f32.median.robust.mt.soup.random.1 --driver no-such-driver --require vulkan
+    ends 0 conform 'hard.01*.closest.cpu.f32.median.robust.mt'
+    ends 1 conform --hard --engine "$blind" 'hard.01*.closest.*'
+    ends 2 conform 'hard.99*'
+    ends 3 conform --hard --engine "$dies" 'hard.01*.closest.*'
+    ends 77 conform 'hard.01*.closest.vulkan.f32.median.robust.mt' --driver no-such-driver
+    # Answers from files.
+    "$raydiff" gen sphere:n=4 --count 20 >"$dir/asked"
+    awk -f fuzz/samples/tracer.awk "$dir/asked" >"$dir/answers"
+    sed 's/^h .*/m/' "$dir/answers" >"$dir/misses"
+    { grep '^from' "$dir/answers"; echo 'refused too many'; } >"$dir/refused"
+    ends 0 gen sphere:n=4 --count 20
+    ends 2 gen "$gone.obj"
+    verified 0 answers
+    verified 1 misses
+    verified 2 other.obj
+    verified 3 refused
+    for command in check leaks conform gen verify judge; do ends 2 $command --frobnicate; done
+}
+
+findings() {
+    few='--rays 40 --jobs 1 --corpus none'
+    f=$dir/found
+    trial=fuzz/corpus/wrong-item.trial
+    ends 0 fuzz --trials 64 --engine cpu,brute --layout f32 --dir "$dir/clean" $few
+    ends 1 fuzz --trials 64 --engine cpu --layout rtrs_rf --faithful --until 1 --no-shrink --dir "$f" $few
+    ends 1 fuzz --trials 64 --engine "$blind" --dir "$dir/blind.found" --until 1 --no-shrink $few
+    ends 1 fuzz --trials 64 --engine cpu --pairs 1000 --layout f32 --dir "$dir/pairs" $few # pairs met too seldom
+    ends 2 fuzz --trials 64 --engine cpu --dir "$dir/one.obj" $few
+    ends 2 fuzz --trials 64 --engine cpu --seed 2 --dir "$f" # another campaign
+    ends 3 fuzz --trials 64 --engine "$dies" --dir "$dir/no" $few
+    ends 77 fuzz --trials 64 --engine "$missing" --dir "$dir/no" $few
+    ends 77 fuzz --trials 64 $none --dir "$dir/no" $few
+    printf '%s until - a word docs/fuzzing.md\n' 'cpu.rtrs_rf.*.*' >"$dir/known"
+    "$raydiff" fuzz --dir "$f" --trials 65 --no-shrink --baseline "$dir/known" >"$dir/text" 2>&1
+    ends 0 fuzz --dir "$f" --trials 65 --no-shrink --baseline "$dir/known"
+    ends 2 fuzz --dir "$f" --trials 65 --baseline "$gone"
+    ends 0 merge --to "$dir/merged" "$f"
+    ends 2 merge --to "$dir/merged2" "$gone"
+    ends 0 min "$f"
+    sed 's/^expect cpu\.[^.]*/expect cpu.f32/' "$trial" >"$dir/cured.trial"
+    ends 1 min "$dir/cured.trial" --out "$dir/cured.out" # shows no more
+    ends 2 min "$gone"
+    ends 2 min "$dir/zeros.trial"
+    sed 's/^expect cpu\.[^.]*/expect vulkan.f32/' "$trial" >"$dir/gpu.trial"
+    ends 77 min "$dir/gpu.trial" --driver no-such-driver --out "$dir/gpu.out"
+    ends 1 replay "$trial"
+    ends 1 replay fuzz/corpus/bad-rays.trial "$trial" # one of two
+    ends 1 replay "$trial" fuzz/corpus/bad-rays.trial
+    ends 0 replay fuzz/corpus/bad-rays.trial --engine cpu
+    ends 2 replay "$gone"
+    ends 2 replay "$dir/zeros.trial"
+    ends 2 replay "$trial" "$gone"
+    ends 3 replay fuzz/corpus/bad-rays.trial --engine "$dies"
+    ends 77 replay "$dir/gpu.trial" --driver no-such-driver
+    ends 77 replay fuzz/corpus/bad-rays.trial $none
+    ends 0 export fuzz/corpus/bad-rays.trial --engine vulkan --to "$dir/exported"
+    ends 2 export "$gone" --to "$dir/exported2"
+    ends 0 explain soup:n=50 --index 0 --engine cpu --layout f32
+    ends 1 explain "$trial"
+    ends 1 explain cornell --rays primary --index 0 --engine "$blind"
+    ends 2 explain "$gone"
+    ends 2 explain soup:n=50 --index 10000000 --engine cpu --layout f32
+    ends 3 explain soup:n=50 --index 0 --engine "$dies"
+    ends 3 explain soup:n=50 --index 0 --engine "$ender"
+    ends 77 explain soup:n=50 --index 0 $none --layout f32
+    for command in fuzz merge min replay export explain; do ends 2 $command --frobnicate; done
+}
+
+files() {
+    few='--parts check --quick --engine cpu --layout f32 --count 100'
+    printf '\377\330' >"$dir/one.json"
+    ends 0 report soup:n=50 --out "$dir/r.html" $few
+    ends 1 report soup:n=50 --out "$dir/r.html" --parts check --quick --count 100 --engine "$blind"
+    ends 2 report soup:n=50 --out "$gone/r.html" $few
+    ends 2 report "$gone.obj" --out "$dir/r.html" $few
+    ends 2 report --check "$dir/one.json" --out "$dir/r.html"
+    ends 3 report soup:n=50 --out "$dir/r.html" --parts check --quick --count 100 --engine "$dies"
+    ends 77 report soup:n=50 --out "$dir/r.html" --parts check --quick --count 100 $none
+    ends 0 doctor
+    ends 77 doctor --driver no-such-driver
+    ends 2 doctor --json "$gone/file"
+    ends 0 list layouts
+    ends 2 list nothing
+    ends 0 scene info soup:n=10
+    ends 2 scene info "$gone.obj"
+    ends 2 scene info "$dir/other.obj"
+    size='--width 16 --height 16'
+    ends 0 render sphere:n=4 --engine cpu --out "$dir/a.png" $size
+    ends 0 render sphere:n=4 --engine cpu --out "$dir/b.png" $size
+    ends 0 render soup:n=4 --engine cpu --out "$dir/c.png" $size
+    ends 1 render sphere:n=4 --show class --engine "$blind" --out "$dir/d.png" $size
+    ends 2 render "$gone.obj" --out "$dir/d.png" $size
+    ends 2 render sphere:n=4 --engine cpu --out "$gone/d.png" $size
+    ends 3 render sphere:n=4 --engine "$dies" --out "$dir/d.png" $size
+    ends 77 render sphere:n=4 $none --out "$dir/d.png" $size
+    ends 0 diff "$dir/a.png" "$dir/b.png"
+    ends 1 diff "$dir/a.png" "$dir/c.png"
+    ends 2 diff "$dir/a.png" "$gone.png"
+    ends 2 diff "$dir/a.png" "$dir/one.obj"
+    ends 0 diff sphere:n=4 --engine cpu,fast $size
+    ends 1 diff sphere:n=4 --engine "cpu,$blind" $size
+    ends 3 diff sphere:n=4 --engine "cpu,$dies" $size
+    ends 77 diff sphere:n=4 --engine cpu,vulkan --driver no-such-driver $size
+    ends 0 bench builders --scene sphere:n=4 --rounds 1
+    ends 1 bench error --scene sphere:n=4 --engine "$blind" --count 50 --rounds 1
+    ends 2 bench nothing
+    ends 2 bench builders --scene "$gone.obj"
+    ends 3 bench error --scene sphere:n=4 --engine "$dies" --count 50 --rounds 1
+    ends 77 bench matrix --scene sphere:n=4 --rounds 1 $none
+    printf 'camera\n' >"$dir/broken.json"
+    ends 2 construct "$dir/one.obj" --out "$gone/x.json"
+    ends 0 precompute --scene soup:n=20 --builder median --out "$dir/tree.json"
+    ends 0 precompute --scene soup:n=20 --verify "$dir/tree.json"
+    ends 1 precompute --scene soup:n=20,seed=2 --verify "$dir/tree.json" # too small boxes
+    ends 2 precompute --scene soup:n=9 --verify "$dir/tree.json"
+    ends 2 precompute --scene soup:n=20 --verify "$dir/broken.json"
+    for command in report doctor list scene render diff bench construct precompute; do ends 2 $command --frobnicate; done
+}
+
+for part in ${*:-judging findings files}; do "$part"; done
+echo "exits: $tried runs, $failed failed"
+[ "$failed" -eq 0 ]
