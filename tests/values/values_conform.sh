@@ -81,6 +81,7 @@ one='closest.cpu.f32.median.robust.mt.sphere.primary.1'
 ends 0 "$one"
 ends 1 'closest.cpu_stackless.bvh4_f16_node.median.robust.mt.sphere.primary.1' # refused, and nothing else ran
 ends 77 '*.sphere.primary.1' --engine pipe:/no/such/program
+ends 3 '*.sphere.primary.1' --engine pipe:true --count 50
 ends 2 'nothing.*'
 ends 2 "$one" --count 0
 printf '%s no reason https://example.org/1\n' "$one" >"$dir/waivers"
