@@ -228,11 +228,11 @@ static const struct engine scripted = {
     .name = "scripted", .prepare = script_prepare, .trace = script_trace, .trace_all = script_all};
 
 /* Rays 0 to 3 leave through triangle 0's inside, but are answered: right; missed; two neighbours;
- * another wall beside. Ray 4 too, the wall twice; ray 5 nothing listed; ray 6 through the diagonal,
- * both; ray 7 a triangle that is not there. */
+ * another wall beside. Ray 4 too, the wall three times; ray 5 nothing listed; ray 6 through the
+ * diagonal, both; ray 7 a triangle that is not there. */
 static const struct leaks_script faulty[8] = {
-    {false, {0}, 1},    {true, {0}, 1},  {false, {0, 1}, 2}, {false, {0, 7}, 2},
-    {false, {0, 0}, 2}, {false, {0}, 0}, {false, {1, 0}, 2}, {false, {12345}, 1},
+    {false, {0}, 1},       {true, {0}, 1},  {false, {0, 1}, 2}, {false, {0, 7}, 2},
+    {false, {0, 0, 0}, 3}, {false, {0}, 0}, {false, {1, 0}, 2}, {false, {12345}, 1},
 };
 
 static void check_tally(const struct leak_tally *t)

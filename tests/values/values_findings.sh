@@ -62,6 +62,14 @@ try 0 min "$dir/a"
 laws min 80
 try 0 min "$dir/a" # nothing is smaller now
 laws min 80
+for file in cut-box sentinel; do
+    try 0 min "fuzz/corpus/$file.trial" --out "$dir/small.trial"
+    laws min 14
+    for side in before.bytes=$(($(wc -c <"fuzz/corpus/$file.trial"))) after.bytes=$(($(wc -c <"$dir/small.trial"))); do
+        grep -qx "findings.0.$side" "$dir/flat" || bad "$ran: not $side"
+    done
+    rm "$dir/small.trial"
+done
 
 missed=0
 for file in "$dir"/a/*/smallest.trial fuzz/corpus/wrong-item.trial fuzz/corpus/slot-not-read.trial; do

@@ -1,4 +1,4 @@
-# The table of `raydiff min FOLDER` against its JSON: awk -f lib.awk -f min.awk FLAT TEXT
+# The table of `raydiff min FOLDER`, or the page of `raydiff min FILE`, against the JSON: awk -f lib.awk -f min.awk FLAT TEXT
 /^finding +triangles, rays +now +asks/ { heads++; next }
 / findings, [0-9]+ of them smaller now$/ {
     equal("findings", $2, v["findings.count"])
@@ -23,10 +23,33 @@ heads && NF >= 6 {
     smaller += v[p ".written"] != ""
     if (v[p ".exit"] > worst) worst = v[p ".exit"]
 }
+/^  (before|after) +[0-9]/ {
+    p = "findings.0." $1
+    equal($1 " triangles", $2, v[p ".triangles"])
+    equal($1 " rays", $4, v[p ".rays"])
+    equal($1 " vertices", $6, v[p ".vertices"])
+    equal($1 " bits", $8, v[p ".bits"])
+    equal($1 " bytes", $12, v[p ".bytes"])
+    pages++
+    next
+}
+/^  asked +[0-9]+ trials in / {
+    equal("tried", $2, v["findings.0.tried"])
+    equal("rounds", $5, v["findings.0.rounds"])
+    equal("asks", $7, "(" v["findings.0.asks"])
+    equal("accepted", $9, v["findings.0.accepted"])
+    pages++
+    next
+}
 END {
-    equal("rows", rows, v["findings.count"])
-    equal("a line of sums", sums, 1)
-    equal("exit", v["exit"], worst + 0)
+    if (heads) {
+        equal("rows", rows, v["findings.count"])
+        equal("a line of sums", sums, 1)
+        equal("exit", v["exit"], worst + 0)
+    } else {
+        equal("lines of a page", pages, 3)
+        equal("findings of a page", v["findings.count"], 1)
+    }
     print "min: " checked " values, " wrong + 0 " wrong"
     exit wrong > 0 || checked < least
 }
