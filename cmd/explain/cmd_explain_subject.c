@@ -124,6 +124,10 @@ const char *explain_again(const struct explain_options *o, size_t index,
     command_word(text, EXPLAIN_COMMAND_MOST, o->of.engine->name);
     if (o->of.layout)
         plugin_command(text, EXPLAIN_COMMAND_MOST, o->of.layout);
+    if (o->of.engine->gpu && o->of.driver) {
+        command_word(text, EXPLAIN_COMMAND_MOST, "--driver");
+        command_word(text, EXPLAIN_COMMAND_MOST, o->of.driver);
+    }
     return text;
 }
 

@@ -199,6 +199,10 @@ static enum status make_page(struct troupe *troupe, const struct request *reques
     command_word(again, sizeof again, request->who.engine->name);
     if (layout)
         plugin_command(again, sizeof again, layout);
+    if (request->who.engine->gpu && troupe->options->engines.driver) {
+        command_word(again, sizeof again, "--driver");
+        command_word(again, sizeof again, troupe->options->engines.driver);
+    }
     const struct explain_of of = {.spec = path,
                                   .engine = request->who.engine,
                                   .layout = layout,

@@ -132,5 +132,19 @@ replayed "$dir/two words/wrong-item.trial" 1 played --engine cpu
 again
 explained "$dir/two words/wrong-item.trial" 0
 
+# The driver that is asked belongs to what gets the page again.
+for command in replay explain; do
+    ran="raydiff $command --driver stock"
+    "$raydiff" $command fuzz/corpus/wrong-item.trial --engine vulkan --driver stock >"$dir/text" 2>"$dir/err"
+    code=$?
+    if [ "$code" -eq 77 ]; then
+        echo "SKIP $ran: $(tail -n 1 "$dir/err")"
+    else
+        [ "$code" -eq 1 ] || bad "$ran: exit $code"
+        grep -q '^again .* --driver stock$' "$dir/text" || bad "$ran: another driver may be asked again"
+        again
+    fi
+done
+
 echo "values_findings: $failed failed"
 [ "$failed" -eq 0 ]
