@@ -1,0 +1,37 @@
+#!/bin/sh
+# The numbers of `raydiff doctor` and `report` by value: cards against their JSON, what a report counts against the results
+# that it was made of. sh tests/values/values_reports.sh RAYDIFF
+set -u
+raydiff=$1
+. tests/values/compare.sh
+
+run doctor --json "$dir/json" && values doctor 80 processors="$(getconf _NPROCESSORS_ONLN)" "$dir/text"
+
+# findings, of these failing, least number of values, arguments
+reported() {
+    findings=$1 failing=$2 least=$3
+    shift 3
+    run report "$@" --out "$dir/page.html" --json "$dir/json" &&
+        values report "$least" bytes="$(wc -c <"$dir/page.html")" figures="$(grep -c '<figure>' "$dir/page.html")" \
+            findings="$findings" failing="$failing" "$dir/other.flat" "$dir/text"
+}
+# A tracer that finds nothing is WRONG in many rows; members as published do not count.
+sed 's/size > 0\.0f/size > 1e30f/' fuzz/samples/sample_tracer.c >"$dir/blind.c"
+cc -O1 -o "$dir/blind" "$dir/blind.c" || bad "blind is not compiled"
+run check sphere:n=4 soup:n=100 --engine "cpu,brute,pipe:$dir/blind" --layout f32,rtrs_rf --count 300 --repeat 1 --json "$dir/check.json"
+awk -f tests/values/flat.awk "$dir/check.json" >"$dir/other.flat"
+reported 0 0 15 --check "$dir/check.json" --parts check
+[ "$(sed -n 's/^wrong=//p' "$dir/flat")" -ge 50 ] || bad "report: nothing is WRONG"
+
+# Findings: as many as the folder has, all of them still there, or none of them.
+: >"$dir/other.flat"
+run fuzz --rays 40 --jobs 2 --corpus none --engine cpu --layout rtrs_rf --faithful --trials 64 --no-shrink --until 3 --dir "$dir/found"
+count=$(ls -d "$dir"/found/*/first.trial | wc -l)
+[ "$count" -ge 2 ] || bad "report: only $count findings"
+reported "$count" "$count" 10 --findings "$dir/found" --parts machine
+printf '%s until - a word docs/fuzzing.md\n' 'cpu.*.*.*' >"$dir/known"
+reported "$count" 0 10 --findings "$dir/found" --baseline "$dir/known" --parts machine
+
+all_seen doctor report
+echo "values_reports: $failed failed"
+[ "$failed" -eq 0 ]
