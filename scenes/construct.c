@@ -39,7 +39,8 @@ static enum status check_camera(const struct camera *camera, struct reason *reas
     for (int k = 0; k < 3; k++)
         length = fmaxf(length, fabsf(camera->at[k] - camera->pos[k]));
     if (!status && length == 0)
-        return fail(reason, STATUS_INPUT, "the camera looks nowhere: its target is its position");
+        return fail(reason, STATUS_INPUT,
+                    "the camera has no direction: its target is its position");
     if (!status && !float_is_finite(length))
         return fail(reason, STATUS_INPUT,
                     "the camera's target is farther away than the range of a float");

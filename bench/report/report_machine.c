@@ -20,7 +20,7 @@ static void processor(char *text, size_t text_bytes)
     struct reason reason;
     snprintf(text, text_bytes, "unknown");
     if (file_read("/proc/cpuinfo", &bytes, &size, &reason)) {
-        fprintf(stderr, "raydiff report: the processor's name is not known: %s\n", reason.text);
+        fprintf(stderr, "raydiff report: the processor's name is unknown: %s\n", reason.text);
         return;
     }
     const char *line = strstr(bytes, key), *colon = line ? strchr(line, ':') : NULL;

@@ -26,7 +26,7 @@ bool section_reasons(struct html *html, const struct report *report, enum report
         bool failed = part->state == REPORT_FAILED;
         html_element_format(html, "p", failed ? "note bad" : "note", "%s %s: %s", part->name,
                             failed ? "failed" : "was skipped",
-                            part->why[0] ? part->why : "it gave no reason");
+                            part->why[0] ? part->why : "no reason given");
     }
     if (!report->wanted[kind])
         html_element_format(html, "p", "note", "Not part of this report. %s", how);

@@ -101,11 +101,11 @@ static void put_verdict(struct html *html, const struct report *report,
     html_begin(html, "p", "class", code == EXIT_SKIPPED || sum->parts == 0 ? "verdict none" : look,
                NULL);
     if (sum->parts == 0)
-        html_text(html, "Nothing was asked for");
+        html_text(html, "No part was requested");
     else if (code == EXIT_AGREE)
         html_text(html, "Everything agrees");
     else if (code == EXIT_SKIPPED)
-        html_text(html, "What could run agrees; something could not");
+        html_text(html, "Everything that ran agrees; some parts could not run");
     else if (sum->wrong + sum->bits > 0)
         html_format(html, "WRONG answers: %zu; with other bits: %zu", sum->wrong, sum->bits);
     else if (sum->failing > 0)

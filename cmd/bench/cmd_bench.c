@@ -126,9 +126,9 @@ static const struct option_set set = {
     .command = "bench",
     .usage = "bench [NAME] [OPTIONS]",
     .about = "Measures. Speeds are taken in one run with all contestants interleaved: median of "
-             "the rounds with least and most; ratios are medians of per-round ratios. What was "
-             "wrong stands beside each speed.\n"
-             "NAME is one benchmark; without it all run that need not be named.",
+             "the rounds with least and most; ratios are medians of per-round ratios. Wrong "
+             "answers are printed beside each speed.\n"
+             "NAME is one benchmark; without it all run except those that must be named.",
     .group = {GROUP(all_rows),
               {.row = own_rows, .title = "and where the benchmark takes them:"},
               GROUP_AT(engine_rows, engines),
@@ -186,7 +186,8 @@ static enum status check_given(const struct bench *bench, const char *name, stru
                                    .seeded = true};
     enum status status = options_check(&use, reason);
     if (!status && bench->bvh && bench->scene_count != 1)
-        return fail(reason, STATUS_INPUT, "--bvh: a tree is of one scene: name it with --scene");
+        return fail(reason, STATUS_INPUT,
+                    "--bvh: a tree belongs to one scene: name it with --scene");
     return status;
 }
 

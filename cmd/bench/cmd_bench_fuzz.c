@@ -18,7 +18,7 @@ static const char about[] =
     "with one thread; --count is trials of a worker and round. A judged ray has a "
     "verdict for every contestant. The harness makes trials, builds and packs trees, "
     "decides rays exactly and judges; pipelines were made before. What it finds is "
-    "counted only: raydiff fuzz is for that. us of core time: also where other work on "
+    "counted only: use raydiff fuzz to keep findings. us of core time: also where other work on "
     "the machine takes cores away.\n"
     "";
 

@@ -127,7 +127,7 @@ static void print_head(const struct paper_table *table)
 /* Printed before these lines. */
 static const char *const headings[LINE_COUNT] = {
     [LINE_DIRECT] = " published shader",
-    [LINE_DIRECT_WHOLE] = " published shader, whole paths in one dispatch, as it was",
+    [LINE_DIRECT_WHOLE] = " published shader, whole paths in one dispatch, unmodified",
     [LINE_DIRECT_CULLS] = " published shader, its box test alone replaced by one that culls: the "
                           "pictures break (F2, F3)",
     [LINE_F32_2] = " repaired: builder median, box test robust, triangle test mt",

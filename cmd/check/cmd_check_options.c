@@ -56,8 +56,8 @@ static const struct option_row rows[] = {
 const struct option_set check_set = {
     .command = "check",
     .usage = "check SCENE... [OPTIONS]",
-    .about = "Runs engines and node layouts on every SCENE and compares them: who agrees, who "
-             "differs, how fast each is and how many bytes each needs. A SCENE is a mesh file "
+    .about = "Runs engines and node layouts on every SCENE and compares them: which agree, which "
+             "differ, how fast each is and how many bytes each needs. A SCENE is a mesh file "
              "(.json .obj .ply, also .gz) or a generator such as soup:n=1000, see raydiff list "
              "scenes.",
     .group = {GROUP(rows), GROUP_AT(leaf_rows, build), GROUP_AT(build_rows, build),

@@ -15,7 +15,8 @@ enum status tree_check_options(const char *path, size_t scene_count, struct reas
             return fail(reason, STATUS_INPUT,
                         "--bvh: the tree is built already: it goes without --%s", name);
     if (path && scene_count > 1)
-        return fail(reason, STATUS_INPUT, "--bvh: a tree is of one scene, not of %zu", scene_count);
+        return fail(reason, STATUS_INPUT, "--bvh: a tree belongs to one scene, not to %zu",
+                    scene_count);
     return STATUS_OK;
 }
 

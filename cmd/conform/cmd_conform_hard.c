@@ -164,7 +164,7 @@ static enum status outcome_of(struct hard_run *run, const struct one *one,
         return confirm(run, one, result, defect, outcome, why, why_bytes, reason);
     if (result->outcome != HARD_FAILED && !defect->rare) {
         *outcome = OUTCOME_FAILED;
-        snprintf(why, why_bytes, "the defect %s shows no more", defect->fault);
+        snprintf(why, why_bytes, "the defect %s no longer occurs", defect->fault);
     }
     return STATUS_OK;
 }

@@ -217,13 +217,13 @@ static void judge_waivers(struct conform_report *report)
             continue;
         if (fault == WAIVER_GONE) {
             if (!report->tap && report->verbose)
-                printf("NOTE    %s:%zu: '%s' shows no more in a version that is not %s\n",
+                printf("NOTE    %s:%zu: '%s' no longer occurs in a version other than %s\n",
                        report->waivers.path, w->line, w->pattern, w->version);
             continue;
         }
         printf("%s%s:%zu: waiver '%s' %s\n", report->tap ? "# " : "FAILED  ", report->waivers.path,
                w->line, w->pattern,
-               fault == WAIVER_NOTHING ? "names nothing: correct or remove it"
+               fault == WAIVER_NOTHING ? "matches nothing: correct or remove it"
                                        : "excused no failing trial: remove it");
         report->outcomes[OUTCOME_FAILED]++;
         report->code = exit_worse(report->code, EXIT_MISMATCH);
@@ -268,7 +268,7 @@ static void judge_ran(struct conform_report *report)
     if (n[OUTCOME_SKIPPED] + n[OUTCOME_REFUSED] == report->absent)
         return;
     report->code = EXIT_MISMATCH;
-    printf("%svacuous: nothing ran, so that nothing is tested\n", report->tap ? "# " : "");
+    printf("%svacuous: nothing ran, so nothing is tested\n", report->tap ? "# " : "");
 }
 
 static void print_sums(const struct conform_report *report)

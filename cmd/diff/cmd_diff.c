@@ -157,7 +157,7 @@ static enum status open_members(struct diff_run *run, struct reason *reason)
             return status;
         for (size_t k = 0; k + 1 < run->count; k++)
             if (run->member[k].engine == member->engine)
-                return fail(reason, STATUS_INPUT, "--engine: %s stands for two of them",
+                return fail(reason, STATUS_INPUT, "--engine: %s is selected by two names",
                             member->engine->name);
         if (member->status == STATUS_OK && running++ == 0)
             run->reference = i;

@@ -100,7 +100,8 @@ static enum status print_light(struct page *page, const struct diff_member *memb
     struct why_answer answer;
     printf("    light %-3u ", index);
     if (!light->asked) {
-        printf("not asked: it is behind (normal . light %.9g)\n", (double)light->nl);
+        printf("not traced: the light is behind the surface (normal . light %.9g)\n",
+               (double)light->nl);
         return STATUS_OK;
     }
     printf("at distance ");

@@ -185,7 +185,7 @@ static void print_end(const struct explain_page *page)
             printf("it names triangle %u\n", why->slot_stored);
         break;
     case END_TRIANGLE:
-        puts("  the triangle test says no");
+        puts("  the triangle test rejects it");
         break;
     case END_FARTHER:
     case END_HIT:
@@ -271,8 +271,8 @@ static void print_failed(const struct explanation *why, enum defect defect)
         printf(": gives this answer, but not the engine's to %u of %u other rays\n",
                most->asked - most->witnesses, most->asked);
     else
-        printf(": gives this answer, but only %u of %u other rays could tell\n", most->telling,
-               most->asked);
+        printf(": gives this answer, but only %u of %u other rays distinguish it from C\n",
+               most->telling, most->asked);
 }
 
 static void print_imitated(const struct explanation *why)
@@ -289,8 +289,9 @@ static void print_imitated(const struct explanation *why)
                one->witnesses, one->asked, one->telling, one->told);
         return;
     }
-    puts(why->witness_count > 0 ? "  none of these planted in C predicts the engine's answers:"
-                                : "  none of these was shown, since no other ray could be asked:");
+    puts(why->witness_count > 0
+             ? "  none of these planted in C predicts the engine's answers:"
+             : "  none of these is confirmed, since no other ray could be traced:");
     for (enum defect defect = DEFECT_NONE + 1; defect < DEFECT_COUNT; defect++)
         print_failed(why, defect);
 }
@@ -333,7 +334,7 @@ static void print_cause(const struct explain_page *page)
     printf("cause     %s: %s\n", cause_name(why->cause), cause_text(why->cause));
     print_needed(why);
     if (why->inside) {
-        puts("  C on the same bytes does the same; repaired one at a time it answers");
+        puts("  C on the same bytes answers the same; with one repair at a time it answers");
         print_tried(why);
         puts("  (repairs that change nothing are left out)");
     } else if (why->imitation_count > 0) {

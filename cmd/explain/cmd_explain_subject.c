@@ -62,8 +62,9 @@ static enum status take_engine(struct explain_options *o, const struct fuzz_sign
     if (!o->has_engine)
         o->of.engine = fuzz_signature_engine(signature);
     if (!o->of.engine)
-        return fail(reason, STATUS_INPUT, "%s: its engine '%s' is not here: name one with --engine",
-                    o->of.spec, signature->engine);
+        return fail(reason, STATUS_INPUT,
+                    "%s: engine '%s' is not available: name one with --engine", o->of.spec,
+                    signature->engine);
     return STATUS_OK;
 }
 

@@ -37,7 +37,7 @@ static const struct option_set set = {
              "raydiff: the shader, the bytes of the tree, triangles and rays, what is right and "
              "with which tolerance.",
     .group = {GROUP(rows), GROUP_AT(engine_rows, options.engines)},
-    .codes = "0 written, 2 bad input, or nothing that anybody else could run",
+    .codes = "0 written, 2 bad input, or nothing that can run outside raydiff",
     .example = "export fuzz/corpus/sentinel.trial --engine vulkan --to x.c\n"
                "         cc x.c -lvulkan -o x && ./x",
 };

@@ -156,8 +156,9 @@ static enum status prepare(struct fuzz_command *c, struct reason *reason)
         status = options_check(&use, reason);
     }
     if (!status && c->pairs > 0 && (c->shards > 0 || c->feedback || names_corpus(c)))
-        status = fail(reason, STATUS_INPUT,
-                      "--pairs: members are drawn, not with --shard, --feedback or --corpus");
+        status =
+            fail(reason, STATUS_INPUT,
+                 "--pairs: draws members at random, so not with --shard, --feedback or --corpus");
     if (!status)
         status = read_corpus(c, reason);
     if (!status)

@@ -199,8 +199,9 @@ enum status fuzz_identify(struct fuzz_command *c, struct reason *reason)
     if (state[0])
         status = resume(c, state, reason);
     else if (findings_count(c->findings) > 0)
-        status = fail(reason, STATUS_INPUT,
-                      "%.100s: its findings are of no campaign, but of raydiff merge", c->folder);
+        status =
+            fail(reason, STATUS_INPUT,
+                 "%.100s: its findings come from raydiff merge, not from a campaign", c->folder);
     if (!status && c->layout.count == 0)
         status = table_parse(TABLE_LAYOUTS, "--layout", c->pairs > 0 ? pair_layouts : FUZZ_LAYOUTS,
                              &c->layout, reason);

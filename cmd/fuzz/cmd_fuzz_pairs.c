@@ -74,9 +74,9 @@ void fuzz_pairs_print(const struct fuzz_command *c, const struct campaign_view *
         printf("moved      %llu trees refitted, %llu rebuilt\n", (unsigned long long)view->refitted,
                (unsigned long long)view->rebuilt);
     if (c->pairs > 0 && sum.possible == 0)
-        printf("short      --pairs: the engines share no member of whom pairs could meet\n");
+        printf("short      --pairs: the engines share no member that could form a pair\n");
     if (c->pairs > 0 && sum.below > 0)
-        printf("short      %u pairs met in fewer than %llu trials: run it again to go on\n",
+        printf("short      %u pairs met in fewer than %llu trials: run again to continue\n",
                sum.below, (unsigned long long)c->pairs);
 }
 

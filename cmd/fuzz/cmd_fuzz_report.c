@@ -21,7 +21,7 @@ static enum findings_report_state state_of(const struct fuzz_command *c,
     if (answer->state == BASELINE_KNOWN)
         return REPORT_KNOWN;
     if (campaign_is_flaky(&view->mark[i])) {
-        snprintf(answer->text, sizeof answer->text, "never again in %u times alone",
+        snprintf(answer->text, sizeof answer->text, "did not recur in %u plays alone",
                  view->mark[i].played_again);
         return REPORT_FLAKY;
     }
@@ -262,7 +262,7 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
     if (view->renewed > 0)
         printf("renewed    %u workers that held half of --memory\n", view->renewed);
     if (flaky > 0)
-        printf("flaky      %zu: never showed again in %u times alone\n", flaky, CAMPAIGN_AGAIN);
+        printf("flaky      %zu: did not recur in %u plays alone\n", flaky, CAMPAIGN_AGAIN);
     if (left > 0 && news > 0 && !view->unplayed && !view->unshrunk) {
         char command[FUZZ_PATH_MOST] = "raydiff min";
         command_word(command, sizeof command, c->folder);
@@ -272,9 +272,9 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
     print_turnout(view);
     print_unused(c, view);
     if (view->unplayed)
-        printf("unplayed   trials are left: run it again to go on\n");
+        printf("unplayed   trials are left: run again to continue\n");
     else if (view->unshrunk)
-        printf("unshrunk   findings are left: run it again to shrink them\n");
+        printf("unshrunk   findings are left: run again to shrink them\n");
     if (is_vacuous(view))
         printf("vacuous    no trial was played: nothing is tested\n");
     printf("findings   %zu distinct, %zu outside the baseline, in %s\n", count, news, c->folder);

@@ -165,8 +165,8 @@ static enum status read_rays(struct judge_run *j, const char *path, struct reaso
     if (j->request.ray_count == 0)
         return fail(reason, STATUS_INPUT, "%s: has no ray", name);
     if (with->vertex_count && pipe_hash(with, NULL, 0, 0) != pipe_hash(&j->scene, NULL, 0, 0))
-        return fail(reason, STATUS_INPUT, "%s: has v and t lines of another scene than %.80s", name,
-                    j->spec);
+        return fail(reason, STATUS_INPUT, "%s: has v and t lines for another scene than %.80s",
+                    name, j->spec);
     return STATUS_OK;
 }
 
@@ -305,7 +305,7 @@ static enum status make_again(struct judge_run *j, const struct pipe_text *look,
             return STATUS_OK;
     return status ? status
                   : fail(reason, STATUS_INPUT,
-                         "standard input: 'from' is of another scene or other rays than '%.80s' "
+                         "standard input: 'from' is for another scene or other rays than '%.80s' "
                          "gives now",
                          from->spec);
 }
@@ -335,7 +335,8 @@ int cmd_verify(int argc, char **argv)
     if (code >= 0)
         return code;
     if (argc != first)
-        return usage_error("verify", "it reads its standard input; '%s' is too much", argv[first]);
+        return usage_error("verify", "the standard input is read; unexpected argument '%s'",
+                           argv[first]);
     struct judge_run j = {.command = "verify", .options = &o};
     struct pipe_text look = {0};
     enum status status = read_piped(&j, &look, &reason);

@@ -64,7 +64,7 @@ int cmd_merge(int argc, char **argv)
         return code;
     const char *to = options.to;
     if (!to)
-        return usage_error("merge", "--to DIR says where to");
+        return usage_error("merge", "--to DIR is needed");
     if (first == argc)
         return usage_error("merge", "no folder given");
     enum status status = STATUS_OK;

@@ -22,10 +22,10 @@ static enum status take_layouts(void *options, const struct option_value *given,
     for (size_t i = 0; i < list.count && !status; i++) {
         const struct layout *layout = layouts_all[list.index[i]];
         if (!layout->outside)
-            return fail(reason, STATUS_INPUT,
-                        "--layout: findings are shrunk on their own; '%s' is here anyway, only "
-                        "FILE.so can be brought",
-                        layout->name);
+            return fail(
+                reason, STATUS_INPUT,
+                "--layout: takes only FILE.so, since a finding names its layout; '%s' is built in",
+                layout->name);
         if (list_has(&o->layout, list.index[i]))
             return fail(reason, STATUS_INPUT, "--layout: %s is named twice", layout->name);
         o->layout.index[o->layout.count++] = list.index[i]; /* fits: no duplicates */

@@ -20,8 +20,8 @@ static const char *fate_name(enum min_fate fate)
 static const char *end_text(enum shrink_end end)
 {
     static const char *const text[] = {
-        [SHRINK_FIXPOINT] = "nothing smaller is left to be tried",
-        [SHRINK_OUT_OF_ASKS] = "more --asks may find a smaller one",
+        [SHRINK_FIXPOINT] = "no smaller candidate is left",
+        [SHRINK_OUT_OF_ASKS] = "a larger --asks may find a smaller one",
         [SHRINK_OUT_OF_TIME] = "ended by --time",
         [SHRINK_NOT_SHOWN] = "it does not show here",
     };

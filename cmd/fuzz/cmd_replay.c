@@ -192,7 +192,7 @@ enum status replay_engine(const struct finding_file *file, const struct engine *
     if (*out)
         return STATUS_OK;
     bool peer = strncmp(file->signature.engine, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0;
-    return fail(reason, STATUS_INPUT, "its engine '%s' is not here%s", file->signature.engine,
+    return fail(reason, STATUS_INPUT, "engine '%s' is not available%s", file->signature.engine,
                 peer ? "; name its command: --engine 'pipe:COMMAND'" : "");
 }
 

@@ -23,7 +23,7 @@ static const char *outcome(const struct replay_file *file)
     if (file->code == 77)
         return "not played: its engine cannot run here";
     if (file->refused)
-        return "not played: refused, so that nothing is tested";
+        return "not played: refused, so nothing is tested";
     if (!file->file.has_signature)
         return file->fails ? "FAILS" : "clean";
     return file->fails ? "STILL FAILS" : "does not fail";

@@ -28,7 +28,7 @@ static enum status take_choices(void *options, const struct option_value *given,
             return fail(reason, STATUS_INPUT, "--only: at most %u", SELFTEST_CHOICE_MOST);
         c->choice[c->choices++] = one;
     }
-    return c->choices ? STATUS_OK : fail(reason, STATUS_INPUT, "--only: none is named");
+    return c->choices ? STATUS_OK : fail(reason, STATUS_INPUT, "--only: needs at least one name");
 }
 
 #define ROWS_OF struct selftest_command
@@ -83,7 +83,7 @@ static enum status find_folder(struct selftest_command *c, struct reason *reason
 {
     ssize_t length = readlink("/proc/self/exe", c->self, sizeof c->self - 1);
     if (length <= 0)
-        return fail(reason, STATUS_INPUT, "this program cannot find itself; name --programs");
+        return fail(reason, STATUS_INPUT, "the path of this program is unknown; give --programs");
     c->self[length] = '\0';
     char beside[SELFTEST_PATH_MOST];
     memcpy(beside, c->self, sizeof beside);

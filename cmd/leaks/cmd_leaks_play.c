@@ -254,7 +254,7 @@ static void look_whether_vacuous(struct leak_scene *result)
     const struct inside *inside = &result->inside;
     if (result->ray_count < LEAKS_LEAST)
         snprintf(result->vacuous, sizeof result->vacuous,
-                 "%zu rays are aimed, at least %d say something", result->ray_count, LEAKS_LEAST);
+                 "%zu rays are aimed, at least %d are needed", result->ray_count, LEAKS_LEAST);
     else if (2 * inside->near < inside->sampled)
         snprintf(result->vacuous, sizeof result->vacuous,
                  "of %zu aimed rays looked at only %zu come near an edge", inside->sampled,

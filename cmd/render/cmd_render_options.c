@@ -67,8 +67,9 @@ static enum status take_layouts(void *options, const struct option_value *given,
     if (status)
         return status;
     if (list.count > 2)
-        return fail(reason, STATUS_INPUT, "--layout: '%s' are %zu, at most two are compared",
-                    given->text, list.count);
+        return fail(reason, STATUS_INPUT,
+                    "--layout: '%s' names %zu layouts, at most two are compared", given->text,
+                    list.count);
     out->layout = layouts_all[list.index[0]];
     out->versus = list.count > 1 ? layouts_all[list.index[1]] : NULL;
     return STATUS_OK;
@@ -158,7 +159,7 @@ static enum status finish_size(const char *command, struct render_settings *s,
                                struct reason *reason)
 {
     if ((s->width == 0) != (s->height == 0))
-        return fail(reason, STATUS_INPUT, "%s is missing: both or neither are given",
+        return fail(reason, STATUS_INPUT, "%s is missing: give both or neither",
                     s->width ? "--height" : "--width");
     if (s->tile > FRAME_TILE_MOST)
         fprintf(stderr,
@@ -192,7 +193,7 @@ enum status render_engine(const struct render_settings *settings, const struct e
             return STATUS_OK;
         }
     return fail(reason, STATUS_INPUT,
-                "--handler naive is every triangle, on engine cpu or vulkan, not on %s",
+                "--handler naive tests every triangle and needs engine cpu or vulkan, not %s",
                 engine->name);
 }
 

@@ -257,7 +257,7 @@ static enum status check(const struct showing *showing, const char *name, struct
                     "--layout: engine %s reads no layout, so there is no difference of two",
                     engine->name);
     if (engine->recorded)
-        return fail(reason, STATUS_INPUT, "engine %s can be asked no new ray", engine->name);
+        return fail(reason, STATUS_INPUT, "engine %s cannot trace new rays", engine->name);
     return show_range_check(showing->show, settings->versus != NULL, &showing->range, reason);
 }
 

@@ -144,7 +144,7 @@ static const struct option_set set = {
     .command = "report",
     .usage = "report [SCENE...] --out FILE.html [OPTIONS]",
     .about =
-        "Writes one HTML file that needs nothing else: who agrees, speed against error and size, "
+        "Writes one HTML file that needs nothing else: agreement, speed against error and size, "
         "pictures, findings explained, the machine, and the commands that make each part again. "
         "Plays SCENEs (default: " REPORT_DEFAULT_SCENES_TEXT "), or puts results together: with "
         "results given and no SCENE only findings are played.",

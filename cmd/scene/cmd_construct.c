@@ -167,7 +167,7 @@ static enum status take_transform(void *options, const struct option_value *word
     struct transform step;
     struct reason why;
     if (c->model_count == 0)
-        return fail(reason, STATUS_INPUT, "--%s: no --model stands before it", words->row->name);
+        return fail(reason, STATUS_INPUT, "--%s: must follow a --model", words->row->name);
     if (make_step(words, &step, &why))
         return strncmp(why.text, "--", 2) == 0
                    ? fail(reason, STATUS_INPUT, "%s", why.text)

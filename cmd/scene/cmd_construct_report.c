@@ -24,7 +24,8 @@ enum status construct_json(const struct construct_options *o, const struct scene
     for (uint32_t i = 0; i < o->construct.model_count; i++)
         if (json_array_append_new(models, model_json(&o->construct.model[i], notes->red)) != 0) {
             json_decref(models);
-            return fail(reason, STATUS_INPUT, "--json: a name that is not UTF-8 fits no JSON text");
+            return fail(reason, STATUS_INPUT,
+                        "--json: a name that is not UTF-8 cannot be written to JSON");
         }
     json_t *red = notes->red == CONSTRUCT_DEFAULT ? json_null() : json_integer(notes->red);
     *out =
@@ -34,7 +35,8 @@ enum status construct_json(const struct construct_options *o, const struct scene
                     scene->material_count, red, scene->light_count,
                     scene->camera.orbit ? "orbit" : "fixed", notes->unused, notes->filled);
     return *out ? STATUS_OK
-                : fail(reason, STATUS_INPUT, "--json: a name that is not UTF-8 fits no JSON text");
+                : fail(reason, STATUS_INPUT,
+                       "--json: a name that is not UTF-8 cannot be written to JSON");
 }
 
 void construct_print(const struct construct_options *o, const struct scene *scene,

@@ -58,7 +58,7 @@ static const struct option_set set = {
     .usage = "precompute --scene SCENE --out FILE [OPTIONS]\n"
              "precompute --scene SCENE --verify FILE",
     .about = "Builds a scene's tree and writes it as JSON, byte for byte as the precompute of RTRS "
-             "does with builder rtrs; or checks a file that somebody else made.",
+             "does with builder rtrs; or checks a file from another program.",
     .group = {GROUP(rows), GROUP_AT(build_rows, build)},
     .codes = "0 written, or verified; 1 a tree, but with too small boxes, or triangles in no leaf "
              "or in several; 2 bad input, no tree, or RTRS never ends here; 4 no memory",

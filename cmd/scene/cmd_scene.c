@@ -98,7 +98,8 @@ static enum status inform(const char *spec, uint64_t seed, json_t *list, struct 
     else if (!list)
         print_info(spec, &scene, &facts);
     else if (json_array_append_new(list, json_info(spec, &scene, &facts)) != 0)
-        status = fail(reason, STATUS_INPUT, "%s: a name that is not UTF-8 fits no JSON text", spec);
+        status = fail(reason, STATUS_INPUT,
+                      "%s: a name that is not UTF-8 cannot be written to JSON", spec);
     scene_free(&scene);
     return status;
 }

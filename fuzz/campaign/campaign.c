@@ -61,7 +61,7 @@ const char *campaign_vacuous(const struct campaign_view *view, size_t i)
     if (view->turnout_unknown || view->trials + view->before == 0)
         return NULL;
     if (turnout->played == 0)
-        return "it answered no trial";
+        return "it answered none of the trials";
     if (turnout->proved == 0)
         return "it gave no right hit in any trial";
     if (TURNOUT_ONE_IN * turnout->played < turnout->played + turnout->declined)

@@ -202,7 +202,7 @@ static enum status take_message(struct campaign *c, struct slot *slot, const voi
 {
     struct work_parts parts;
     if (!work_parts(bytes, size, &parts))
-        return end_worker(c, slot, false, "sent what is no report");
+        return end_worker(c, slot, false, "sent bytes that are not a report");
     enum status status = parts.report->status;
     if (slot->task == SLOT_STARTING)
         return take_start(c, slot, &parts);
@@ -213,7 +213,7 @@ static enum status take_message(struct campaign *c, struct slot *slot, const voi
     if (slot->task == SLOT_SHRINK || slot->task == SLOT_AGAIN)
         return campaign_job_take(c, slot, &parts);
     if (slot->task != SLOT_BLOCK)
-        return end_worker(c, slot, false, "spoke without being asked");
+        return end_worker(c, slot, false, "sent a report without an order");
     if (status) {
         char why[WORK_OPINION_MOST];
         snprintf(why, sizeof why, "%s: %s", status_text(status), parts.report->reason.text);
@@ -361,7 +361,7 @@ enum status campaign_crew_hear(struct campaign *c)
             status = end_worker(c, slot, false, NULL);
             break;
         case CHILD_TOO_LONG:
-            status = end_worker(c, slot, false, "sent a report of no end");
+            status = end_worker(c, slot, false, "sent a report without an end");
             break;
         }
     }

@@ -41,9 +41,9 @@ static const char *say_kind(enum fuzz_kind kind)
     case FUZZ_KIND_BITS:
         return "not the bits of engine cpu on the same bytes";
     case FUZZ_KIND_UNFINISHED:
-        return "the engine says that it did not finish the ray";
+        return "the engine reports an unfinished ray";
     case FUZZ_KIND_REFUSED:
-        return "the engine refused what it should take";
+        return "the engine refused valid input";
     case FUZZ_KIND_TREE:
         return "the packed bytes are not the tree that they were made from";
     case FUZZ_KIND_CRASH:
@@ -51,7 +51,7 @@ static const char *say_kind(enum fuzz_kind kind)
     case FUZZ_KIND_HANG:
         return "the engine did not answer in time";
     case FUZZ_KIND_PROTOCOL:
-        return "the answer was none";
+        return "the engine's answer was invalid";
     default:
         return "";
     }

@@ -29,10 +29,10 @@ static void tell_all(const struct export_case *the, struct export_said *said)
     if (the->reference_fails)
         tell(said, "C on the same bytes is wrong, too: no driver is at fault");
     if (the->here && the->file->has_signature && !wrong)
-        tell(said, "what it expects did not show here: every answer was right");
+        tell(said, "the expected failure did not occur here: every answer was right");
     if (!the->here && the->not_asked[0] && the->subject != SUBJECT_TRACER) {
         char line[240];
-        snprintf(line, sizeof line, "it was not asked here: %s", the->not_asked);
+        snprintf(line, sizeof line, "it was not run here: %s", the->not_asked);
         tell(said, line);
     }
 }

@@ -145,7 +145,7 @@ static struct common in_common(const struct export_case *the, uint32_t ray)
 static void put_interval(const char *name, const float x[2], unsigned offset, FILE *to)
 {
     if (!(x[0] > 0.0f)) {
-        fprintf(to, "# %s in [%.9g, %.9g] cannot be said of bits\n", name, (double)x[0],
+        fprintf(to, "# %s in [%.9g, %.9g] cannot be tested on bits\n", name, (double)x[0],
                 (double)x[1]);
         return;
     }
@@ -174,7 +174,7 @@ static void expect_ray(const struct export_case *the, uint32_t i, FILE *to)
     else if (c.count == 0)
         fprintf(to, "# ray %u is out of contract: any answer is right\n", i);
     else if (c.miss && c.hit)
-        fprintf(to, "# ray %u: a hit or a miss, which no script can say\n", i);
+        fprintf(to, "# ray %u: a hit or a miss, which a script cannot express\n", i);
     else if (c.miss)
         fprintf(to, "EXPECT hits IDX %u EQ 0 0 0 %u # a miss\n", offset, ABI_NO_PRIM);
     else {

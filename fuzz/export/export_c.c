@@ -124,10 +124,11 @@ static void put_right(const struct export_case *the, const struct export_right *
 
 static void put_rights(const struct export_case *the, FILE *to)
 {
-    fprintf(to,
-            "/* Every right answer; to a ray that is not among them any is: it is out of contract. "
-            "*/\n#define RIGHTS %zuu\nstatic const struct right rights[] = {\n",
-            the->right_count ? the->right_count : 1);
+    fprintf(
+        to,
+        "/* Every right answer; a ray without an entry is out of contract and any answer is right. "
+        "*/\n#define RIGHTS %zuu\nstatic const struct right rights[] = {\n",
+        the->right_count ? the->right_count : 1);
     if (!the->right_count)
         fputs("    {.ray = 0xFFFFFFFFu, .prim = MISS}, /* of no ray */\n", to);
     for (size_t i = 0; i < the->right_count; i++)

@@ -95,7 +95,7 @@ static enum status choose(struct export_case *the)
                     name);
     } else {
         return fail(the->reason, STATUS_INPUT,
-                    "engine '%s' is raydiff's own C, there is no vendor to send it to: `raydiff "
+                    "engine '%s' is raydiff's own C, it has no vendor to report to: `raydiff "
                     "replay` shows and explains it; --engine vulkan exports it for a driver",
                     name);
     }
@@ -279,7 +279,7 @@ static enum status ask_here(struct export_case *the)
     void *self = NULL;
     enum status status = STATUS_UNSUPPORTED;
     if (the->subject == SUBJECT_TRACER || dies(the))
-        (void)fail(&why, status, "it was not asked here");
+        (void)fail(&why, status, "it was not run here");
     else
         status = the->engine->open(&the->options->engines, &self, &why);
     the->measured = status == STATUS_OK;

@@ -168,7 +168,7 @@ static void say_answers(struct comment *c, const struct export_case *the, uint32
                                                        : verdict_name(the->judgement[i].verdict));
         say_lines(c, "", the->versions);
     } else {
-        say(c, "Answered", "it was not asked where this file was written: %s", the->not_asked);
+        say(c, "Answered", "it was not run where this file was written: %s", the->not_asked);
     }
     if (!the->reference)
         return;

@@ -39,7 +39,7 @@ static enum status check_log(const struct findings *findings, struct reason *rea
         folder_path(&findings->folder, later[i], path, sizeof path);
         if (there)
             return fail(reason, STATUS_INPUT,
-                        "%s: is there, but findings.jsonl has no checkpoint: it was lost",
+                        "%s: exists, but findings.jsonl has no checkpoint: the checkpoint was lost",
                         file_label(path));
     }
     return STATUS_OK;

@@ -205,7 +205,7 @@ static enum status merge(struct merging *m, const char *to, struct reason *reaso
         status = put_lines(m, reason);
     if (!status && rename(temporary, to) != 0)
         status = fail(reason, STATUS_INPUT, "%s: cannot be made: %s", file_label(to),
-                      errno == ENOTEMPTY || errno == EEXIST ? "it is there and not empty"
+                      errno == ENOTEMPTY || errno == EEXIST ? "it exists and is not empty"
                                                             : strerror(errno));
     if (status && made)
         findings_remove(temporary);

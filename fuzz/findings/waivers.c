@@ -184,15 +184,15 @@ static enum status add_line(struct waivers *out, char *line, size_t number, bool
     waiver.reason = line + strspn(line, " \t");
     if (!strstr(waiver.link, "://") && !strstr(waiver.link, ".md"))
         return fail(reason, STATUS_INPUT,
-                    "%s:%zu: a waiver ends in a link, an address or a document (.md)", out->path,
-                    number);
+                    "%s:%zu: a waiver must end in a link: an address or a document (.md)",
+                    out->path, number);
     if (waiver.reason >= waiver.link || waiver.reason[0] == '\0')
         return fail(reason, STATUS_INPUT,
                     "%s:%zu: a waiver needs a reason between pattern and link", out->path, number);
     size_t earlier = line_of(out, &waiver);
     if (earlier)
-        return fail(reason, STATUS_INPUT, "%s:%zu: line %zu says the same of '%.80s'", out->path,
-                    number, earlier, waiver.pattern);
+        return fail(reason, STATUS_INPUT, "%s:%zu: line %zu has the same entry for '%.80s'",
+                    out->path, number, earlier, waiver.pattern);
     void *array = out->waiver;
     if (array_reserve(&array, &out->capacity, out->count + 1, sizeof waiver))
         return fail(reason, STATUS_MEMORY, "no memory for waivers");

@@ -69,7 +69,7 @@ const struct waiver *waivers_note(struct waivers *waivers, const char *name,
 enum waiver_fault {
     WAIVER_FINE,
     WAIVER_UNUSED,  /* what it names was played and did not fail: remove it */
-    WAIVER_NOTHING, /* it names nothing: correct or remove it */
+    WAIVER_NOTHING, /* it matches nothing: correct or remove it */
     WAIVER_GONE,    /* no fault: nothing failed, but in another version than it is about */
 };
 

@@ -12,7 +12,7 @@ enum fuzz_kind {
     FUZZ_KIND_WRONG,                                /* + enum wrong */
     FUZZ_KIND_BITS = FUZZ_KIND_WRONG + WRONG_COUNT, /* not engine cpu's bits on the same tree */
     FUZZ_KIND_UNFINISHED, /* stack, visits, loop cap: the engine said so */
-    FUZZ_KIND_REFUSED,    /* the engine refused what it should take (never a layout's documented
+    FUZZ_KIND_REFUSED,    /* the engine refused valid input (never a layout's documented
                              limit), or the program that a layout reproduces ends on the tree */
     FUZZ_KIND_TREE,       /* the packed bytes are no such tree: packed_check */
     FUZZ_KIND_CRASH,

@@ -73,7 +73,7 @@ enum status selftest_parse(const char *name, const char *text, struct selftest_b
         line += length;
     }
     if (!status && *count == 0)
-        status = fail(reason, STATUS_INPUT, "%s: no bug is in it", file_label(name));
+        status = fail(reason, STATUS_INPUT, "%s: it lists no bug", file_label(name));
     if (status) {
         free(array);
         array = NULL;

@@ -45,19 +45,21 @@ static const struct {
     [CAUSE_BOUND_TOO_SMALL] = {"bound_too_small", "a stored box does not contain what is below it"},
     [CAUSE_TRIANGLE_LOST] = {"triangle_lost", "a triangle is in no leaf"},
     [CAUSE_TRIANGLE_TWICE] = {"triangle_twice", "a triangle is in the leaves a second time"},
-    [CAUSE_ITEM_RANGE] = {"item_out_of_range", "a leaf names what is no triangle of the scene"},
+    [CAUSE_ITEM_RANGE] = {"item_out_of_range",
+                          "a leaf has an index that is no triangle of the scene"},
     [CAUSE_STACK_NEED] = {"stack_need_too_small",
                           "a path needs more stack entries than the packed tree says"},
-    [CAUSE_RECORD_MALFORMED] = {"record_malformed", "a record decodes to what is no node"},
-    [CAUSE_PACK_RESULT] = {"pack_result", "pack() does not return what it was given to fill"},
+    [CAUSE_RECORD_MALFORMED] = {"record_malformed", "a record does not decode to a node"},
+    [CAUSE_PACK_RESULT] = {"pack_result",
+                           "pack() returned other arrays or counts than it was given"},
     [CAUSE_DRIVER_ARITHMETIC] = {"driver_arithmetic",
                                  "an operator of the engine does not round as C does"},
     [CAUSE_SHADER] = {"shader", "C is right on the same bytes and the engine's operators are "
                                 "exact: its own code differs"},
-    [CAUSE_NOT_REPEATABLE] = {"not_repeatable", "the same ray, asked twice, got two answers"},
+    [CAUSE_NOT_REPEATABLE] = {"not_repeatable", "the engine returned two answers for the same ray"},
     [CAUSE_SCALE] = {"scale", "right at another scale: a constant that does not scale, or "
                               "underflow"},
-    [CAUSE_OUTSIDE] = {"outside", "unexplained: the engine keeps its tree to itself"},
+    [CAUSE_OUTSIDE] = {"outside", "unexplained: the engine's tree cannot be read"},
     [CAUSE_UNEXPLAINED] = {"unexplained", "no known cause predicts the answer"},
 };
 
@@ -104,7 +106,7 @@ static const struct {
     [REPAIR_THRESHOLD] = {CAUSE_DETERMINANT_THRESHOLD, "triangle test: no threshold"},
     [REPAIR_STACK] = {CAUSE_STACK, "stack without end"},
     [REPAIR_VISITS] = {CAUSE_LOOP_CAP, "four times the visits"},
-    [REPAIR_CULLING] = {CAUSE_CULLED_BY_BEST, "the best hit culls no box"},
+    [REPAIR_CULLING] = {CAUSE_CULLED_BY_BEST, "boxes are not culled by the best hit"},
     [REPAIR_TRIANGLE] = {CAUSE_TRIANGLE_TEST, "triangle test: exact"},
 };
 
@@ -127,9 +129,8 @@ static const struct {
     [DEFECT_ZERO] = {CAUSE_SENTINEL, "triangle 0 is an empty slot"},
     [DEFECT_SHIFT] = {CAUSE_INDEX_SHIFTED, "items are numbered one off"},
     [DEFECT_NEAR_AGAIN] = {CAUSE_CHILD_REFERENCE, "the near child is pushed for the far one"},
-    [DEFECT_FAR_DROPPED] = {CAUSE_STACK, "what does not fit on the stack is lost"},
-    [DEFECT_STACK_FULL] = {CAUSE_STACK,
-                           "the stack is shorter, and what does not fit ends the walk"},
+    [DEFECT_FAR_DROPPED] = {CAUSE_STACK, "entries that overflow the stack are lost"},
+    [DEFECT_STACK_FULL] = {CAUSE_STACK, "the stack is shorter, and an overflow ends the traversal"},
     [DEFECT_FLUSHED] = {CAUSE_HALF_SUBNORMAL_FLUSHED, "small bounds read as 0"},
     [DEFECT_STRICT] = {CAUSE_STRICT_COMPARISON, "box test: < for <="},
     [DEFECT_NOT_PADDED] = {CAUSE_BOX_PADDING_TOO_SMALL,
@@ -140,7 +141,7 @@ static const struct {
     [DEFECT_SLAB_SPLIT] = {CAUSE_DRIVER_ARITHMETIC, "box test: b / d - o / d"},
     [DEFECT_EDGE_FUSED] = {CAUSE_DRIVER_ARITHMETIC, "triangle test: contracted to fma"},
     [DEFECT_LAST_WINS] = {CAUSE_STALE_BEST, "the last triangle of a leaf wins"},
-    [DEFECT_LOOP] = {CAUSE_LOOP_CAP, "the walk ends early"},
+    [DEFECT_LOOP] = {CAUSE_LOOP_CAP, "the traversal ends early"},
 };
 
 enum cause defect_cause(enum defect defect)

@@ -43,7 +43,7 @@ enum cause {
     CAUSE_BOUND_TOO_SMALL,  /* a box does not contain what is below it */
     CAUSE_TRIANGLE_LOST,    /* a triangle is in no leaf */
     CAUSE_TRIANGLE_TWICE,   /* a triangle is named again */
-    CAUSE_ITEM_RANGE,       /* a leaf names what is no triangle of the scene */
+    CAUSE_ITEM_RANGE,       /* a leaf has an index that is no triangle of the scene */
     CAUSE_STACK_NEED,       /* a path needs more stack than packed.stack_need */
     CAUSE_RECORD_MALFORMED, /* a record of a layout from outside is no node */
     CAUSE_PACK_RESULT,      /* its pack() did not do what it reports */

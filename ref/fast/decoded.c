@@ -132,5 +132,5 @@ enum status fast_decode(const struct packed *packed, const struct scene *scene, 
     return status == STATUS_MEMORY
                ? fail(reason, status, "fast: no memory to decode a tree of %u records",
                       packed->node_count)
-               : fail(reason, status, "fast: no tree to be made of this packed one");
+               : fail(reason, status, "fast: this packed tree cannot be converted");
 }

@@ -60,8 +60,8 @@ static enum status look(const struct folder *folder, const char *name, mode_t wa
         return errno == ENOENT ? STATUS_OK : system_fail(path, errno, reason);
     if ((about.st_mode & S_IFMT) == want)
         return STATUS_OK;
-    return fail(reason, STATUS_INPUT, "%s: is %s, where %s belongs: it is left alone",
-                file_label(path), kind_name(about.st_mode), kind_name(want));
+    return fail(reason, STATUS_INPUT, "%s: is %s, not %s: left unchanged", file_label(path),
+                kind_name(about.st_mode), kind_name(want));
 }
 
 enum status folder_has(const struct folder *folder, const char *name, bool *there,
@@ -129,8 +129,8 @@ static enum status check_file(int file, const char *path, bool append, struct re
     if (fstat(file, &about) != 0)
         return system_fail(path, errno, reason);
     if (!S_ISREG(about.st_mode))
-        return fail(reason, STATUS_INPUT, "%s: is %s, where a file belongs: it is left alone",
-                    file_label(path), kind_name(about.st_mode));
+        return fail(reason, STATUS_INPUT, "%s: is %s, not a file: left unchanged", file_label(path),
+                    kind_name(about.st_mode));
     if (append && about.st_nlink > 1)
         return fail(reason, STATUS_INPUT,
                     "%s: has %lu names (hard links), and would change under all of them: copy it",

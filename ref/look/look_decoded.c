@@ -85,6 +85,7 @@ enum status decoded_tree(const struct packed *packed, const struct scene *scene,
         return STATUS_OK;
     }
     bvh_free(&d.bvh);
-    return fail(reason, STATUS_INPUT, "%s: what is packed decodes to no tree of the scene%s%s",
+    return fail(reason, STATUS_INPUT,
+                "%s: the packed bytes do not decode to a tree of the scene%s%s",
                 packed->layout->name, why.text[0] ? ": " : "", why.text);
 }

@@ -129,7 +129,7 @@ void turnout_line(const struct turnout_one *one, char *text, size_t text_bytes)
         text_append(text, text_bytes, ": %.200s", one->reason.text);
     if (turnout_code(one) == EXIT_MISMATCH)
         text_append(text, text_bytes, "; vacuous: %s",
-                    asked == 0                        ? "it was never asked"
+                    asked == 0                        ? "it was not run"
                     : one->end[TURNOUT_ANSWERED] == 0 ? "nothing of it is tested"
                                                       : "hardly anything of it is tested");
 }

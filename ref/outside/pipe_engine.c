@@ -106,7 +106,7 @@ static enum status read_refusal(struct peer *peer, struct pipe_talk *talk, uint3
 {
     char text[PIPE_REFUSED_MOST + 1] = "";
     if (bytes > PIPE_REFUSED_MOST)
-        return blame(peer, STATUS_DEVICE, reason, "refuses in more than 256 bytes");
+        return blame(peer, STATUS_DEVICE, reason, "its refusal is longer than 256 bytes");
     enum pipe_end end = pipe_talk(talk, text, bytes, true);
     if (end != PIPE_GOT)
         return blame_end(peer, end, asked, 0, reason);
@@ -130,7 +130,7 @@ static enum status check_head(struct peer *peer, const struct pipe_answer *head,
         snprintf(what, sizeof what, "its answer is of version %u, not %u", head->version,
                  PIPE_VERSION);
     } else if (head->refused > 1) {
-        snprintf(what, sizeof what, "its answer is neither given (0) nor refused (1) but %u",
+        snprintf(what, sizeof what, "its answer has status %u, not 0 (given) or 1 (refused)",
                  head->refused);
     } else if (!head->refused && head->count != asked->rays) {
         snprintf(what, sizeof what, "its answer is about %u rays, not %zu, from ray %zu on",
@@ -141,7 +141,7 @@ static enum status check_head(struct peer *peer, const struct pipe_answer *head,
     } else if (!opening &&
                (head->formula != peer->head.formula || head->rounding != peer->head.rounding ||
                 head->flags != peer->head.flags)) {
-        snprintf(what, sizeof what, "says of itself now another formula, rounding or flags");
+        snprintf(what, sizeof what, "now declares another formula, rounding or flags");
     } else {
         return STATUS_OK;
     }
@@ -197,7 +197,7 @@ static enum status ask(struct peer *peer, const struct asked *asked, const struc
     peer->fault = ENGINE_NONSENSE; /* unless it is set below */
     peer->fault_ray = asked->first;
     if (!opening && pipe_child_is_early(&peer->child)) /* when opening, its bytes are shown */
-        return blame(peer, STATUS_DEVICE, reason, "wrote more than the answer before was long");
+        return blame(peer, STATUS_DEVICE, reason, "wrote more bytes after its previous answer");
     enum pipe_end end = pipe_talk(&talk, &head, sizeof head, false);
     if (end != PIPE_GOT)
         return blame_end(peer, end, asked, 0, reason);

@@ -117,7 +117,8 @@ static void *open_object(const char *path, struct reason *reason)
     size_t named = strlen(here); /* dlerror() begins with the path, too */
     if (strncmp(why, here, named) == 0 && strncmp(why + named, ": ", 2) == 0)
         why += named + 2;
-    (void)fail(reason, STATUS_INPUT, "%.120s: not a shared object to be had: %.150s", path, why);
+    (void)fail(reason, STATUS_INPUT, "%.120s: cannot be loaded as a shared object: %.150s", path,
+               why);
     return NULL;
 }
 

@@ -59,7 +59,7 @@ static enum status check_given(const char *name, const struct pack_packing *p,
     if (has->word != given->word || has->item != given->item || has->records != given->records ||
         has->items != given->items)
         return fail(reason, STATUS_INPUT,
-                    "%s: pack() was given %u records and %u items, and says %u and %u%s", name,
+                    "%s: pack() was given %u records and %u items, and returned %u and %u%s", name,
                     given->records, given->items, has->records, has->items,
                     has->word != given->word || has->item != given->item ? " in other arrays" : "");
     return STATUS_OK;

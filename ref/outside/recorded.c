@@ -64,7 +64,7 @@ static enum status trace(void *self, const struct ray *ray, size_t ray_count, st
     }
     if (ray_count > tape->answers.count ||
         memcmp(ray, tape->answers.ray, ray_count * sizeof *ray) != 0)
-        return fail(reason, STATUS_UNSUPPORTED, "no answer to this ray was written down");
+        return fail(reason, STATUS_UNSUPPORTED, "no answer is recorded for this ray");
     memcpy(hit, tape->answers.hit, ray_count * sizeof *hit);
     return STATUS_OK;
 }
@@ -83,7 +83,7 @@ static void close_tape(void *self)
 static void describe(const struct engine_options *options, char *text, size_t text_bytes)
 {
     (void)options;
-    snprintf(text, text_bytes, "answers that were written down");
+    snprintf(text, text_bytes, "recorded answers");
 }
 
 static const struct engine file_engine = {

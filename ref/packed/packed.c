@@ -120,7 +120,7 @@ static void append_line(char *text, size_t text_bytes, const char *line)
 enum status packed_make_auto(const struct bvh *bvh, const struct scene *scene, struct packed *out,
                              char *refused, size_t refused_bytes, struct reason *reason)
 {
-    struct reason why = {"there is none to be chosen"};
+    struct reason why = {"no layout can be chosen"};
     *out = (struct packed){0};
     if (refused_bytes > 0)
         refused[0] = 0;

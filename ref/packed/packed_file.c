@@ -79,7 +79,7 @@ static enum status check_head(const char *name, const struct head *head, size_t 
         return fail(reason, STATUS_INPUT, "%s: is of %u triangles, the scene has %u", name,
                     head->triangles, scene->tri_count);
     if (head->stack > layout_stack_most(*layout))
-        return fail(reason, STATUS_INPUT, "%s: needs %u stack entries, at most %u are to be had",
+        return fail(reason, STATUS_INPUT, "%s: needs %u stack entries, at most %u are possible",
                     name, head->stack, layout_stack_most(*layout));
     return STATUS_OK;
 }

@@ -102,7 +102,7 @@ static enum status leaf_bounds(struct refit *refit, uint32_t ref, struct items l
 
 static enum status no_tree(const struct refit *refit, uint32_t ref)
 {
-    return fail(refit->reason, STATUS_INPUT, "%s: %s: the words are no tree",
+    return fail(refit->reason, STATUS_INPUT, "%s: %s: the words are not a tree",
                 refit->from->layout->name, packed_name(refit->from, ref).text);
 }
 

@@ -223,7 +223,7 @@ enum status tree_file_bvh(const struct tree_file *file, const struct scene *scen
     struct reason why = {""};
     if (tree_file_is_packed(file)) {
         enum status status = packed_unpack(&file->packed, scene, out, &why);
-        return status ? fail(reason, status, "%s: decodes to no tree, which JSON would have: %s",
+        return status ? fail(reason, status, "%s: cannot be decoded to a tree for JSON: %s",
                              file->name, why.text)
                       : STATUS_OK;
     }

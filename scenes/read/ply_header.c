@@ -90,7 +90,7 @@ static enum status read_element(struct scan *scan, struct ply_header *header, st
     if (status)
         return status;
     if (count < 0)
-        return scan_fail(scan, reason, "an element cannot be there %lld times", (long long)count);
+        return scan_fail(scan, reason, "the count of an element cannot be %lld", (long long)count);
     for (size_t i = 0; i < header->element_count; i++)
         if (same_name(header->element[i].name, element.name))
             return scan_fail(scan, reason, "an element of this name is already there");
@@ -120,7 +120,7 @@ static enum status read_property(struct scan *scan, struct ply_header *header,
     if (property.list) {
         status = read_type(scan, &property.count_type, reason);
         if (!status && !ply_type_is_whole(property.count_type))
-            return scan_fail(scan, reason, "the length of a list must be of a whole type");
+            return scan_fail(scan, reason, "the length of a list must have an integer type");
     } else {
         *scan = before;
     }
@@ -171,7 +171,7 @@ static enum status set_roles(const struct scan *scan, struct ply_header *header,
             return scan_fail(scan, reason, "property %.*s must %sbe a list",
                              (int)property->name.length, property->name.at, corners ? "" : "not ");
         if (corners && !ply_type_is_whole(property->type))
-            return scan_fail(scan, reason, "vertex indices must be of a whole type");
+            return scan_fail(scan, reason, "vertex indices must have an integer type");
     }
     return STATUS_OK;
 }

@@ -47,7 +47,7 @@ static enum status to_float(const struct rtrs_place *place, const char *key, int
     /* From here on a double rounds to 2^128: halfway between FLT_MAX and that. */
     static const double beyond = 0x1.ffffffp127;
     if (json_is_null(value))
-        return refuse(place, key, element, "is null, which stands for NaN");
+        return refuse(place, key, element, "is null (NaN)");
     if (!json_is_number(value))
         return refuse(place, key, element, "must be a number");
     if (json_is_integer(value)) {

@@ -266,8 +266,7 @@ enum status renderer_open(const struct engine *engine, const struct engine_optio
     *out = NULL;
     if (engine->recorded)
         return fail(reason, STATUS_UNSUPPORTED,
-                    "%s: its answers were written down before: it can be asked no new ray",
-                    engine->name);
+                    "%s: its answers are recorded: it cannot trace new rays", engine->name);
     struct renderer *made = alloc_zeroed(1, sizeof *made);
     if (!made)
         return fail(reason, STATUS_MEMORY, "no memory for a renderer");

@@ -96,9 +96,8 @@ static enum status walk(struct show_part *part, const struct trace_report *repor
     for (size_t i = 0; i < part->count; i++) {
         const struct ray_numbers *one = &part->numbers[i];
         if (!one->finished || memcmp(&one->hit, &part->hit[i], sizeof one->hit) != 0)
-            return fail(reason, STATUS_INTERNAL,
-                        "the walk that is looked at %s, but engine %s says otherwise",
-                        one->finished ? "answers something else" : "does not end",
+            return fail(reason, STATUS_INTERNAL, "the C traversal %s engine %s",
+                        one->finished ? "returns another hit than" : "did not finish, unlike",
                         source->engine->name);
         boxes += one->boxes;
         tris += one->tris;

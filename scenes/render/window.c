@@ -111,7 +111,7 @@ enum status window_open(const char *title, uint32_t width, uint32_t height, stru
     window->shown = sdl->CreateWindow(title, SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED,
                                       (int)width, (int)height, SDL_WINDOW_RESIZABLE);
     if (!window->shown) {
-        status = fail(reason, STATUS_UNSUPPORTED, "no window: it cannot be made (SDL: %s)",
+        status = fail(reason, STATUS_UNSUPPORTED, "no window: creating it failed (SDL: %s)",
                       sdl->GetError());
         window_close(window);
         return status;

@@ -56,7 +56,7 @@ static void what_decodes_to_no_tree_is_refused(void **state)
             if (decoded_tree(&s.packed, &scene, &bvh, &reason)) {
                 refused++;
                 assert_null(bvh.node);
-                assert_non_null(strstr(reason.text, "decodes to no tree"));
+                assert_non_null(strstr(reason.text, "do not decode to a tree"));
             } else {
                 assert_int_equal(bvh_check_form(&bvh, &scene, NULL), STATUS_OK);
             }

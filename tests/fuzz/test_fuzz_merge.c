@@ -106,7 +106,7 @@ static void merge_refuses_and_leaves_nothing(void **state)
     assert_int_not_equal(stat(in_root("m1"), &about), 0);
     const char *const plain[] = {in_root("plain")};
     assert_int_equal(findings_merge(plain, 1, in_root("plain"), &reason), STATUS_INPUT);
-    assert_non_null(strstr(reason.text, "it is there and not empty"));
+    assert_non_null(strstr(reason.text, "it exists and is not empty"));
     const char *const none[] = {in_root("plain"), in_root("nothing")};
     assert_int_equal(findings_merge(none, 2, in_root("m2"), &reason), STATUS_INPUT);
     assert_int_equal(mkdir(in_root("m3"), 0777), 0);

@@ -239,8 +239,8 @@ static void what_was_not_asked_is_said(void **state)
     struct export_said said;
     options.engines.driver = NO_DRIVER;
     char *program = exported(&file, &options, &said);
-    assert_non_null(strstr(said.text, "not asked here: "));
-    assert_non_null(strstr(program, "it was not asked where this file was written"));
+    assert_non_null(strstr(said.text, "not run here: "));
+    assert_non_null(strstr(program, "it was not run where this file was written"));
     assert_non_null(strstr(program, "that Vulkan's specification asks for"));
     assert_non_null(strstr(program, cause_text(CAUSE_SENTINEL)));
     free(program);

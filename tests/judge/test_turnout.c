@@ -121,7 +121,7 @@ static void a_campaign_counts_right_hits_and_not_misses_alone(void **state)
     view.turnout[2] = (struct campaign_turnout){.played = 3, .declined = 7};
     view.turnout[3] = (struct campaign_turnout){.played = 9, .declined = 91, .proved = 9};
     assert_null(campaign_vacuous(&view, 0));
-    assert_string_equal(campaign_vacuous(&view, 1), "it answered no trial");
+    assert_string_equal(campaign_vacuous(&view, 1), "it answered none of the trials");
     assert_string_equal(campaign_vacuous(&view, 2), "it gave no right hit in any trial");
     assert_string_equal(campaign_vacuous(&view, 3), "it refused nearly all trials");
     view.turnout_unknown = true; /* earlier runs did not count */

@@ -126,7 +126,7 @@ static const struct hostile {
     {"deaf", STATUS_DEVICE, "late: not done within 0.3 s, at a request without rays"},
     {"short", STATUS_DEVICE, "its answer is about 199 rays, not 200, from ray 0 on"},
     {"long", STATUS_DEVICE, "its answer is longer than 200 rays"},
-    {"chatty", STATUS_DEVICE, "wrote more than the answer before was long"},
+    {"chatty", STATUS_DEVICE, "wrote more bytes after its previous answer"},
     {"endless", STATUS_DEVICE, "its answer begins with 'yes?', not with 'RDRA'"},
     {"endless_hits", STATUS_DEVICE, "its answer is longer than 200 rays"},
     {"text", STATUS_DEVICE, "its answer begins with 'Hell', not with 'RDRA'"},
@@ -139,11 +139,11 @@ static const struct hostile {
      "exit code 2 before the answer to ray 0; its standard error: no"},
     {"stderr_endless", STATUS_DEVICE, "its standard error: xxxxxx"},
     {"refuses", STATUS_REFUSED, "refused: only teapots"},
-    {"refuses_long", STATUS_DEVICE, "refuses in more than 256 bytes"},
+    {"refuses_long", STATUS_DEVICE, "its refusal is longer than 256 bytes"},
     {"formula", STATUS_DEVICE, "says of itself: formula 99 is not one of 0 to 6"},
     {"rounding", STATUS_DEVICE, "says of itself: rounding 5 is not one of 0 to 4"},
     {"flags", STATUS_DEVICE, "says of itself: flags 0x10 have more than"},
-    {"fickle", STATUS_DEVICE, "says of itself now another formula, rounding or flags"},
+    {"fickle", STATUS_DEVICE, "now declares another formula, rounding or flags"},
 };
 
 static void whatever_a_peer_does_is_said_and_ends_only_the_peer(void **state)

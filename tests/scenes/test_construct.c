@@ -337,7 +337,7 @@ static void what_is_wrong_is_named(void **state)
     expect_refused(&from, "model 1 (platonic:radius=1e9): its transform takes vertex 0 out of");
     model[1] = model_of("platonic", 0);
     from.camera.at[2] = -10;
-    expect_refused(&from, "the camera looks nowhere");
+    expect_refused(&from, "the camera has no direction");
     from.camera.at[2] = 3e38f;
     from.camera.pos[2] = -3e38f;
     expect_refused(&from, "farther away than the range of a float");

@@ -31,10 +31,10 @@ static void ply_names_line_and_rule_of_the_header(void **state)
     expect_refused(ASCII "element vertex 3\nproperty float x\nproperty int x\n",
                    ":5: a property of this name");
     expect_refused(ASCII "element face 3\nproperty list float int vertex_indices\n",
-                   ":4: the length of a list must be of a whole type");
+                   ":4: the length of a list must have an integer type");
     expect_refused(ASCII "element vertex 3\n" XYZ "element face 1\n"
                          "property list uchar float vertex_indices\nend_header\n",
-                   ":9: vertex indices must be of a whole type");
+                   ":9: vertex indices must have an integer type");
     expect_refused(ASCII "element vertex 3\n" XYZ "element face 1\n"
                          "property int vertex_indices\nend_header\n",
                    ":9: property vertex_indices must be a list");

@@ -380,7 +380,7 @@ expect 3 'bad: the tracer refused: no spheres' judge sphere:n=4 "$dir/rays" "$di
 grep -v '^from' "$dir/hits" | "$raydiff" verify >"$dir/out" 2>"$dir/err"
 [ $? -eq 2 ] && grep -q "has no 'from' line" "$dir/err" || bad "verify needs the 'from' line"
 sed 's/^from ./from f/' "$dir/hits" | sed 's/^from ff/from f0/' | "$raydiff" verify >"$dir/out" 2>"$dir/err"
-[ $? -eq 2 ] && grep -q "of another scene or other rays" "$dir/err" || bad "verify knows a stale answer"
+[ $? -eq 2 ] && grep -q "for another scene or other rays" "$dir/err" || bad "verify knows a stale answer"
 "$raydiff" verify </dev/null >"$dir/out" 2>"$dir/err"
 [ $? -eq 2 ] && grep -q "standard input: is empty" "$dir/err" || bad "verify: no answer at all"
 
@@ -625,7 +625,7 @@ if [ -x "$bug" ]; then
 fi
 
 # The self-test of the fuzzer, where nothing is built, and with a program that finds nothing.
-expect 2 "--pairs: members are drawn, not with" fuzz --pairs 3 --shard 1/2 --dir "$dir/pairs"
+expect 2 "--pairs: draws members at random, so not with" fuzz --pairs 3 --shard 1/2 --dir "$dir/pairs"
 expect 1 . fuzz --pairs 3 --trials 64 --engine embree --corpus none --dir "$dir/no-pairs"
 grep -q "^short .* share no member" "$dir/out" || bad "fuzz --pairs: where no pair can meet it does not say so"
 expect 1 . fuzz --pairs 1000 --trials 64 --engine cpu,fast --layout f32,bvh8_u8_node --dir "$dir/pairs" --json "$dir/pairs.json"

@@ -85,7 +85,7 @@ refuse '--model is missing' construct $out $seen
 refuse '--camera-pos is missing' construct $out $sphere --camera-orbit
 refuse '--camera-fixed or --camera-orbit is missing' construct $out $sphere --camera-pos 0 0 1 0 0 0
 refuse 'one of them' construct $out $sphere $seen --camera-fixed
-refuse 'the camera looks nowhere' construct $out $sphere --camera-pos 1 2 3 1 2 3 --camera-fixed
+refuse 'the camera has no direction' construct $out $sphere --camera-pos 1 2 3 1 2 3 --camera-fixed
 refuse '\(sphere:n=4\): material 2, but there are 2, counted from 0 to 1' \
     construct $out $seen $m $m --model sphere:n=4 2
 refuse 'material 1, but there is 1' construct $out $seen $m --model sphere:n=4 1

@@ -22,8 +22,8 @@ expect 2 "'-1' is not a whole number" diff rtrs --pixel -1,3 $small
 expect 2 "--out: not used by --pixel" diff rtrs --pixel 1,3 --out "$dir/heat.png" $small
 expect 2 "no-such-folder" diff rtrs --engine cpu,embree --out "$dir/no-such-folder/heat.png" $small
 expect 2 "no-such-folder" diff rtrs --engine cpu,embree --json "$dir/no-such-folder/x.json" $small
-expect 2 "--handler naive is every triangle" diff rtrs --engine cpu,embree --handler naive $small
-expect 2 "brute stands for two" diff rtrs --engine cpu,brute --handler naive $small
+expect 2 "--handler naive tests every triangle" diff rtrs --engine cpu,embree --handler naive $small
+expect 2 "brute is selected by two names" diff rtrs --engine cpu,brute --handler naive $small
 expect 2 "paths take [0-9]+ MB for each engine, at most 2048" diff rtrs --engine cpu,embree -w 16384 -h 16384
 expect 2 "one, the same for all engines" diff rtrs --engine cpu,embree --layout f32,rf16 $small
 expect 2 "nothing.obj" diff "$dir/nothing.obj" $small

@@ -58,17 +58,17 @@ for place in stats.json:2,0,0,- findings.jsonl:2,2,2,2 $signature/first.trial:2,
     codes=${place#*:} place=${place%:*}
     fresh
     ln -sf "$dir/outside/file" "$dir/theirs/$place"
-    meet "$codes" "$place: is a symbolic link, where a file belongs: it is left alone"
+    meet "$codes" "$place: is a symbolic link, not a file: left unchanged"
     codes=${codes%,*},-
     fresh
     ln -sf "$dir/outside/new" "$dir/theirs/$place"
     meet "$codes" "$place: is a symbolic link"
     fresh
     rm "$dir/theirs/$place" && mkfifo "$dir/theirs/$place"
-    meet "$codes" "$place: is a named pipe, where a file belongs"
+    meet "$codes" "$place: is a named pipe, not a file"
     fresh
     rm "$dir/theirs/$place" && mkdir "$dir/theirs/$place"
-    meet "$codes" "$place: is a folder, where a file belongs"
+    meet "$codes" "$place: is a folder, not a file"
 done
 
 # What must be a folder of it.
@@ -76,10 +76,10 @@ for place in $signature:2,2,2,2 corpus:2,0,0,-; do
     codes=${place#*:} place=${place%:*}
     fresh
     rm -r "${dir:?}/theirs/$place" && ln -s "$dir/outside" "$dir/theirs/$place"
-    meet "$codes" "$place: is a symbolic link, where a folder belongs"
+    meet "$codes" "$place: is a symbolic link, not a folder"
     fresh
     rm -r "${dir:?}/theirs/$place" && echo text >"$dir/theirs/$place"
-    meet "$codes" "$place: is a file, where a folder belongs"
+    meet "$codes" "$place: is a file, not a folder"
 done
 
 # A second name of the log: appending to it would write there, too.

@@ -176,12 +176,12 @@ expect 0 . explain "$dir/flat.trial" --engine "pipe:$dir/flat" --cause outside
 
 # Merging.
 expect 2 'no folder given' merge --to "$dir/m"
-expect 2 'says where to' merge "$dir/a"
+expect 2 'is needed' merge "$dir/a"
 expect 2 'no-such' merge --to "$dir/m" "$dir/no-such"
 expect 2 'not empty' merge --to "$dir/a" "$dir/b"
 expect 2 . merge --to "$dir/m" "$dir/a" "$dir/a"
 expect 0 . merge --to "$dir/m" "$dir/a" "$dir/b"
 has out '^to     .*/m: [0-9]+ distinct, [0-9]+ in all$'
-expect 2 'of no campaign, but of raydiff merge' fuzz --dir "$dir/m"
+expect 2 'from raydiff merge, not from a campaign' fuzz --dir "$dir/m"
 echo "fuzz: $failed failed"
 [ "$failed" -eq 0 ]

@@ -26,7 +26,7 @@ for who in "$all" "$opening" "$rays"; do
     says 1 "^engine $who answered 0 of 1, refused 1: .*$vacuous" check sphere:n=4 $small --engine "cpu,$who"
     says 1 "^engine $who answered 0 of 3, refused 3: .*$vacuous" \
         conform 'closest.*.mt.sphere.[pr]*' --count 20 --engine "$who"
-    says 1 'it answered no trial' fuzz --trials 8 --rays 50 --corpus none --engine "$who" --dir "$dir/f${#who}"
+    says 1 'it answered none of the trials' fuzz --trials 8 --rays 50 --corpus none --engine "$who" --dir "$dir/f${#who}"
 done
 
 # In files, too; a member that answers is not accused.
@@ -44,7 +44,7 @@ grep -A 6 "\"name\": \"$all\"" "$dir/g.json" | grep -q '"refused": 8' || bad "fu
 grep -q "name=\"$all.played\".*<failure" "$dir/g.xml" || bad "fuzz --junit: who refuses all passes"
 grep -q "^not ok .* - $all.played" "$dir/g.tap" || bad "fuzz --tap: who refuses all passes"
 grep -q "^ok .* - cpu.f32.played" "$dir/g.tap" || bad "fuzz --tap: a member that answers is accused"
-grep -q "\"name\": \"$all\".*it answered no trial" "$dir/g.jsonl" || bad "fuzz --jsonl: who refuses all passes"
+grep -q "\"name\": \"$all\".*it answered none of the trials" "$dir/g.jsonl" || bad "fuzz --jsonl: who refuses all passes"
 
 # No stand-in passes for it: what it refuses, none passes.
 expect 1 . conform --count 20 --engine "$all"
@@ -60,7 +60,7 @@ says 0 "$honest answered 8 trials, refused 0" fuzz $campaign --dir "$dir/h"
 says 1 "$all answered 0 trials, refused 8.*vacuous" fuzz $campaign --dir "$dir/g"
 
 # A member that is named and never asked, or refused everywhere, fails, too.
-says 1 '^engine vulkan answered 0 of 0; vacuous: it was never asked' \
+says 1 '^engine vulkan answered 0 of 0; vacuous: it was not run' \
     conform 'closest.cpu.f32.median.robust.mt.sphere.random.1*' --count 1000 --engine cpu,vulkan
 says 1 '^layout bvh2_bf16_scene answered 0 of 1, refused 1' \
     conform 'closest.cpu.bvh2_bf16_scene:compact.median.robust.mt.sphere.random.1*' --layout bvh2_bf16_scene --store compact

@@ -25,7 +25,7 @@ if plays min; then
     printed=$(sed -n 's/^to shrink .*: raydiff //p' out)
     [ "$printed" = 'min found --layout ./liar.so' ] || bad "fuzz says to shrink by '$printed'"
     expect 2 "unknown layout 'liar' .one from outside: --layout FILE.so first." min found
-    expect 2 "only FILE.so can be brought" min found --layout f32
+    expect 2 "takes only FILE.so" min found --layout f32
     expect 2 "no finding of found is on mine" min found --layout ./liar.so,./mine.so
     expect 2 "no finding of found is on mine" min found --layout ./mine.so --layout ./liar.so
     expect 2 "liar is named twice" min found --layout ./liar.so --layout ./liar.so

@@ -118,7 +118,7 @@ expect 2 'is packed as rf16; only JSON can be packed as f32' check $scene $small
     --bvh "$dir/tree.rdpk"
 expect 0 . precompute --scene $scene --builder median --layout rtrs_rf --out "$dir/seed.rdpk"
 expect 2 . explain $scene --bvh "$dir/seed.rdpk" # after a warning
-grep -q 'decodes to no tree, which JSON would have: ' "$dir/err" || bad "RTRS's triangles decode"
+grep -q 'cannot be decoded to a tree for JSON: ' "$dir/err" || bad "RTRS's triangles decode"
 expect 2 'is packed as rf16; only JSON' explain $scene --bvh "$dir/tree.rdpk" --layout f32
 expect 2 'on a tree as JSON' bench layouts --scene $scene --bvh "$dir/tree.rdpk"
 expect 2 'goes without --builder' check $scene --bvh "$dir/median.json" --builder median

@@ -72,7 +72,7 @@ static void what_is_no_tree_is_said(void **state)
             packed.word[8 * packed.root + 3] = i == 1 ? packed.root : packed.node_count;
         struct snapshot before = snapshot(&packed);
         enum status status = packed_refit(&packed, &scene, &reason);
-        if (status != STATUS_INPUT || !strstr(reason.text, "the words are no tree"))
+        if (status != STATUS_INPUT || !strstr(reason.text, "the words are not a tree"))
             fail_msg("%zu: status %d, %s", i, status, reason.text);
         assert_true(same_as(&packed, &before));
         drop(&before);
