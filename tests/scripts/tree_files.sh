@@ -124,7 +124,7 @@ expect 2 'on a tree as JSON' bench layouts --scene $scene --bvh "$dir/tree.rdpk"
 expect 2 'goes without --builder' check $scene --bvh "$dir/median.json" --builder median
 expect 2 'goes without --leaf' leaks $scene --bvh "$dir/median.json" --leaf 2
 expect 2 'goes without --eps' explain $scene --bvh "$dir/median.json" --eps 1
-expect 2 'of one scene, not of 2' check $scene soup --bvh "$dir/median.json"
+expect 2 'to one scene, not to 2' check $scene soup --bvh "$dir/median.json"
 expect 2 'engine brute takes no tree' explain $scene --bvh "$dir/median.json" --engine brute
 expect 2 "a trial's name says" explain closest.cpu.rf16.median.robust.mt.soup.random.1 \
     --bvh "$dir/median.json"
