@@ -90,7 +90,7 @@ static void bad_lines_are_refused(void **state)
         {"*.*.bits.* until 1900-02-29 why" LINK, "list:1: after the pattern"},
         {"*.*.bits.* until" LINK, "list:1: after the pattern"},
         {"*.*.bits.* until -" LINK, "list:1: a waiver needs a reason"},
-        {"\n*.*.bits.* until - why\n", "list:2: a waiver ends in a link"},
+        {"\n*.*.bits.* until - why\n", "list:2: a waiver must end in a link"},
         {"*.bits.* until - why" LINK, "list:1: '*.bits.*' is no pattern of engine.layout.kind"},
         {"* until - everything" LINK, "list:1: '*' is no pattern of"},
         {"*.*.bitz.* until - why" LINK, "list:1: no kind is called 'bitz'"},

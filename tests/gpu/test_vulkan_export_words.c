@@ -42,7 +42,7 @@ static void paragraph(const char *comment, const char *begin, const char *title,
 
 static void check(struct export_case *the, const char *begin, const char *text, const char *wanted)
 {
-    static const char before[] = "it was not asked where this file was written: ";
+    static const char before[] = "it was not run where this file was written: ";
     char is[600];
     char *comment = comment_with(the, begin, text);
     paragraph(comment, begin, "Answered", is);

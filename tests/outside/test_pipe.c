@@ -131,7 +131,7 @@ static const struct hostile {
     {"endless_hits", STATUS_DEVICE, "its answer is longer than 200 rays"},
     {"text", STATUS_DEVICE, "its answer begins with 'Hell', not with 'RDRA'"},
     {"version", STATUS_DEVICE, "its answer is of version 7, not 1"},
-    {"neither", STATUS_DEVICE, "neither given (0) nor refused (1) but 5"},
+    {"neither", STATUS_DEVICE, "status 5, not 0 (given) or 1 (refused)"},
     {"range", STATUS_DEVICE, "its answer to ray 17 names triangle 2048 of 2048"},
     {"nan_id", STATUS_DEVICE, "its answer to ray 17 names triangle 2143289344 of 2048"},
     {"stderr", STATUS_DEVICE, "must not write to its standard error; its standard error: oops"},

@@ -32,7 +32,7 @@ static void plugin_that_lies_is_refused_by_the_record(void **state)
         {LIE_LOST, "liar: triangle 151 is in no leaf", PACKED_LOST},
         {LIE_TWICE, "liar: record 334: item slot 511 names triangle 151 a second time",
          PACKED_TWICE},
-        {LIE_SIZE, "liar: pack() was given 335 records and 512 items, and says 1340 and 512",
+        {LIE_SIZE, "liar: pack() was given 335 records and 512 items, and returned 1340 and 512",
          PACKED_RESULT},
         {LIE_CYCLE, "liar: record 0 is reached more than once", PACKED_REFERENCE},
         {LIE_NAN, "liar: record 334: x bounds", PACKED_BOUND},

@@ -22,7 +22,7 @@ static void ply_names_line_and_rule_of_the_header(void **state)
     expect_refused(ASCII "format ascii 1.0\n", ":3: the format is already given");
     expect_refused(ASCII "Created by x\n", ":3: 'Created' is no keyword");
     expect_refused(ASCII "element vertex\n", ":3: count of the element: end of line");
-    expect_refused(ASCII "element vertex -1\n", ":3: an element cannot be there -1 times");
+    expect_refused(ASCII "element vertex -1\n", ":3: the count of an element cannot be -1");
     expect_refused(ASCII "element vertex 3 4\n", ":3: '4' is too much");
     expect_refused(ASCII "element vertex 3\nelement vertex 3\n", ":4: an element of this name");
     expect_refused(ASCII "property float x\n", ":3: a property needs an element");

@@ -185,8 +185,7 @@ static void recorded_engines_draw_nothing(void **state)
     recorded.recorded = true;
     assert_int_equal(renderer_open(&recorded, &options, true, &renderer, &reason),
                      STATUS_UNSUPPORTED);
-    assert_string_equal(
-        reason.text, "written: its answers were written down before: it can be asked no new ray");
+    assert_string_equal(reason.text, "written: its answers are recorded: it cannot trace new rays");
     assert_null(renderer);
     renderer_close(renderer);
 }

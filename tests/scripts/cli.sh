@@ -218,7 +218,7 @@ grep -q '^ok 1 - closest.cpu.f32' "$dir/out" || bad "--tap prints TAP"
 printf 'closest.cpu.* never fails README.md\n' >"$dir/waivers"
 expect 1 . conform closest.cpu.f32.median.robust.mt.soup.random.1 --waivers "$dir/waivers"
 printf '# list\nclosest.cpu.* no link\n' >"$dir/waivers"
-expect 2 'waivers:2: a waiver ends in a link' conform closest.cpu.f32.median.robust.mt.soup.random.1 --waivers "$dir/waivers"
+expect 2 'waivers:2: a waiver must end in a link' conform closest.cpu.f32.median.robust.mt.soup.random.1 --waivers "$dir/waivers"
 
 # Storages.
 expect 0 . conform closest.cpu.f32:compact.median.robust.woop.sphere.edges.7 --verbose
@@ -368,7 +368,7 @@ expect 2 'MESH, RAYS and HITS are needed' judge sphere "$dir/rays"
 expect 2 "cannot both be '-'" judge sphere - -
 expect 2 'hits: has h or m lines' judge sphere:n=4 "$dir/hits" "$dir/hits"
 expect 2 'rays: has v, t or r lines' judge sphere:n=4 "$dir/rays" "$dir/rays"
-expect 2 'of another scene than sphere:n=5' judge sphere:n=5 "$dir/rays" "$dir/hits"
+expect 2 'for another scene than sphere:n=5' judge sphere:n=5 "$dir/rays" "$dir/hits"
 head -n 11 "$dir/hits" >"$dir/bad"
 expect 2 'bad:11: ends after 10 of 60 answers' judge sphere:n=4 "$dir/rays" "$dir/bad"
 echo m | cat "$dir/hits" - >"$dir/bad"

@@ -114,7 +114,7 @@ refuse "unknown option: '--lights'; did you mean --light\?" construct $out $seen
 refuse "unknown option: '--'" construct $out $seen $sphere --
 refuse "unexpected argument 'sphere'" construct sphere $out $seen $sphere
 refuse "unexpected argument 'y'" construct --out=x y $seen $sphere
-refuse '--scale: no --model stands before it' construct $out $seen --scale 2 $sphere
+refuse '--scale: must follow a --model' construct $out $seen --scale 2 $sphere
 refuse '--scale: a factor of 0' construct $out $seen $sphere --scale 1 0 1
 refuse '--scale: takes 1 or 3 numbers, but 2' construct $out $seen $sphere --scale 1 2
 refuse "--rotate: 'w' is not x, y or z" construct $out $seen $sphere --rotate w 90

@@ -109,7 +109,7 @@ fresh && rm "$dir/theirs/findings.jsonl"
 meet 2,2,2,- '(count: [0-9]+, but findings.jsonl has 0|findings.jsonl: No such file|is no folder of findings)'
 [ -e "$dir/theirs/findings.jsonl" ] && bad "a refused folder gets no log"
 fresh && rm -r "$dir/theirs/findings.jsonl" "$dir/theirs/cpu."*
-meet 2,2,2,- '(stats.json: is there, but findings.jsonl has no checkpoint|findings.jsonl: No such file|is no folder)'
+meet 2,2,2,- '(stats.json: exists, but findings.jsonl has no checkpoint|findings.jsonl: No such file|is no folder)'
 
 # Files that are gone.
 for place in $signature/first.trial $signature/smallest.trial $signature; do

@@ -83,7 +83,7 @@ handler '--layout auto --tri woop' '"layout": "rf16"' '"tri": "woop"'
 handler '--handler-blank' '"hit_pixels": 0'
 handler '--engine embree_robust' '"engine": "embree_robust"' '"tree": null' '"hit_pixels": [1-9]'
 expect 2 "'kd' is not naive, bvh, bvh-rf or blank" render --handler kd $small
-expect 2 "naive is every triangle, on engine cpu or vulkan, not on embree" render --handler naive --engine embree $small
+expect 2 "naive tests every triangle and needs engine cpu or vulkan, not embree" render --handler naive --engine embree $small
 expect 2 "'new' is not repaired or rtrs" render --profile new $small
 expect 2 'rf16: .*; --layout auto takes one that fits' render soup:n=70000 --handler bvh-rf $small
 expect 2 'goes without --builder' render "$dir/scene.json" --bvh "$dir/scene.bvh.json" --builder median $small

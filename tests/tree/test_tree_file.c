@@ -347,7 +347,7 @@ static void what_decodes_to_no_tree_is_refused(void **state)
     assert_non_null(bytes);
     assert_int_equal(tree_file_read("t", bytes, size, &scene, &file, &reason), STATUS_OK);
     assert_int_equal(tree_file_bvh(&file, &scene, &back, &reason), STATUS_INPUT);
-    assert_non_null(strstr(reason.text, "t: decodes to no tree"));
+    assert_non_null(strstr(reason.text, "t: cannot be decoded to a tree"));
     assert_null(back.node);
     tree_file_free(&file);
     free(bytes);
