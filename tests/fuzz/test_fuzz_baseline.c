@@ -97,7 +97,7 @@ static void bad_lines_are_refused(void **state)
         {"*.*.*.nothing until - why" LINK, "list:1: no cause is called 'nothing'"},
         {"cpu.f33.*.* until - why" LINK, "list:1: no layout is called 'f33'"},
         {"gpu.*.*.* until - why" LINK, "list:1: no engine is called 'gpu'"},
-        {"*.*.bits.* until - why" LINK "*.*.bits.* until - how" LINK, "list:2: line 1 says"},
+        {"*.*.bits.* until - why" LINK "*.*.bits.* until - how" LINK, "list:2: line 1 has"},
         {"*.*.bits.* until - wh\x01y" LINK, "list:1: a control character"},
     };
     (void)state;

@@ -73,7 +73,7 @@ python=$(sed -n '1p' "$dir/out")
 [ "$python" = '{' ] || bad "--json - prints more than JSON"
 expect 0 . diff rtrs --engine cpu,brute --pixel 22,17 $small
 says '^  brute: to the bit as cpu, triangle [0-9]+ at t 0x1'
-says '^    light 0   (at distance|not asked)'
+says '^    light 0   (at distance|not traced)'
 says '^brute: [0-9]+ segments, value [0-9]+ [0-9]+ [0-9]+, to the bit as cpu$'
 expect 0 . diff rtrs --engine cpu --pixel 0,0 $small
 says '^    hit       a miss$'
