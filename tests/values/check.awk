@@ -168,6 +168,10 @@ rows && NF >= 7 {
 END {
     if (scene + 1 != v["scenes.count"]) bad(scene + 1 " scenes, in JSON " v["scenes.count"])
     if (next_row != v["rows.count"]) bad(next_row " rows, in JSON " v["rows.count"])
+    for (i = 0; i < v["named.count"]; i++) {
+        p = "named." i
+        equal("rows of " v[p ".name"], v[p ".answered"] + v[p ".refused"] + v[p ".skipped"] + v[p ".failed"], v[p ".asked"])
+    }
     print "check: " checked " values, " wrong + 0 " wrong"
     exit wrong > 0 || checked < least
 }
