@@ -36,35 +36,36 @@ static uint64_t told(const char *name, const struct fixture_stand *s, const stru
 static void a_tree_is_nodes_and_items_and_what_they_refer_to(void **state)
 {
     (void)state;
-    uint32_t with_scene = 0, without = 0, linked = 0;
-    for (size_t l = 0; layouts[l]; l++) {
-        struct fixture_stand s = stand_make("soup:n=300", "random", RAYS, layouts[l]->name, 4);
+    uint32_t with_scene = 0, without = 0, linked = 0, wide = 0;
+    struct fixture_stand s = stand_make("soup:n=300", "random", RAYS, "f32", 4);
+    for (size_t l = 0; layouts_all[l]; l++)
         for (size_t t = 0; tri_stores[t]; t++) {
             struct packed packed;
             struct reason reason = {""};
-            if (packed_make_stored(layouts[l], tri_stores[t], &s.bvh, &s.scene, &packed, &reason))
+            if (packed_make_stored(layouts_all[l], tri_stores[t], &s.bvh, &s.scene, &packed,
+                                   &reason))
                 continue;
             bool scene = !tri_stores[t]->tri && !tri_stores[t]->test;
-            uint64_t want = (uint64_t)packed.node_count * layouts[l]->node_bytes +
+            uint64_t want = (uint64_t)packed.node_count * layouts_all[l]->node_bytes +
                             packed.item_count * (uint64_t)sizeof *packed.item +
                             (scene ? scene_bytes(&s.scene) : 0);
             assert_int_equal(packed.word_count * (uint64_t)sizeof *packed.word,
-                             packed.node_count * (uint64_t)layouts[l]->node_bytes);
+                             packed.node_count * (uint64_t)layouts_all[l]->node_bytes);
             uint64_t got = told("cpu", &s, &packed), links = told("cpu_stackless", &s, &packed);
             if (got != 0 && got != want)
-                fail_msg("%s %s: %llu bytes, not %llu", layouts[l]->name, tri_stores[t]->name,
+                fail_msg("%s %s: %llu bytes, not %llu", layouts_all[l]->name, tri_stores[t]->name,
                          (unsigned long long)got, (unsigned long long)want);
             if (links != 0)
                 assert_int_equal(links, want + packed.ref_count * (uint64_t)sizeof(uint32_t));
             with_scene += got != 0 && scene;
             without += got != 0 && !scene && packed.item_count > 0;
             linked += links != 0;
+            wide += got != 0 && layout_is_wide(layouts_all[l]);
             packed_free(&packed);
         }
-        stand_free(&s);
-    }
-    if (with_scene < 5 || without < 3 || linked < 8)
-        fail_msg("%u, %u and %u trees are too few", with_scene, without, linked);
+    stand_free(&s);
+    if (with_scene < 5 || without < 3 || linked < 8 || wide < 8)
+        fail_msg("%u, %u, %u and %u trees are too few", with_scene, without, linked, wide);
 }
 
 /* More vertices than triangles, and fewer. */
