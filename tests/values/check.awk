@@ -63,7 +63,19 @@ rows && NF >= 7 {
     }
     equal(name "hits", $8, v[p ".hits"])
     for (k = 2; k <= kinds; k++) equal(name kind[k], $(7 + k), v[p ".counts." kind[k]])
-    same(name "err/E", $17, "%.2f", v[p ".err_over_bound"])
+    if (p ".displacement.p50" in v) {
+        equal(name "err/E of an unknown formula", $17, "-")
+        text = $0
+        if (!sub(/.* displacement p50 /, "", text)) bad(name "no displacement")
+        split(text, part, " ")
+        same(name "displacement p50", part[1], "%.2g", v[p ".displacement.p50"])
+        same(name "displacement p99", part[3], "%.2g", v[p ".displacement.p99"])
+        same(name "displacement max", part[5], "%.3g", v[p ".displacement.max"])
+        equal(name "lost in closed fans", part[7], v[p ".displacement.lost_in_closed_fans"])
+        if (v[p ".displacement.p50"] > v[p ".displacement.p99"] + 0 || v[p ".displacement.p99"] > v[p ".displacement.max"] + 0)
+            bad(name "percentiles of the displacement")
+    } else
+        same(name "err/E", $17, "%.2f", v[p ".err_over_bound"])
     equal(name "WRONG", $18, v[p ".judged"] == "true" ? v[p ".counts.wrong"] : "count")
     equal(name "bits", $19, v[p ".bit_differences"])
     same(name "Mray/s", $20, "%.3f", v[p ".mrays_per_s.median"])

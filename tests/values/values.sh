@@ -17,6 +17,9 @@ run check soup:n=100 --engine "pipe:$dir/some" --count 200 --repeat 1 --json "$d
     awk -f tests/values/flat.awk "$dir/json" >"$dir/flat" && sh tests/values/fields.sh check "$dir/flat" "$dir/seen" &&
     grep -q '^rows.0.displacement.p99=[1-9]' "$dir/flat" && grep -q '^rows.0.findings.0.judgement.wrong=' "$dir/flat" ||
     bad "$ran: keys, or nothing is WRONG"
+sed 's/q.rays, 1, 0, 0, 0}/q.rays, 0, 0, 0, 0}/' fuzz/samples/sample_tracer.c >"$dir/unknown.c"
+cc -O1 -o "$dir/unknown" "$dir/unknown.c" || bad 'a tracer is not compiled'
+compare check 40 check soup:n=100 --engine "cpu,pipe:$dir/unknown" --layout f32 --count 2000 --repeat 1
 compare check 30 check soup:n=100 --engine cpu --layout f32 --query all --count 200 --repeat 1
 compare leaks 200 leaks sphere:n=8 --engine cpu --layout f32,rf16 --count 4000 --threads 1
 all_seen check leaks
