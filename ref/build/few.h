@@ -6,7 +6,7 @@
 
 #define FEW_MOST 8u
 
-/* Cost of a node relative to a triangle, each per unit of area: see README, quality of trees. */
+/* Cost of a node relative to a triangle, each per unit of area: see docs/builders.md. */
 #define COST_NODE 1.0f
 
 /* Orders 2 to FEW_MOST references so that the first side of the cheapest of all splits between

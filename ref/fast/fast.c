@@ -39,7 +39,7 @@ static void find_frame(struct fast_tree *tree, const struct box *bounds)
         tree->extent[k] = tree->step[k] * (CODE_MOST + 1);
         most = tree->extent[k] > most ? tree->extent[k] : most;
     }
-    /* Rays within this distance miss all absent children (CONTRIBUTING, "Boxes", fast). */
+    /* Rays within this distance miss all absent children (docs/numerics.md, "Boxes", fast). */
     tree->reach = most > 0x1p-60f ? most * 0x1p16f : 0;
 }
 

@@ -1,7 +1,7 @@
 /* A tree for fast traversal: 8-wide nodes of 128 bytes, 16-bit bounds in the scene's frame, and
  * leaves of up to 8 triangles that share vertices (ref/fast/block.h). The triangle test performs
- * the operations of tri_woop, so hits have the same bits. The box test is proved in CONTRIBUTING,
- * "Boxes", fast. A traversal reads nothing but nodes and blocks. */
+ * the operations of tri_woop, so hits have the same bits. The box test is proved in
+ * docs/numerics.md, "Boxes", fast. A traversal reads nothing but nodes and blocks. */
 #ifndef FAST_H
 #define FAST_H
 

@@ -16,7 +16,7 @@
 #include <string.h>
 
 /* Half the padding of the bounds, relative to the largest distance of the scene from the ray's
- * origin in any axis (CONTRIBUTING, "Boxes", fast). */
+ * origin in any axis (docs/numerics.md, "Boxes", fast). */
 #define FAST_PAD 0x1p-19f
 
 /* The axes that woop calls x, y, z; row 2 * main axis, plus 1 if the ray's direction is negative

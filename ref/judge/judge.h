@@ -2,7 +2,7 @@
  * (ref/oracle) and the proven error of that engine's own formula (ref/twin); no other engine takes
  * part. It depends on scenes, rays and triangle tests, never on a tree, a layout or an engine's
  * internals. Every allowed class has a name, a counter that is always printed and a paragraph in
- * the README; no share of wrong answers is accepted. */
+ * docs/verdicts.md; no share of wrong answers is accepted. */
 #ifndef JUDGE_H
 #define JUDGE_H
 

@@ -57,7 +57,7 @@ const struct judge_slot *judge_find(const struct judge_found *found, uint32_t pr
 
 /* An engine that found it answers at most its own t of it, which is at most t + E. It may also have
  * answered an earlier find t' and turned away the box, whose computed entry lay behind t'; that is
- * at most t + (2 a + r) u t (CONTRIBUTING.md, "Boxes"), and E is never less than (2 a + r) u t
+ * at most t + (2 a + r) u t (docs/numerics.md, "Boxes"), and E is never less than (2 a + r) u t
  * ("The error of t again"). So up to t + 2 E nothing was lost. Embree's default box test has an
  * error of its own: slab_may_miss. */
 enum status judge_cannot_miss(const struct judge *judge, const struct ray *ray, uint32_t prim,

@@ -19,7 +19,7 @@
  *   flags     1: tmin < t < tmax; 2: watertight; 4: any-hits do not name their triangle
  *
  * All 0 is always valid: the judge then computes how far vertices must move to make an answer right
- * (ref/judge/judge.h). README, "Any tracer can join", has the rules for the process. */
+ * (ref/judge/judge.h). docs/my-engine.md has the rules for the process. */
 #ifndef FUZZ_PIPE_H
 #define FUZZ_PIPE_H
 

@@ -11,7 +11,7 @@
 #define SLAB_PARALLEL 0x1p-60f
 
 /* Far plane factor of the robust test, 1 + 2^-19: more than every rounding that Vulkan's default
- * precision allows in (b - o) * (1 / d) twice; numerics of the proof in README, "Box tests". */
+ * precision allows in (b - o) * (1 / d) twice; numerics of the proof in docs/traversal.md. */
 #define SLAB_FAR 0x1.00002p0f
 
 /* Allowance of the watertight test on the near plane: a factor, and a fraction of the scene's
@@ -92,7 +92,7 @@ static inline void slab_ray_place(struct slab_ray *r, const struct box *bounds)
  * triangle that it accepts need not be one that the exact ray hits. If a triangle extends behind
  * the origin, the error does not shrink with the distance of the hit, so no factor covers it. The
  * best hit ends the range exactly, so the whole allowance is on the near side: otherwise the best
- * hit would cull boxes with less allowance. Proof in CONTRIBUTING, "Where the constants come from".
+ * hit would cull boxes with less allowance. Proof in docs/numerics.md.
  * *entry can be below tmin, even negative. */
 static inline bool slab_watertight(const struct slab_ray *r, const struct box *box, float tbest,
                                    float *entry)

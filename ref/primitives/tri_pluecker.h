@@ -33,7 +33,7 @@ static inline float tri_dot(const float a[3], const float b[3])
  * nearest. Two triangles never both reject a ray at the edge between them. But the sides of the
  * edges around one vertex are rounded separately, and need not fit any position of the vertex: all
  * triangles of a fan can reject a ray that passes the vertex within rounding. So this test is not
- * watertight (README, "Triangle tests", has how often it leaks). */
+ * watertight (docs/traversal.md has how often it leaks). */
 static inline bool tri_pluecker(const struct tri_ray *r, float v[3][3], struct hit *out)
 {
     float a[3][3], e[3][3], w[3], n[3];

@@ -5,7 +5,7 @@
  * A rounding (ref/twin/model.h) allows many evaluations of one formula: either neighbour, an
  * inexact division, flushed or fused operations. Everything here holds for each of them and is
  * measured from the exact value, so that an engine is judged by its answer alone, whatever bits its
- * twin would have computed. Derivation: CONTRIBUTING.md, "Where the constants come from". */
+ * twin would have computed. Derivation: docs/numerics.md. */
 #ifndef TWIN_H
 #define TWIN_H
 

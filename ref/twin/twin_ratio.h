@@ -6,7 +6,7 @@
  * T' and D' with the exact t T'/D' - t = (T' - t D') / D' and what is common cancels in the
  * residual T' - t D' before anything is estimated. Each formula says how large its residual may be;
  * own roundings are those of the operations that make T' and D' of what both share. Proofs:
- * CONTRIBUTING.md, "The error of t again". */
+ * docs/numerics.md, "The error of t again". */
 #ifndef TWIN_RATIO_H
 #define TWIN_RATIO_H
 

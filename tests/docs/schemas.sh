@@ -1,0 +1,40 @@
+#!/bin/sh
+# What check and leaks write as JSON holds against docs/schemas; a wrong key, type, word or a key that is
+# gone does not.
+#   sh tests/docs/schemas.sh RAYDIFF
+set -u
+raydiff=$1
+dir=$(mktemp -d) || exit 4
+trap 'rm -rf "$dir"' EXIT
+failed=0
+bad() {
+    echo "FAILED  $*"
+    failed=$((failed + 1))
+}
+holds() { perl tests/docs/schema.pl "docs/schemas/$1.json" "$2"; }
+written() { # schema, exit code, command
+    schema=$1 code=$2
+    shift 2
+    "$raydiff" "$schema" "$@" --json "$dir/$schema.json" >"$dir/text" 2>&1
+    [ $? = "$code" ] || bad "$schema $*: not exit $code"
+    holds "$schema" "$dir/$schema.json" || bad "$schema $*: not as its schema"
+}
+planted() { # schema, change of its text
+    sed "$2" "$dir/$1.json" >"$dir/planted.json"
+    cmp -s "$dir/$1.json" "$dir/planted.json" && bad "$1: nothing planted by $2"
+    holds "$1" "$dir/planted.json" >"$dir/text" && bad "$1: not noticed: $2"
+}
+"$raydiff" precompute --scene rtrs --item-count 2 --out "$dir/seed.json" >"$dir/text" 2>&1 || bad "precompute"
+written check 1 rtrs --bvh "$dir/seed.json" --engine cpu --count 2000 --repeat 1
+written check 2 sphere:n=200 --layout rf16 --engine cpu --count 100 --repeat 1 --brute 0
+written check 0 sphere:n=4 --engine cpu,brute --query closest,any,all --move 0.01 --count 100 --repeat 1
+written check 0 sphere:n=4 --engine cpu --layout f32 --store quantised --count 100 --repeat 1
+written leaks 0 sphere:n=8 --engine cpu --layout f32 --tri woop --box watertight --count 2000
+for schema in check leaks; do
+    planted $schema 's/"status"/"state"/'
+    planted $schema 's/"status": *"ok"/"status": "fine"/'
+    planted $schema 's/"exit": *0/"exit": "0"/'
+    planted $schema 's/"raydiff"/"extra": 1, "raydiff"/'
+done
+[ "$failed" = 0 ] || { echo "$failed failed"; exit 1; }
+echo "what check and leaks write is as docs/schemas has it; 8 planted faults seen"
