@@ -1,4 +1,5 @@
 #define _POSIX_C_SOURCE 200809L /* strcasecmp, stat */
+#include "ref/base/nearest_name.h"
 #include "ref/base/decimal.h"
 #include "ref/files/file.h"
 #include "scenes/read/formats.h"
@@ -88,11 +89,15 @@ static void append(char *text, size_t size, const char *word)
 
 static enum status unknown_scene(const char *spec, struct reason *reason)
 {
-    char known[120] = "";
-    for (size_t i = 0; generators[i]; i++)
+    char known[120] = "", hint[NEAREST_HINT];
+    struct nearest_name nearest = nearest_make(spec, strcspn(spec, ":"));
+    for (size_t i = 0; generators[i]; i++) {
         append(known, sizeof known, generators[i]->name);
+        nearest_try(&nearest, generators[i]->name);
+    }
     return fail(reason, STATUS_INPUT,
-                "unknown scene '%.80s': no file, and no generator; those are %s", spec, known);
+                "unknown scene '%.80s': no file, and no generator; those are %s%s", spec, known,
+                nearest_hint(&nearest, hint));
 }
 
 static enum status unknown_param(const struct generator *generator, const char *key, size_t length,

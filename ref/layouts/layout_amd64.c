@@ -129,8 +129,8 @@ static enum status place_nodes(const char *name, struct amd64_packing *p, struct
         if (!fits)
             return fail(
                 reason, STATUS_LIMIT,
-                "%s: a bound is at most %s in magnitude, one of node %u is larger; scale or "
-                "move the scene, or use layout %s",
+                "%s: a bound as stored is at most %s in magnitude, one of node %u is larger; "
+                "scale or move the scene, or use layout %s",
                 name, f32 ? "FLT_MAX" : "65504", n, f32 ? "f32" : "amd64");
         if (p->records >= POINTERS - 1)
             return fail(reason, STATUS_LIMIT, "%s: holds at most 2^29 records", name);
@@ -284,7 +284,8 @@ static enum status rebound(struct packed *packed, uint32_t ref, const struct box
             continue;
         if (!stored_box(amd, place.f32, box[s], &stored))
             return fail(reason, STATUS_LIMIT,
-                        "%s: a bound is at most %s in magnitude, one of record %u is larger",
+                        "%s: a bound as stored is at most %s in magnitude, one of record %u is "
+                        "larger",
                         packed->layout->name, place.f32 ? "FLT_MAX" : "65504", place.record);
         pack_box(amd, place.f32, box[s], s, word);
     }

@@ -48,17 +48,18 @@ static enum status check_records(const struct bvh *bvh, const uint32_t *before,
     return STATUS_OK;
 }
 
-/* Checks the box of node `i`, which the reason names. */
-static enum status check_box(const struct box *box, uint32_t i, struct reason *reason)
+/* The reason names the node: its kind ("tree node" or "record") and number. */
+static enum status check_box(const struct box *box, const char *kind, uint32_t i,
+                             struct reason *reason)
 {
     for (int k = 0; k < 3; k++) {
         float lo = box->lo[k], hi = box->hi[k];
         float most = fmaxf(fabsf(lo), fabsf(hi));
         if (most > HALF_MAX)
             return fail(reason, STATUS_LIMIT,
-                        "rf16: a bound is at most 65504 in magnitude, tree node %u has %.9g; "
+                        "rf16: a bound is at most 65504 in magnitude, %s %u has %.9g; "
                         "scale or move the scene, or use layout f32",
-                        i, (double)(fabsf(lo) > HALF_MAX ? lo : hi));
+                        kind, i, (double)(fabsf(lo) > HALF_MAX ? lo : hi));
     }
     return STATUS_OK;
 }
@@ -67,7 +68,7 @@ static enum status check_bounds(const struct bvh *bvh, struct reason *reason)
 {
     enum status status = STATUS_OK;
     for (uint32_t i = 0; i < bvh->node_count && !status; i++)
-        status = check_box(&bvh->node[i].bounds, i, reason);
+        status = check_box(&bvh->node[i].bounds, "tree node", i, reason);
     return status;
 }
 
@@ -141,7 +142,7 @@ static enum status rebound(struct packed *packed, uint32_t ref, const struct box
                            const struct wide *node, struct reason *reason)
 {
     (void)node;
-    enum status status = check_box(own, ref, reason);
+    enum status status = check_box(own, "record", ref, reason);
     if (!status)
         layout_pack_bounds(own, half_bound_down, half_bound_up,
                            packed->word + NODE_RF_WORDS * (size_t)ref);

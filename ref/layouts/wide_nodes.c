@@ -7,16 +7,18 @@
 #define EXPONENT_LEAST (-100)
 #define ORIGIN_BITS    23 /* 2^23 steps: with 255 more still an integer that float32 has */
 
-static enum status check_within(const struct layout *self, const struct box *box, uint32_t node,
-                                float largest, struct reason *reason)
+/* The reason names the node: its kind ("tree node" or "record") and number. */
+static enum status check_within(const struct layout *self, const struct box *box, const char *kind,
+                                uint32_t node, float largest, struct reason *reason)
 {
     for (int k = 0; k < 3; k++) {
         float lo = box->lo[k], hi = box->hi[k];
         if (fabsf(lo) > largest || fabsf(hi) > largest)
             return fail(reason, STATUS_LIMIT,
-                        "%s: a bound is at most %.9g in magnitude, tree node %u has %.9g; "
+                        "%s: a bound is at most %.9g in magnitude, %s %u has %.9g; "
                         "scale or move the scene, or use layout f32",
-                        self->name, (double)largest, node, (double)(fabsf(lo) > largest ? lo : hi));
+                        self->name, (double)largest, kind, node,
+                        (double)(fabsf(lo) > largest ? lo : hi));
     }
     return STATUS_OK;
 }
@@ -28,7 +30,7 @@ enum status wide_nodes_collapse(const struct layout *self, const struct bvh *bvh
     *out = (struct wide_tree){0};
     enum status status = layout_check_finite(self->name, bvh, scene, reason);
     for (uint32_t i = 0; i < bvh->node_count && !status; i++)
-        status = check_within(self, &bvh->node[i].bounds, i, largest, reason);
+        status = check_within(self, &bvh->node[i].bounds, "tree node", i, largest, reason);
     const struct wide_rule rule = {
         .width = self->width, .leaf_most = leaf_most, .node_cost = node_cost};
     return status ? status : wide_tree_make(bvh, scene, &rule, out, reason);
@@ -206,7 +208,7 @@ enum status wide_form_rebound(struct packed *packed, uint32_t ref, const struct 
     form->decode(packed, ref, slot);
     wide_nodes_boxes(packed, slot, packed->node_count, node, box);
     for (uint32_t c = 0; c < node->child_count && !status; c++)
-        status = check_within(packed->layout, &node->box[c], ref, form->largest, reason);
+        status = check_within(packed->layout, &node->box[c], "record", ref, form->largest, reason);
     if (!status)
         form->put_boxes(box, record_of(packed->layout, packed, ref));
     return status;

@@ -201,9 +201,9 @@ static size_t least_size(const struct ply *ply, const struct ply_element *elemen
 static enum status read_element(struct ply *ply, const struct ply_element *element)
 {
     /* The last value of an ascii file needs no blank behind it. */
-    size_t left = (size_t)(ply->scan.end - ply->scan.at) + (ply->header.encoding == PLY_ASCII);
+    size_t left = (size_t)(ply->scan.end - ply->scan.at);
     size_t least = least_size(ply, element);
-    if (element->count > left / least)
+    if (element->count > (left + (ply->header.encoding == PLY_ASCII)) / least)
         return scan_fail(&ply->scan, ply->reason,
                          "%llu elements of at least %zu bytes do not fit into the %zu bytes left",
                          (unsigned long long)element->count, least, left);

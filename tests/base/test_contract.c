@@ -1,5 +1,5 @@
-/* The contract is told as it is: the numbers of README.md, A8, are those at which ray_in_contract
- * and the judge turn, found by asking them. Run from the root of the sources. */
+/* The numbers of docs/verdicts.md, A8, are those at which ray_in_contract and the judge turn, found
+ * by asking them. Run from the root of the sources. */
 #include "ref/judge/judge.h"
 #include "ref/primitives/primitives.h"
 
@@ -76,7 +76,7 @@ static int turns_at(probe_fn *probe, int step)
 static size_t told(int *power, size_t most)
 {
     static char text[1 << 20];
-    FILE *file = fopen("README.md", "r");
+    FILE *file = fopen("docs/verdicts.md", "r");
     assert_non_null(file);
     text[fread(text, 1, sizeof text - 1, file)] = 0;
     fclose(file);
@@ -91,7 +91,7 @@ static size_t told(int *power, size_t most)
     return count;
 }
 
-static void the_readme_tells_where_the_contract_ends(void **state)
+static void the_page_tells_where_the_contract_ends(void **state)
 {
     (void)state;
     const int expected[] = {turns_at(direction_of, -1), turns_at(direction_of, 1),
@@ -101,7 +101,7 @@ static void the_readme_tells_where_the_contract_ends(void **state)
     assert_int_equal(told(power, 16), ARRAY_COUNT(expected));
     for (size_t i = 0; i < ARRAY_COUNT(expected); i++)
         if (power[i] != expected[i])
-            fail_msg("number %zu of README.md, A8, is 2^%d: the code has 2^%d", i, power[i],
+            fail_msg("number %zu of docs/verdicts.md, A8, is 2^%d: the code has 2^%d", i, power[i],
                      expected[i]);
 }
 
@@ -135,7 +135,7 @@ static void the_other_rules(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_readme_tells_where_the_contract_ends),
+        cmocka_unit_test(the_page_tells_where_the_contract_ends),
         cmocka_unit_test(the_other_rules),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

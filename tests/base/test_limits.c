@@ -11,6 +11,7 @@
 #include "tests/support/held.h"
 
 #include <math.h>
+#include <stdio.h>
 
 static void rf16_holds_eight_items_in_a_leaf(void **state)
 {
@@ -30,9 +31,77 @@ static void rf16_holds_eight_items_in_a_leaf(void **state)
     release(&h);
 }
 
+/* The largest leaf is named, wherever it stands. */
+static void rf16_names_the_largest_leaf(void **state)
+{
+    (void)state;
+    static const uint32_t size[][3] = {{13, 11, 9}, {11, 13, 9}, {9, 11, 13}, {8, 9, 16}};
+    for (size_t i = 0; i < ARRAY_COUNT(size); i++) {
+        struct held h = {.scene = trees_grid(33)};
+        uint32_t leaf = 0, first = 0;
+        char text[80];
+        h.bvh = trees_make(&h.scene, 11, TREES_BALANCED);
+        for (uint32_t n = 0; n < h.bvh.node_count; n++)
+            if (h.bvh.node[n].item_count > 0) {
+                h.bvh.node[n].item_first = first;
+                h.bvh.node[n].item_count = size[i][leaf++];
+                first += h.bvh.node[n].item_count;
+            }
+        assert_true(leaf == 3 && first == 33);
+        trees_fit(&h.bvh, &h.scene);
+        (void)snprintf(text, sizeof text, "at most 8 items, this tree has one of %u;",
+                       i == 3 ? 16 : 13);
+        h.status = packed_make(layout_find("rf16"), &h.bvh, &h.scene, &h.packed, &h.reason);
+        must_refuse(h, text);
+    }
+}
+
+/* Nodes above the root whose children are both the node below: no tree has them, but they give the
+ * last record any number. */
+static struct held with_nodes_above(uint32_t above)
+{
+    struct held h = {.scene = trees_grid(10923)};
+    struct bvh_node *node;
+    h.bvh = trees_make(&h.scene, 1, TREES_BALANCED);
+    node = calloc(h.bvh.node_count + above, sizeof *node);
+    assert_non_null(node);
+    memcpy(node + above, h.bvh.node, h.bvh.node_count * sizeof *node);
+    free(h.bvh.node);
+    h.bvh.node = node;
+    h.bvh.node_count += above;
+    for (uint32_t i = 0; i < h.bvh.node_count; i++) {
+        node[i].fst += i < above ? i + 1 : node[i].item_count > 0 ? 0 : above;
+        node[i].snd += i < above ? i + 1 : node[i].item_count > 0 ? 0 : above;
+    }
+    trees_fit(&h.bvh, &h.scene);
+    h.status = packed_make(layout_find("rf16"), &h.bvh, &h.scene, &h.packed, &h.reason);
+    return h;
+}
+
+static void rf16_ends_at_record_32767(void **state)
+{
+    (void)state;
+    for (uint32_t above = 0; above < 4; above++) {
+        struct held h = with_nodes_above(above);
+        char text[200];
+        (void)snprintf(text, sizeof text,
+                       "rf16: a child record index is at most 32767, this tree needs %u (10923 "
+                       "leaves, %u records); use a larger --leaf, or --layout auto",
+                       32766 + above, 32768 + above);
+        if (32766 + above > 32767) {
+            must_refuse(h, text);
+            continue;
+        }
+        assert_int_equal(h.status, STATUS_OK);
+        assert_int_equal(h.packed.node_count, 32768 + above);
+        assert_int_equal(slot(&h.packed, 32766 + above, 0), 10922);
+        release(&h);
+    }
+}
+
 /* The last node of a tree in pre-order is a leaf, record 3 L - 3 for L leaves: the largest child
- * record is 32766 for 10923 leaves and 32769 for 10924, whatever the shape; 32767 and 32768 can
- * only be read, not packed. */
+ * record is 32766 for 10923 leaves and 32769 for 10924, whatever the shape; no tree has
+ * 32767 or 32768. */
 static void rf16_holds_child_records_up_to_32767(void **state)
 {
     (void)state;
@@ -153,6 +222,53 @@ static void every_layout_holds_a_depth_of_64(void **state)
     }
 }
 
+/* Most entries of a wide layout's stack: the children of a node are pushed before one is popped. */
+static uint32_t entries_of(const struct packed *packed, uint32_t ref, uint32_t before)
+{
+    struct wide node;
+    packed->layout->load(packed, ref, &node);
+    uint32_t most = before + node.child_count;
+    for (uint32_t c = 0; c < node.child_count; c++) {
+        uint32_t below = entries_of(packed, node.child[c], before + node.child_count - 1);
+        most = below > most ? below : most;
+    }
+    return most;
+}
+
+/* Chains on both sides of the border: the text has the entries that there are, and those needed. */
+static void wide_layouts_count_their_stack(void **state)
+{
+    (void)state;
+    uint32_t held = 0, refused = 0;
+    for (size_t l = 0; layouts_all[l]; l++) {
+        const struct layout *layout = layouts_all[l];
+        uint32_t most = layout_stack_most(layout), at_border = 0;
+        for (uint32_t depth = 4; depth < 2 * most && layout_is_wide(layout) && !layout->faithful;
+             depth += layout->width == 2 && depth >= 250 && depth < 270 ? 1 : 41) {
+            struct held words = hold_words(layout->name, trees_grid(depth + 1), 1, TREES_RIGHT);
+            struct held h = hold(layout->name, trees_grid(depth + 1), 1, TREES_RIGHT);
+            char text[200];
+            assert_int_equal(words.status, STATUS_OK);
+            uint32_t need = entries_of(&words.packed, words.packed.root, 0);
+            (void)snprintf(text, sizeof text,
+                           "%s: the traversal stack holds %u entries, this tree needs %u; use "
+                           "builder median or a larger --leaf",
+                           layout->name, most, need);
+            assert_int_equal(h.status, need > most ? STATUS_LIMIT : STATUS_OK);
+            assert_string_equal(h.reason.text, need > most ? text : "");
+            if (!h.status)
+                assert_int_equal(h.packed.stack_need, need);
+            held += need <= most;
+            refused += need > most;
+            at_border += need == most;
+            release(&words);
+            release(&h);
+        }
+        assert_true(at_border > 0 || layout->width > 2 || !layout_is_wide(layout));
+    }
+    assert_true(held > 300 && refused > 100);
+}
+
 static void a_ray_can_use_the_whole_stack(void **state)
 {
     (void)state;
@@ -186,12 +302,15 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rf16_holds_eight_items_in_a_leaf),
+        cmocka_unit_test(rf16_names_the_largest_leaf),
+        cmocka_unit_test(rf16_ends_at_record_32767),
         cmocka_unit_test(rf16_holds_child_records_up_to_32767),
         cmocka_unit_test(rf16_reads_all_fifteen_bits_of_a_child_record),
         cmocka_unit_test(rf16_holds_triangles_up_to_65535),
         cmocka_unit_test(rf16_holds_bounds_up_to_65504),
         cmocka_unit_test(repaired_layouts_refuse_what_is_not_finite),
         cmocka_unit_test(every_layout_holds_a_depth_of_64),
+        cmocka_unit_test(wide_layouts_count_their_stack),
         cmocka_unit_test(a_ray_can_use_the_whole_stack),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

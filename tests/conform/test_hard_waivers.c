@@ -108,6 +108,79 @@ static void versions_are_parts_or_ranges(void **state)
     waivers_free(&w);
 }
 
+/* A version as it is written, with its numbers: those that are not written are 0. */
+struct said_version {
+    char text[40];
+    int number[4];
+    size_t count;
+};
+
+static size_t all_versions(struct said_version *out)
+{
+    static const int few[] = {0, 3, 10};
+    size_t made = 0;
+    for (size_t count = 1, all = 3; count <= 4; count++, all *= 3)
+        for (size_t i = 0; i < all; i++) {
+            struct said_version *one = &out[made++];
+            *one = (struct said_version){.count = count};
+            for (size_t k = 0, rest = i, used = 0; k < count; k++, rest /= 3) {
+                one->number[k] = few[rest % 3];
+                used += (size_t)snprintf(one->text + used, sizeof one->text - used, "%s%d",
+                                         k ? "." : "", one->number[k]);
+            }
+        }
+    return made;
+}
+
+static int order_of(const struct said_version *a, const struct said_version *b, size_t count)
+{
+    for (size_t k = 0; k < count; k++)
+        if (a->number[k] != b->number[k])
+            return a->number[k] < b->number[k] ? -1 : 1;
+    return 0;
+}
+
+/* Every version against ranges of every two: the numbers that the upper end does not have may be
+ * any, those that the lower end does not have are 0. A version lies in the range of itself. */
+static void ranges_hold_what_lies_between_their_ends(void **state)
+{
+    static struct said_version all[3 + 9 + 27 + 81];
+    const size_t count = all_versions(all);
+    size_t told = 0, ranges = 0;
+    (void)state;
+    for (size_t a = 0; a < count; a += 1 + a % 3)
+        for (size_t b = 0; b < count; b += 1 + b % 2) {
+            char version[100], line[160];
+            struct waivers w;
+            struct reason reason = {""};
+            snprintf(version, sizeof version, "E %.39s..%.39s", all[a].text, all[b].text);
+            bool good = order_of(&all[a], &all[b], all[b].count) <= 0;
+            if (a % 8 == 0 && b % 8 == 0) { /* ends the wrong way round are refused */
+                snprintf(line, sizeof line, "*.a.* @E_%s..%s why https://a.b/c\n", all[a].text,
+                         all[b].text);
+                assert_int_equal(read_text(line, &w, &reason), good ? STATUS_OK : STATUS_INPUT);
+                waivers_free(&w);
+            }
+            ranges += good;
+            for (size_t i = 0; i < count && good; i++) {
+                char said[60];
+                bool wanted = order_of(&all[a], &all[i], 4) <= 0 &&
+                              order_of(&all[i], &all[b], all[b].count) <= 0;
+                snprintf(said, sizeof said, "E %.39s, 2 threads", all[i].text);
+                if (version_told(said, version) != wanted)
+                    fail_msg("'%s' of '%s': %s", version, said, wanted ? "not told" : "told");
+                told += wanted;
+            }
+        }
+    assert_true(ranges > 500 && told > 10000);
+    for (size_t i = 0; i < count; i++) {
+        char version[100], said[60];
+        snprintf(version, sizeof version, "E %s..%s", all[i].text, all[i].text);
+        snprintf(said, sizeof said, "E %s", all[i].text);
+        assert_true(version_told(said, version));
+    }
+}
+
 /* Plays names against three waivers and judges these at the end. */
 static void waivers_excuse_and_grow_old(void **state)
 {
@@ -284,6 +357,7 @@ int main(void)
         cmocka_unit_test(lines_are_read),
         cmocka_unit_test(bad_lines_are_refused),
         cmocka_unit_test(versions_are_parts_or_ranges),
+        cmocka_unit_test(ranges_hold_what_lies_between_their_ends),
         cmocka_unit_test(waivers_excuse_and_grow_old),
         cmocka_unit_test(matrix_counts),
         cmocka_unit_test(matrix_is_as_wide_as_it_has_to_be),

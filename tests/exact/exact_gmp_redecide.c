@@ -118,7 +118,7 @@ static enum gmp_proof against_named(struct redecide_work *work)
 
 /* Whether the triangle at hand lies so much nearer than the answer that no tree may have turned it
  * away for that. Our box tests let in every box whose exact entry is before the nearest t so far
- * (CONTRIBUTING, "Where the constants come from"), and the entry is before the exact t; so with a
+ * (docs/numerics.md), and the entry is before the exact t; so with a
  * replay both t are compared as they are. Else a box is entered within 32 u of the exact t, and the
  * formula's own t is off by E, as the answer's may be. */
 static bool surely_nearer(const struct redecide_work *work)

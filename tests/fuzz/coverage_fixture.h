@@ -1,4 +1,4 @@
-/* What test_fuzz_gen_coverage.c and test_fuzz_gen_reach.c share; includes cmocka.h. */
+/* Trials and maps of test_fuzz_gen_coverage.c; includes cmocka.h. */
 #ifndef COVERAGE_FIXTURE_H
 #define COVERAGE_FIXTURE_H
 

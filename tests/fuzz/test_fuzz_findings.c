@@ -1,6 +1,6 @@
 /* Folders of findings: what is kept, counted and refused. */
 #define _GNU_SOURCE /* mkdtemp */
-#include "fuzz/findings/findings.h"
+#include "fuzz/campaign/campaign_inner.h"
 #include "ref/base/rng.h"
 #include "ref/files/file.h"
 
@@ -298,6 +298,69 @@ static void a_line_that_does_not_fit_is_taken_back(void **state)
     findings_close(findings);
 }
 
+/* True if finding i counts as shown again by a report of one like it, of another cause. `part`: 0
+ * nothing else, 1 its engine, 2 its layout, 3 its kind is another; -1: by a death. */
+static bool shown_by(struct campaign *c, size_t i, int part)
+{
+    struct slot slot = {.task = SLOT_AGAIN, .entry = i};
+    struct work_report report = {.findings = 2};
+    struct work_finding finding[2] = {{.finding = {.ray = 0}}};
+    struct work_parts parts = {.report = &report, .finding = finding};
+    struct fuzz_signature *like = &finding[1].finding.signature;
+    uint32_t shown = c->mark[i].shown, again = c->mark[i].played_again;
+    *like = findings_entry(c->findings, i)->signature;
+    like->cause = CAUSE_UNEXPLAINED;
+    if (part == 1)
+        fuzz_signature_set_engine(like, "vulkan");
+    if (part == 2)
+        like->layout = layout_find("rf16");
+    if (part == 3)
+        like->kind = (enum fuzz_kind)((like->kind + 1) % FUZZ_KIND_COUNT);
+    finding[0].finding.signature = *like;
+    fuzz_signature_set_engine(&finding[0].finding.signature, "embree");
+    assert_int_equal(campaign_job_take(c, &slot, part < 0 ? NULL : &parts), STATUS_OK);
+    assert_int_equal(slot.task, SLOT_IDLE);
+    assert_int_equal(c->mark[i].played_again, again + 1);
+    assert_true(c->mark[i].shown <= shown + 1);
+    return c->mark[i].shown > shown;
+}
+
+/* Of every kind: another death shows a death, a report of the same engine, layout and kind the
+ * rest. */
+static void what_shows_it_again_is_its_kind(void **state)
+{
+    (void)state;
+    static struct campaign c;
+    static struct campaign_mark mark[FUZZ_KIND_COUNT];
+    struct findings *findings;
+    struct findings_news news;
+    c = (struct campaign){.reason = &reason, .mark = mark, .marks = FUZZ_KIND_COUNT - 1};
+    assert_int_equal(findings_open(in_root("again"), &findings, &reason), STATUS_OK);
+    c.findings = findings;
+    for (int kind = FUZZ_KIND_WRONG + 1; kind < FUZZ_KIND_COUNT; kind++) {
+        struct finding_file file = made((uint64_t)kind);
+        fuzz_signature_set_engine(&file.signature, "fragile");
+        file.signature.layout = layout_find("f32");
+        file.signature.kind = (enum fuzz_kind)kind;
+        file.signature.cause = CAUSE_NOT_REPEATABLE;
+        if (findings_add(findings, &file, FINDINGS_NO_RAY, "x", &news, &reason))
+            fail_msg("%s", reason.text);
+        finding_file_free(&file);
+    }
+    for (size_t i = 0; i < c.marks; i++) {
+        const enum fuzz_kind kind = findings_entry(findings, i)->signature.kind;
+        bool is_death = kind == FUZZ_KIND_CRASH || kind == FUZZ_KIND_HANG;
+        for (int part = -1; part < 4; part++)
+            if (shown_by(&c, i, part) != (part == 0 || (part < 0 && is_death)))
+                fail_msg("kind %s: %s", fuzz_kind_name(kind),
+                         part < 0 ? "a death" : "a report of something");
+        assert_int_equal(mark[i].played_again, 5);
+        assert_int_equal(mark[i].shown, 1 + is_death);
+        assert_false(campaign_is_flaky(&mark[i]));
+    }
+    findings_close(findings);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -309,6 +372,7 @@ int main(void)
         cmocka_unit_test(a_file_in_the_wrong_folder_is_refused),
         cmocka_unit_test(only_one_writes_at_a_time),
         cmocka_unit_test(a_line_that_does_not_fit_is_taken_back),
+        cmocka_unit_test(what_shows_it_again_is_its_kind),
     };
     return cmocka_run_group_tests_name("fuzz_findings", tests, make_root, remove_root);
 }

@@ -21,7 +21,7 @@ struct seed_known {
     const char *fault, *signature;
 };
 
-/* README, "RTRS's faults", is this table. */
+/* docs/rtrs-faults.md, is this table. */
 static const struct seed_known required[] = {
     {"F2", "cpu.rtrs_rf.missed.index_shifted"},
     {"F3", "cpu.rtrs_direct.missed.wrong_item"},

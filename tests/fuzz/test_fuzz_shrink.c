@@ -2,6 +2,7 @@
  * shows it, is as small as it can be, the same every time, and is not made smaller by doing it
  * again. */
 #include "fuzz/gen/gen.h"
+#include "fuzz/play/number_set.h"
 #include "fuzz/shrink/shrink.h"
 
 #include <math.h>
@@ -9,6 +10,7 @@
 #include <stdarg.h>
 #include <cmocka.h>
 
+#include <stdlib.h>
 #include <string.h>
 
 /* A question, and what was asked. */
@@ -18,21 +20,38 @@ struct shrink_question {
     size_t fails_after;           /* calls; 0: never */
     struct fuzz_trial_size least; /* of all for which it holds */
     bool any;
+    struct number_set in_vain; /* hashes, with bit 0 set, of those for which it does not */
 };
+
+/* What is asked about is smaller than the best so far by something that people see: its hash does
+ * not count. It was not asked about in vain before. Returns the hash. */
+static uint64_t is_news(const struct shrink_question *question, const struct fuzz_trial *trial)
+{
+    struct fuzz_trial_size size = fuzz_trial_size(trial), best = question->least;
+    best.hash = size.hash;
+    assert_true(!question->any || fuzz_trial_size_compare(&size, &best) < 0);
+    assert_false(number_set_has(&question->in_vain, size.hash | 1));
+    return size.hash;
+}
 
 static enum status answer(void *user, const struct fuzz_trial *candidate, size_t count,
                           size_t *first, struct reason *reason)
 {
     struct shrink_question *question = user;
+    uint64_t hash[SHRINK_BATCH];
     question->calls++;
     assert_true(count >= 1 && count <= SHRINK_BATCH);
     if (question->calls == question->fails_after)
         return (fail)(reason, STATUS_DEVICE, "as planned");
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
         assert_int_equal(fuzz_trial_check(&candidate[i], reason), STATUS_OK);
+        hash[i] = is_news(question, &candidate[i]);
+        for (size_t k = 0; k < i; k++)
+            assert_true(hash[k] != hash[i]);
+    }
     question->candidates += count;
-    for (*first = 0; *first < count && !question->holds(&candidate[*first]);)
-        ++*first;
+    for (*first = 0; *first < count && !question->holds(&candidate[*first]); ++*first)
+        assert_true(number_set_add(&question->in_vain, hash[*first] | 1));
     if (*first < count) {
         struct fuzz_trial_size size = fuzz_trial_size(&candidate[*first]);
         /* Each that is taken is smaller than the one before. */
@@ -64,6 +83,7 @@ static struct fuzz_trial shrink(const struct fuzz_trial *from,
     struct reason reason;
     if (fuzz_shrink_trial(from, answer, &question, &options, &out, stats, &reason))
         fail_msg("%s", reason.text);
+    free(question.in_vain.slot);
     struct fuzz_trial_size size = fuzz_trial_size(&out);
     assert_int_equal(fuzz_trial_size_compare(&size, &stats->after), 0);
     if (stats->end != SHRINK_NOT_SHOWN) {
@@ -208,6 +228,7 @@ static void time_ends_it_and_is_said(void **state)
         fail_msg("%s", reason.text);
     assert_int_equal(stats.end, SHRINK_OUT_OF_TIME);
     assert_string_equal(shrink_end_name(stats.end), "time");
+    free(question.in_vain.slot);
     assert_int_equal(fuzz_trial_hash(&out), fuzz_trial_hash(&trial));
     fuzz_trial_free(&out);
     fuzz_trial_free(&trial);
@@ -243,6 +264,7 @@ static void an_error_ends_it(void **state)
         assert_null(out.ray);
         assert_int_equal(out.scene.tri_count, 0);
         assert_int_equal(question.calls, call);
+        free(question.in_vain.slot);
     }
     fuzz_trial_free(&trial);
 }

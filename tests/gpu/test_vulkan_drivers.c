@@ -1,5 +1,5 @@
 /* Choosing drivers, several in one process, and the same bits from each of them. */
-#define _POSIX_C_SOURCE 200809L
+#define _POSIX_C_SOURCE 200809L /* mkdtemp */
 #include "gpu/vk/vk_driver.h"
 
 #include "tests/support/drivers.h"
@@ -38,6 +38,48 @@ static void driver_not_fetched_says_what_to_do(void **state)
         assert_non_null(strstr(reason.text, cpu_drivers[i]));
     }
     assert_int_equal(unsetenv("RAYDIFF_DRIVERS"), 0);
+}
+
+/* A folder's name may have one letter; an empty one is none. */
+static void driver_folder_is_the_environments_if_it_names_one(void **state)
+{
+    (void)state;
+    struct driver driver;
+    struct reason reason = {""}, other = {""};
+    assert_int_equal(setenv("RAYDIFF_DRIVERS", "~", 1), 0);
+    assert_int_equal(driver_find("mesa25", &driver, &reason), STATUS_UNSUPPORTED);
+    assert_non_null(strstr(reason.text, " is not in ~: "));
+    assert_int_equal(setenv("RAYDIFF_DRIVERS", "", 1), 0);
+    reason.text[0] = '\0';
+    enum status empty = driver_find("mesa25", &driver, &reason);
+    assert_int_equal(unsetenv("RAYDIFF_DRIVERS"), 0);
+    assert_int_equal(driver_find("mesa25", &driver, &other), empty);
+    assert_string_equal(reason.text, other.text);
+}
+
+/* Package and version of each line of the file beside the driver that has both, as many as fit. */
+static void driver_version_is_read_beside_a_fetched_one(void **state)
+{
+    (void)state;
+    static const char wanted[] = "mesa 25.0.1, llvm 19-2";
+    char folder[] = "/tmp/raydiff-driver-XXXXXX", path[64], text[64];
+    struct driver driver = {.kind = DRIVER_FILE, .fetched = true};
+    assert_non_null(mkdtemp(folder));
+    snprintf(driver.icd, sizeof driver.icd, "%s/some.json", folder);
+    snprintf(path, sizeof path, "%s/versions", folder);
+    driver_version(&driver, text, sizeof text);
+    assert_string_equal(text, "");
+    FILE *out = fopen(path, "w");
+    assert_non_null(out);
+    fputs("0123 mesa 25.0.1 rest\n4567 kept -\nshort line\n89ab llvm 19-2\n", out);
+    assert_int_equal(fclose(out), 0);
+    driver_version(&driver, text, sizeof text);
+    assert_string_equal(text, wanted);
+    driver.fetched = false;
+    driver_version(&driver, text, sizeof text);
+    assert_string_equal(text, "");
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(rmdir(folder), 0);
 }
 
 static void driver_scope_puts_the_environment_back(void **state)
@@ -309,6 +351,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(driver_names_and_parts_are_told_apart),
         cmocka_unit_test(driver_not_fetched_says_what_to_do),
+        cmocka_unit_test(driver_folder_is_the_environments_if_it_names_one),
+        cmocka_unit_test(driver_version_is_read_beside_a_fetched_one),
         cmocka_unit_test(driver_scope_puts_the_environment_back),
         cmocka_unit_test(drivers_open_one_after_the_other),
         cmocka_unit_test(driver_file_opens_by_its_path),

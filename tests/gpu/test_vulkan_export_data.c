@@ -271,6 +271,68 @@ static void what_shows_no_answer_is_refused(void **state)
     finding_file_free(&file);
 }
 
+/* --- which rays --- */
+
+/* Ray k of what is exported is ray number[k] of the file, bit by bit; the text names it where the
+ * two are not the same. What Embree does not promise to survive is left out of its own. */
+static void check_rays(const struct finding_file *file, const char *engine, uint32_t only,
+                       size_t *left_out)
+{
+    struct export_options options = options_of(EXPORT_C, engine, NULL);
+    struct export_case the;
+    const struct fuzz_trial *trial = &file->trial;
+    uint32_t at = 0;
+    options.ray = only;
+    options.engines.driver = NO_DRIVER;
+    if (export_case_make(file, &options, &the, &reason))
+        fail_msg("%s", reason.text);
+    char *text = exported(file, &options, NULL);
+    for (uint32_t i = 0; i < trial->ray_count; i++) {
+        char line[60];
+        bool taken = (only == EXPORT_ALL_RAYS || only == i) &&
+                     (strncmp(engine, "embree", 6) != 0 || ray_in_contract(&trial->ray[i]));
+        snprintf(line, sizeof line, "    /* ray %u of the finding */\n", (unsigned)i);
+        assert_int_equal(strstr(text, line) != NULL, taken && at != i);
+        if (!taken)
+            continue;
+        assert_true(at < the.ray_count);
+        assert_int_equal(the.number[at], i);
+        assert_memory_equal(&the.ray[at], &trial->ray[i], sizeof(struct ray));
+        at++;
+    }
+    assert_int_equal(the.ray_count, at);
+    assert_int_equal(the.left_out, only == EXPORT_ALL_RAYS ? trial->ray_count - at : 0);
+    *left_out += the.left_out;
+    free(text);
+    export_case_free(&the);
+}
+
+static void rays_keep_the_numbers_of_the_file(void **state)
+{
+    (void)state;
+    struct finding_file file = generated_file(1, 9, QUERY_CLOSEST);
+    size_t left_out = 0;
+    file.trial.ray[1].org[0] = file.trial.ray[4].dir[2] = file.trial.ray[5].org[1] = 0x1p50f;
+    for (uint32_t only = 0; only <= file.trial.ray_count; only++) {
+        uint32_t ray = only < file.trial.ray_count ? only : EXPORT_ALL_RAYS;
+        check_rays(&file, "vulkan", ray, &left_out);
+        check_rays(&file, "vulkan_brute", ray, &left_out);
+        assert_int_equal(left_out, 0);
+    }
+    if (engine_find("embree"))
+        for (uint32_t only = 0; only <= file.trial.ray_count; only++)
+            if (only == file.trial.ray_count || ray_in_contract(&file.trial.ray[only]))
+                check_rays(&file, "embree", only < file.trial.ray_count ? only : EXPORT_ALL_RAYS,
+                           &left_out);
+    assert_true(!engine_find("embree") || left_out >= 3);
+    struct export_options options = options_of(EXPORT_C, "vulkan", NULL);
+    struct export_case the;
+    options.ray = file.trial.ray_count;
+    assert_int_equal(export_case_make(&file, &options, &the, &reason), STATUS_INPUT);
+    assert_string_equal(reason.text, "there is no ray 9: the file has 9");
+    finding_file_free(&file);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -282,6 +344,7 @@ int main(void)
         cmocka_unit_test(nothing_of_a_template_is_left),
         cmocka_unit_test(what_was_not_asked_is_said),
         cmocka_unit_test(what_shows_no_answer_is_refused),
+        cmocka_unit_test(rays_keep_the_numbers_of_the_file),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

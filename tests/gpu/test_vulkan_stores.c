@@ -5,6 +5,7 @@
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 #include "tests/support/gpu.h"
+#include "tests/support/tree_fixture.h"
 #include "ref/store.h"
 
 #define RAYS 256u
@@ -97,6 +98,54 @@ static void every_storage_has_the_bits_of_c(void **state)
     (void)tracer_close(tracer, NULL);
 }
 
+/* One leaf of `tris` triangles, whose last vertex is corner `corner` of triangle `last`: those
+ * before it bring a vertex each, those behind it none. */
+static void stage_of_leaf(struct stores_stage *s, uint32_t tris, uint32_t last, uint32_t corner)
+{
+    struct rng rng = rng_make(tris, corner);
+    struct reason reason = {""};
+    gpu_must(scene_make(3 + last, tris, &s->scene), &reason);
+    for (uint32_t i = 0; i < 9 + 3 * last; i++)
+        s->scene.vertex[i] = rng_range(&rng, -1, 1);
+    for (uint32_t i = 0; i < tris; i++)
+        for (uint32_t c = 0; c < 3; c++) {
+            bool fresh = i > 0 && i <= last && c == corner;
+            s->scene.index[3 * i + c] = fresh ? 2 + i : (i + c) % 3;
+        }
+    s->bvh = trees_make(&s->scene, tris, TREES_BALANCED);
+    gpu_must(ray_set_make(ray_set_find("primary"), &s->scene, 3, RAYS, s->ray, &reason), &reason);
+}
+
+static void leaves_may_end_in_any_slot(void **state)
+{
+    (void)state;
+    const struct vk_options options = gpu_options();
+    struct tracer *tracer = gpu_tracer(&options, 0);
+    static struct stores_stage s;
+    size_t hits = 0;
+    for (uint32_t last = 0; last < 8; last++)
+        for (uint32_t corner = 0; corner < 3; corner++) {
+            struct packed packed;
+            struct reason reason = {""};
+            stage_of_leaf(&s, last % 2 ? 8 : last + 1, last, corner);
+            gpu_must(packed_make_stored(layouts[0], tri_store_find("compact"), &s.bvh, &s.scene,
+                                        &packed, &reason),
+                     &reason);
+            struct job job = {.scene = &s.scene,
+                              .packed = &packed,
+                              .box = box_test_find("robust"),
+                              .tri = tri_test_find("mt"),
+                              .query = QUERY_CLOSEST};
+            assert_answers(&s, tracer, &job);
+            for (size_t i = 0; i < RAYS; i++)
+                hits += s.want[i].prim != ABI_NO_PRIM;
+            packed_free(&packed);
+            stage_free(&s);
+        }
+    assert_true(hits > 24 * RAYS / 10);
+    (void)tracer_close(tracer, NULL);
+}
+
 /* Words that mean nothing: no fault of memory (RAYDIFF_VALIDATE=gpu would see one), an end, and the
  * same answers as C, which reads the same words. */
 static void hostile_words_are_answered_as_in_c(void **state)
@@ -132,6 +181,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_storage_has_the_bits_of_c),
+        cmocka_unit_test(leaves_may_end_in_any_slot),
         cmocka_unit_test(hostile_words_are_answered_as_in_c),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

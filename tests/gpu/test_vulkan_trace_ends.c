@@ -71,6 +71,41 @@ static void trace_fails_when_the_stack_overruns(void **state)
     gpu_close_tracer(tracer);
 }
 
+/* Of all rays but one none meets a box: that one is named, with its own cause, which the report has
+ * as well. */
+static void trace_names_the_ray_that_did_not_end(void **state)
+{
+    (void)state;
+    struct vk_options options = gpu_options();
+    struct tracer *tracer = gpu_tracer(&options, 0);
+    struct gpu_case f = chain("f32", 17);
+    struct job job = job_of(&f, "robust", "mt", QUERY_CLOSEST);
+    const size_t one[] = {0, 1, f.ray_count / 2, f.ray_count - 1};
+    f.packed.stack_need = 16; /* a lie */
+    for (size_t i = 0; i < f.ray_count; i++)
+        f.ray[i].org[0] += 1000;
+    for (size_t n = 0; n < ARRAY_COUNT(one); n++) {
+        struct reason reason = {""};
+        struct trace_report report = {0};
+        char wanted[200];
+        f.ray[one[n]].org[0] -= 1000;
+        gpu_must(tracer_prepare(tracer, &job, &reason), &reason);
+        assert_int_equal(tracer_trace(tracer, f.ray, f.ray_count, f.got, &report, &reason),
+                         STATUS_DEVICE);
+        snprintf(wanted, sizeof wanted,
+                 ": ray %zu was not finished: its traversal stack overran: the tree is deeper than "
+                 "its stack_need says",
+                 one[n]);
+        if (!strstr(reason.text, wanted))
+            fail_msg("'%s' is without '%s'", reason.text, wanted);
+        assert_true((report.flags & ABI_FLAG_STACK) != 0);
+        assert_int_equal(report.flags & ABI_FLAG_VISITS, 0);
+        f.ray[one[n]].org[0] += 1000;
+    }
+    release(&f);
+    gpu_close_tracer(tracer);
+}
+
 static void trace_fails_on_a_cycle(void **state)
 {
     (void)state;
@@ -162,6 +197,7 @@ int main(void)
         cmocka_unit_test(trace_without_prepare_fails),
         cmocka_unit_test(trace_takes_the_smallest_stack_that_is_enough),
         cmocka_unit_test(trace_fails_when_the_stack_overruns),
+        cmocka_unit_test(trace_names_the_ray_that_did_not_end),
         cmocka_unit_test(trace_fails_on_a_cycle),
         cmocka_unit_test(trace_drops_references_out_of_range),
         cmocka_unit_test(trace_notices_a_loop_cut_short),

@@ -105,7 +105,7 @@ struct hard_defect {
 #define HARD_NO_TREES   128u /* not played on engines with a tree */
 
 struct hard_case {
-    unsigned number; /* 1 to 64: open questions; from 70 on: known truths; README has both */
+    unsigned number; /* 1 to 64: open questions; from 70 on: known truths; docs/hard-cases.md */
     const char *name;
     const char *recipe, *expected, *source; /* one line each */
     unsigned flags;

@@ -42,6 +42,77 @@ static void a_repeated_hit_is_wrong(void **state)
     judge_fixture_close(c);
 }
 
+/* At fault is the hit `at` of the list, to the bit. */
+static struct judged_list must_be_at_fault(struct judge_fixture *c, struct judged_list list,
+                                           enum wrong kind, size_t at)
+{
+    list = must(c, list, VERDICT_WRONG);
+    if (list.judged.judgement.wrong != kind ||
+        memcmp(&list.judged.at_fault, &list.hit[at], sizeof list.hit[at]) != 0)
+        fail_msg("%s: %s of triangle %u at %a, not %s of hit %zu at %a", c->subject->name,
+                 wrong_name(list.judged.judgement.wrong), list.judged.at_fault.prim,
+                 (double)list.judged.at_fault.t, wrong_name(kind), at, (double)list.hit[at].t);
+    return list;
+}
+
+/* Hits of one triangle that differ in their last bits: the second is at fault, and the first is
+ * what it repeats, wherever they stand. Of several repeated triangles it is the least. */
+static void the_second_of_two_hits_repeats_the_first(void **state)
+{
+    (void)state;
+    static const uint32_t lists[][5] = {/* triangles; then what is repeated, and which it is */
+                                        {0, 0, 2, 0, 1}, {0, 2, 0, 0, 2}, {2, 0, 0, 1, 2},
+                                        {0, 2, 2, 1, 2}, {2, 0, 2, 0, 2}, {2, 2, 0, 0, 1},
+                                        {0, 0, 0, 0, 1}, {2, 2, 2, 0, 1}};
+    struct judge_fixture *c = inside();
+    for (size_t s = 0; s < SUBJECTS; s++) {
+        judge_fixture_seat(c, &subjects[s], QUERY_ALL);
+        for (size_t i = 0; i < ARRAY_COUNT(lists); i++) {
+            struct judged_list list = list_of(c, 3, lists[i]);
+            for (size_t k = 1; k < 3; k++)
+                for (size_t n = 0; n < k; n++)
+                    list.hit[k].t = nextafterf(list.hit[k].t, 3);
+            list = must_be_at_fault(c, list, WRONG_TWICE, lists[i][4]);
+            const struct judgement *j = &list.judged.judgement;
+            const struct hit *first = &list.hit[lists[i][3]];
+            assert_int_equal(j->expected, first->prim);
+            assert_true(j->t_lo == (double)first->t && j->t_hi == (double)first->t);
+        }
+        struct judged_list both = LIST(c, 2, 0, 2, 0);
+        both.hit[2].t = nextafterf(both.hit[2].t, 3);
+        both.hit[3].t = nextafterf(both.hit[3].t, 3);
+        must_be_at_fault(c, both, WRONG_TWICE, 3);
+    }
+    judge_fixture_close(c);
+}
+
+/* Of several hits that are wrong alone the first in the list is at fault. */
+static void the_first_of_several_wrong_hits_is_at_fault(void **state)
+{
+    (void)state;
+    struct judge_fixture *c = inside();
+    for (size_t s = 0; s < SUBJECTS; s++) {
+        judge_fixture_seat(c, &subjects[s], QUERY_ALL);
+        for (size_t first = 0; first < 2; first++) {
+            struct judged_list list = LIST(c, 0, 2);
+            for (size_t i = first; i < 2; i++)
+                list.hit[i].t *= 1.001f;
+            must_be_at_fault(c, list, WRONG_DISTANCE, first);
+            for (size_t i = first; i < 2; i++)
+                list.hit[i].v = NAN;
+            must_be_at_fault(c, list, WRONG_NOT_FINITE, first);
+            for (size_t i = first; i < 2; i++)
+                list.hit[i].prim = c->scene.tri_count + (uint32_t)i;
+            must_be_at_fault(c, list, WRONG_PHANTOM, first);
+        }
+        struct judged_list turned = must_be_at_fault(c, LIST(c, 2, 0), WRONG_ORDER, 0);
+        const struct judgement *j = &turned.judged.judgement;
+        double t = (double)turned.hit[1].t;
+        assert_true(j->expected == 0 && j->t_lo == t && j->t_hi == t);
+    }
+    judge_fixture_close(c);
+}
+
 static void a_triangle_that_is_not_hit_is_wrong(void **state)
 {
     (void)state;
@@ -141,6 +212,8 @@ int main(void)
         cmocka_unit_test(exactly_the_hits_are_right),
         cmocka_unit_test(a_lost_hit_is_wrong),
         cmocka_unit_test(a_repeated_hit_is_wrong),
+        cmocka_unit_test(the_second_of_two_hits_repeats_the_first),
+        cmocka_unit_test(the_first_of_several_wrong_hits_is_at_fault),
         cmocka_unit_test(a_triangle_that_is_not_hit_is_wrong),
         cmocka_unit_test(wrong_numbers_are_wrong),
         cmocka_unit_test(order_counts),

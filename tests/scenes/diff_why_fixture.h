@@ -12,6 +12,9 @@
 #include <string.h>
 #include <cmocka.h> /* last: it has a macro `fail` */
 
+/* Quads 4 and 5 lie on the wall, and an ulp beside the side wall. */
+#define QUADS 6u
+
 #define WIDTH  24u
 #define HEIGHT 18u
 
@@ -26,6 +29,7 @@ enum why_lie {
     LOST_HIT,    /* a miss */
     LOST_SHADOW, /* shadow rays reach the light */
     MADE_SHADOW, /* shadow rays meet triangle 0 */
+    TWIN_PRIM,   /* of two triangles that lie on or beside each other the other one */
 };
 
 static struct {
@@ -51,6 +55,13 @@ static enum status honest(void *user, enum query query, const struct ray *ray, s
     return renderer_ask(s.cpu.renderer, query, ray, count, hit, why);
 }
 
+/* The triangle of the quad on or beside a triangle's own; itself if there is none. */
+static uint32_t twin_of(uint32_t prim)
+{
+    static const uint32_t other[QUADS] = {0, 4, 5, 3, 1, 2};
+    return 2 * other[prim / 2] + prim % 2;
+}
+
 static void tell(enum why_lie lie, enum query query, struct hit *hit)
 {
     bool shadow = query == QUERY_ANY;
@@ -69,6 +80,8 @@ static void tell(enum why_lie lie, enum query query, struct hit *hit)
         hit->t *= 1.001f;
     } else if (lie == OTHER_PRIM) {
         hit->prim = (hit->prim + 1) % s.scene.tri_count;
+    } else if (lie == TWIN_PRIM) {
+        hit->prim = twin_of(hit->prim);
     } else if (lie == LOST_HIT) {
         *hit = (struct hit){0, 0, 0, ABI_NO_PRIM};
     }
@@ -132,20 +145,27 @@ static void make_scene(struct scene *out)
     static const float wall[4][3] = {{-4, 0, 4}, {4, 0, 4}, {4, 5, 4.5f}, {-4, 5, 4.5f}};
     static const float side[4][3] = {{-4, 0, -4}, {-4, 0, 4}, {-4.3f, 5, 4}, {-4.3f, 5, -4}};
     static const float shade[4][3] = {{-1, 2, -1}, {1.3f, 2.2f, -1}, {1.1f, 2, 1}, {-1, 1.9f, 1}};
-    assert_int_equal(scene_make(16, 8, out), STATUS_OK);
-    out->material_of = alloc_zeroed(8, sizeof *out->material_of);
+    float beside[4][3];
+    assert_int_equal(scene_make(4 * QUADS, 2 * QUADS, out), STATUS_OK);
+    out->material_of = alloc_zeroed(2 * QUADS, sizeof *out->material_of);
     out->material = alloc_zeroed(2, sizeof *out->material);
-    out->light = alloc_zeroed(1, sizeof *out->light);
+    out->light = alloc_zeroed(2, sizeof *out->light);
     assert_true(out->material_of && out->material && out->light);
     out->material_count = 2;
-    out->light_count = 1;
+    out->light_count = 2;
     add_quad(out, 0, floor_, 0);
     add_quad(out, 1, wall, 1);
     add_quad(out, 2, side, 1);
     add_quad(out, 3, shade, 0);
+    add_quad(out, 4, wall, 1);
+    memcpy(beside, side, sizeof beside);
+    for (int c = 0; c < 4; c++)
+        beside[c][0] = nextafterf(beside[c][0], 0);
+    add_quad(out, 5, beside, 1);
     out->material[0] = (struct material){{0.8f, 0.6f, 0.3f}, {0.7f, 0.3f, 0.2f}, 20};
     out->material[1] = (struct material){{0.3f, 0.6f, 0.8f}, {0.2f, 0.5f, 0.9f}, 50};
     out->light[0] = (struct light){{0.3f, 5, -0.4f}, 0.9f};
+    out->light[1] = (struct light){{-2.5f, 4, -1.5f}, 0.4f};
     out->camera = (struct camera){{3.1f, 4.2f, -7}, {-0.5f, 1, 0.5f}, true};
     out->has_camera = true;
 }

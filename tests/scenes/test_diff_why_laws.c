@@ -144,6 +144,71 @@ static void of_two_liars_the_published_one_is_excused(void **state)
     walk_free(&b);
 }
 
+static enum verdict verdict_of(unsigned side, const struct walk_step *step)
+{
+    struct why_answer answer;
+    assert_int_equal(why_judge(&s.judges, side, false, &step->ray, &step->hit, &answer, &reason),
+                     STATUS_OK);
+    return answer.judgement.verdict;
+}
+
+/* Two answers to one ray, neither of them wrong: the verdict is that of the first side that is not
+ * simply right, be it a tie or nearly one. */
+static void parting_must_be_allowed(const struct diff_walk *a, const struct diff_walk *b, size_t i,
+                                    size_t met[VERDICT_COUNT])
+{
+    struct path_why found = paths(a, b, i);
+    uint32_t at = 0;
+    while (at < a->length[i] && at < b->length[i] &&
+           walk_step_of(a, i, at)->hit.prim == walk_step_of(b, i, at)->hit.prim)
+        at++;
+    if (at == a->length[i] || at == b->length[i])
+        return;
+    const struct walk_step *of[2] = {walk_step_of(a, i, at), walk_step_of(b, i, at)};
+    if (memcmp(&of[0]->ray, &of[1]->ray, sizeof of[0]->ray) != 0 || found.segment < at)
+        return; /* after an earlier difference */
+    enum verdict verdict[2] = {verdict_of(0, of[0]), verdict_of(1, of[1])};
+    if (verdict[0] == VERDICT_WRONG || verdict[1] == VERDICT_WRONG) { /* an ulp is far there */
+        assert_int_equal(found.why, WHY_WRONG);
+        return;
+    }
+    unsigned side = verdict[0] == VERDICT_RIGHT;
+    bool open = verdict[side] != VERDICT_RIGHT;
+    assert_int_equal(found.why, open ? WHY_ALLOWED : WHY_UNEXPLAINED);
+    assert_true(found.segment == at && found.light == WHY_NO_LIGHT);
+    if (!open)
+        return;
+    assert_int_equal(found.side, side);
+    assert_int_equal(found.verdict, verdict[side]);
+    assert_true(found.answer[0].judged && found.answer[1].judged);
+    assert_int_equal(found.answer[0].hit.prim, of[0]->hit.prim);
+    assert_int_equal(found.answer[1].hit.prim, of[1]->hit.prim);
+    met[verdict[side]] += side + 1;
+}
+
+static void ties_part_paths_as_they_may(void **state)
+{
+    (void)state;
+    for (uint32_t wave = 0; wave < 3; wave += 2) {
+        struct diff_walk a, b;
+        size_t met[VERDICT_COUNT] = {0}, turned[VERDICT_COUNT] = {0}, why[WHY_COUNT];
+        walk_lying(NONE, 0, &a);
+        walk_lying(TWIN_PRIM, wave, &b);
+        for (size_t i = 0; i < a.count; i++) {
+            parting_must_be_allowed(&a, &b, i, met);
+            parting_must_be_allowed(&b, &a, i, turned);
+        }
+        assert_true(met[VERDICT_TIE] > 10 && met[VERDICT_NEAR_TIE] > 10);
+        assert_true(turned[VERDICT_TIE] > 10 && turned[VERDICT_NEAR_TIE] > 10);
+        assert_true(met[VERDICT_NEAR_TIE] != turned[VERDICT_NEAR_TIE]); /* the other side */
+        walk_free(&a);
+        walk_free(&b);
+        count_whys(TWIN_PRIM, wave, why);
+        assert_true(why[WHY_ALLOWED] > 20);
+        assert_int_equal(why[WHY_UNEXPLAINED] + why[WHY_RENDERER], 0);
+    }
+}
+
 /* Below the shade lies the floor: a shadow ray may meet either, another ray the nearer alone. */
 static void shadow_rays_may_meet_any(void **state)
 {
@@ -177,6 +242,7 @@ int main(void)
         cmocka_unit_test(errors_are_the_largest_of_a_path),
         cmocka_unit_test(either_order_names_the_liar),
         cmocka_unit_test(of_two_liars_the_published_one_is_excused),
+        cmocka_unit_test(ties_part_paths_as_they_may),
         cmocka_unit_test(shadow_rays_may_meet_any),
     };
     return cmocka_run_group_tests(tests, begin, end);

@@ -106,6 +106,50 @@ static void ply_of_bare_returns_keeps_a_newline_in_the_data(void **state)
     expect_triangles(&file, want, 3, index, 1);
 }
 
+/* Properties of an element that is neither vertex nor face, some named as theirs are. */
+static const char *const other_names[] = {"x",     "y",   "z", "vertex_indices", "vertex_index",
+                                          "green", "red", "w"};
+
+/* A square and its faces, and an element `edge` with each of these names before, between or behind
+ * them: names belong to their element alone. */
+static void ply_names_belong_to_their_element(void **state)
+{
+    (void)state;
+    static const float vertex[] = {0, 0, 0, 1, 0, 0, 1, 1, 0};
+    static const uint32_t index[] = {0, 1, 2};
+    for (int place = 0; place < 3; place++)
+        for (int list = 0; list < 2; list++) {
+            struct ply_bytes file = {.size = 0};
+            add_text(&file, "ply\nformat ascii 1.0\n");
+            for (int e = 0; e < 3; e++) {
+                if (e == place) {
+                    add_text(&file, "element edge 2\n");
+                    for (size_t n = 0; n < ARRAY_COUNT(other_names); n++) {
+                        add_text(&file, list ? "property list uchar int " : "property int ");
+                        add_text(&file, other_names[n]);
+                        add_text(&file, "\n");
+                    }
+                } else if (e == (place == 0 ? 1 : 0)) {
+                    add_text(&file, "element vertex 3\nproperty float red\n" XYZ
+                                    "property float vertex_indices\n");
+                } else {
+                    add_text(&file, "element face 1\nproperty float x\n" FACE
+                                    "property list uchar float red\n");
+                }
+            }
+            add_text(&file, "end_header\n");
+            for (int e = 0; e < 3; e++) {
+                for (int k = 0; k < 2 && e == place; k++)
+                    add_text(&file, list ? "1 9 1 9 1 9 0 0 2 9 9 0 1 9\n" : "9 9 9 9 9 9 9 9\n");
+                if (e == (place == 0 ? 1 : 0))
+                    add_text(&file, "7 0 0 0 7\n7 1 0 0 7\n7 1 1 0 7\n");
+                else if (e != place)
+                    add_text(&file, "7 3 0 1 2 2 7 7\n");
+            }
+            expect_triangles(&file, vertex, 3, index, 1);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -113,6 +157,7 @@ int main(void)
         cmocka_unit_test(ply_reads_binary_of_both_orders),
         cmocka_unit_test(ply_reads_every_scalar_type),
         cmocka_unit_test(ply_of_bare_returns_keeps_a_newline_in_the_data),
+        cmocka_unit_test(ply_names_belong_to_their_element),
     };
     return cmocka_run_group_tests_name("read_ply", tests, NULL, NULL);
 }

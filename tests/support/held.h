@@ -31,7 +31,8 @@ static inline struct held hold(const char *layout, struct scene scene, uint32_t 
 static inline struct held hold_words(const char *layout, struct scene scene, uint32_t leaf,
                                      enum trees_shape shape)
 {
-    struct held h = {.scene = scene, .bvh = trees_make(&scene, leaf, shape)};
+    struct held h = {
+        .scene = scene, .bvh = trees_make(&scene, leaf, shape), .packed = {.store = tri_stores[0]}};
     h.status =
         layout_find(layout)->pack(layout_find(layout), &h.bvh, &h.scene, &h.packed, &h.reason);
     h.packed.layout = layout_find(layout);

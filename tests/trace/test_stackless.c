@@ -1,6 +1,7 @@
 /* Traversal without a stack: the same hits in the same order as with it, in C and on the device. */
 #include "ref/packed/packed_walk.h"
 #include "tests/support/all_hits_fixture.h"
+#include "tests/support/tree_fixture.h"
 #include "ref/twin/model.h"
 
 #include <stdlib.h>
@@ -90,6 +91,56 @@ static void the_device_has_the_same_bits(void **state)
     cpu->close(self_a);
 }
 
+/* A chain of nodes, each with a leaf that waits while the chain is followed to its end: triangle
+ * `hit` is met by a ray through (1.5, 1.5), the others only have boxes there. */
+static struct fixture_stand chain(const char *layout, uint32_t depth, enum trees_shape shape,
+                                  uint32_t hit)
+{
+    struct fixture_stand s = {.scene = trees_grid(depth + 1)};
+    struct reason reason = {""};
+    for (uint32_t i = 0; i <= depth; i++)
+        for (uint32_t c = 0; c < 3; c++) {
+            float *p = &s.scene.vertex[9 * i + 3 * c], away = i == hit ? 2 : 0;
+            uint32_t place = shape == TREES_RIGHT ? i : depth - i; /* the deepest is met first */
+            p[0] = c == 1 ? 2 - away : away;
+            p[1] = c == 2 ? 2 - away : away;
+            p[2] = -(float)place;
+        }
+    s.bvh = trees_make(&s.scene, 1, shape);
+    stand_must(packed_make(layout_find(layout), &s.bvh, &s.scene, &s.packed, &reason), &reason);
+    assert_int_equal(s.packed.stack_need, depth);
+    return s;
+}
+
+/* Whichever waits: it is come back to from the end of the chain. */
+static void comes_back_to_every_level(void **state)
+{
+    static const char *const names[] = {"cpu", "cpu_stackless", "vulkan", "vulkan_stackless"};
+    static const uint32_t depths[] = {1, 33, 64};
+    const struct ray ray = {{1.5f, 1.5f, -1000}, 0, {0, 0, 1}, 1e6f};
+    struct trace_report report;
+    struct reason reason = {""};
+    (void)state;
+    for (size_t e = 0; e < ARRAY_COUNT(names); e++) {
+        const struct engine *engine = engine_find(names[e]);
+        void *self = stand_open(engine);
+        for (size_t d = 0; d < ARRAY_COUNT(depths); d++)
+            for (uint32_t hit = 0; hit <= depths[d]; hit++) {
+                struct hit got;
+                struct fixture_stand s = chain(hit % 2 ? "rf16" : "f32", depths[d],
+                                               hit % 4 < 2 ? TREES_RIGHT : TREES_LEFT, hit);
+                struct job job = stand_job(&s, "robust", "mt", QUERY_CLOSEST);
+                stand_must(engine->prepare(self, &job, &reason), &reason);
+                stand_must(engine->trace(self, &ray, 1, &got, &report, &reason), &reason);
+                if (got.prim != hit)
+                    fail_msg("%s, depth %u: triangle %d, not %u", names[e], depths[d],
+                             (int)got.prim, hit);
+                stand_free(&s);
+            }
+        engine->close(self);
+    }
+}
+
 /* What is decoded of a cut tree is none. */
 static void what_is_no_tree_is_refused(void **state)
 {
@@ -112,6 +163,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(finds_what_the_stack_finds),
         cmocka_unit_test(the_device_has_the_same_bits),
+        cmocka_unit_test(comes_back_to_every_level),
         cmocka_unit_test(what_is_no_tree_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

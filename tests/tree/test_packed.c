@@ -1,6 +1,10 @@
 /* Laws of packed_make, packed_make_auto and packed_check. */
 #include "tests/tree/packed_fixture.h"
 
+#include "ref/packed/packed_walk.h"
+
+#include <stdio.h>
+
 static enum status fixture_check(struct packed_fixture *f)
 {
     f->reason.text[0] = 0;
@@ -194,6 +198,86 @@ static void packed_check_counts_each_kind_of_fault(void **state)
     }
 }
 
+/* What a walk of its own finds: nodes reached again, children that are not there, and the first of
+ * each. */
+struct packed_ways {
+    uint32_t repeats, bad, repeat_ref, bad_ref;
+};
+
+static void walk_ways(const struct packed *packed, struct packed_ways *out)
+{
+    static uint32_t queue[4096];
+    static bool seen[4096];
+    uint32_t count = 0, least = layout_is_wide(packed->layout) ? 1 : 2;
+    assert_true(packed->ref_count <= ARRAY_COUNT(queue));
+    memset(seen, 0, sizeof seen);
+    *out = (struct packed_ways){0};
+    queue[count++] = packed->root;
+    seen[packed->root] = true;
+    for (uint32_t i = 0; i < count; i++) {
+        struct wide node;
+        packed->layout->load(packed, queue[i], &node);
+        bool leaf = node.child_count == 0 && node.item_count > 0;
+        if (!leaf && node.child_count < least) {
+            out->bad_ref = out->bad ? out->bad_ref : queue[i];
+            out->bad += least - node.child_count;
+        }
+        for (uint32_t c = 0; c < node.child_count; c++) {
+            uint32_t ref = node.child[c];
+            if (seen[ref])
+                out->repeat_ref = out->repeats++ ? out->repeat_ref : ref;
+            else
+                queue[count++] = ref;
+            seen[ref] = true;
+        }
+    }
+}
+
+/* Any bit of any word of every layout, and another one half the words away. */
+static void packed_check_describes_references_of_every_layout(void **state)
+{
+    (void)state;
+    uint32_t repeated = 0, lost = 0;
+    for (size_t l = 0; layouts_all[l]; l++) {
+        struct packed_fixture f;
+        fixture_make(&f, layouts_all[l]->name);
+        for (uint32_t bit = 0; bit < 32 * f.packed.word_count; bit += 1 + (uint32_t)l % 3) {
+            struct packed_ways ways;
+            char expected[200];
+            uint32_t other = (bit / 32 + f.packed.word_count / 2) % f.packed.word_count;
+            uint32_t flip = 1u << bit % 32, second = bit % 2 ? flip : 0;
+            f.packed.word[bit / 32] ^= flip;
+            f.packed.word[other] ^= second;
+            walk_ways(&f.packed, &ways);
+            enum status status = fixture_check(&f);
+            assert_int_equal(f.faults.bad_refs, ways.bad);
+            assert_int_equal(f.faults.cycles, ways.repeats);
+            if (ways.bad > 0 || ways.repeats > 0) {
+                uint32_t ref = ways.bad > 0 ? ways.bad_ref : ways.repeat_ref;
+                const char *name = f.packed.layout->name;
+                struct packed_name at = packed_name(&f.packed, ref);
+                if (ways.bad > 0)
+                    snprintf(expected, sizeof expected,
+                             "%s: %s: a child reference lies outside the %u records", name, at.text,
+                             f.packed.node_count);
+                else
+                    snprintf(expected, sizeof expected, "%s: %s is reached more than once", name,
+                             at.text);
+                assert_int_equal(status, STATUS_INPUT);
+                assert_int_equal(f.faults.first, PACKED_REFERENCE);
+                assert_string_equal(f.reason.text, expected);
+                repeated += ways.repeats > 0;
+                lost += ways.bad > 0;
+            }
+            f.packed.word[bit / 32] ^= flip;
+            f.packed.word[other] ^= second;
+        }
+        fixture_free(&f);
+    }
+    if (repeated < 500 || lost < 500)
+        fail_msg("%u and %u are too few", repeated, lost);
+}
+
 static void packed_check_measures_the_stack(void **state)
 {
     (void)state;
@@ -269,6 +353,7 @@ int main(void)
         cmocka_unit_test(packed_check_finds_a_bound_one_step_too_tight),
         cmocka_unit_test(packed_check_takes_nan_bounds_for_loose),
         cmocka_unit_test(packed_check_counts_each_kind_of_fault),
+        cmocka_unit_test(packed_check_describes_references_of_every_layout),
         cmocka_unit_test(packed_check_measures_the_stack),
         cmocka_unit_test(packed_check_finds_a_root_out_of_range),
         cmocka_unit_test(packed_check_survives_garbage),

@@ -97,7 +97,8 @@ static void what_is_written_reads_back(void **state)
     }
 }
 
-/* Puts a word into a copy, reads it, and expects a reason with `rule`; NULL: that it is taken. */
+/* Puts a word into a copy, reads it, and expects a reason with `rule`, which is all of it if
+ * it begins with the file's name; NULL: that it is taken. */
 static void expect_word(const char *bytes, size_t size, size_t at, uint32_t word, const char *rule)
 {
     struct packed packed;
@@ -107,7 +108,8 @@ static void expect_word(const char *bytes, size_t size, size_t at, uint32_t word
     memcpy(copy + at, &word, 4);
     enum status status = read_it(copy, size, &packed, NULL);
     assert_int_equal(status, rule ? STATUS_INPUT : STATUS_OK);
-    if (rule && !strstr(reason.text, rule))
+    bool whole = rule && strncmp(rule, "file: ", 6) == 0;
+    if (rule && (whole ? strcmp(reason.text, rule) != 0 : !strstr(reason.text, rule)))
         fail_msg("'%s' is not in '%s'", rule, reason.text);
     if (rule)
         assert_null(packed.word);
@@ -115,22 +117,58 @@ static void expect_word(const char *bytes, size_t size, size_t at, uint32_t word
     free(copy);
 }
 
+/* As expect_word; the text has the numbers of the file. */
+static void expect_text(const char *bytes, size_t size, size_t at, uint32_t word,
+                        const char *format, ...) PRINTF_LIKE(5, 6);
+
+static void expect_text(const char *bytes, size_t size, size_t at, uint32_t word,
+                        const char *format, ...)
+{
+    char text[200];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    expect_word(bytes, size, at, word, text);
+}
+
 static void a_wrong_head_is_refused(void **state)
 {
     (void)state;
     size_t size;
     char *bytes = file_of(layout_find("f32"), &size);
+    uint32_t count[2]; /* records, items */
+    memcpy(count, bytes + 28, sizeof count);
+    assert_true(size == HEAD + 32 * (size_t)count[0] + 4 * (size_t)count[1]);
     expect_word(bytes, size, 0, 0, "'RDPK'");
-    expect_word(bytes, size, 4, 2, "version 2");
-    expect_word(bytes, size, 8, 0x00363166, "names no layout");
+    expect_word(bytes, size, 4, 2, "file: version 2; this program reads 1");
+    expect_word(bytes, size, 8, 0x00363166, "file: names no layout (raydiff list layouts)");
     expect_word(bytes, size, 20, 1, "names no layout");
-    expect_word(bytes, size, 24, 16, "records of 16 bytes");
-    expect_word(bytes, size, 28, UINT32_MAX, "bytes, not");
-    expect_word(bytes, size, 32, UINT32_MAX, "bytes, not");
+    expect_word(bytes, size, 24, 16, "file: records of 16 bytes, those of f32 have 32");
+    static const uint32_t beside[] = {1, 17, 1000};
+    for (size_t i = 0; i < ARRAY_COUNT(beside); i++) {
+        uint32_t more = beside[i];
+        expect_text(bytes, size, 28, count[0] + more,
+                    "file: %u records and %u items are %zu bytes, not %zu", count[0] + more,
+                    count[1], size + 32 * (size_t)more, size);
+        expect_text(bytes, size, 32, count[1] + more,
+                    "file: %u records and %u items are %zu bytes, not %zu", count[0],
+                    count[1] + more, size + 4 * (size_t)more, size);
+        expect_text(bytes, size, 40, scene.tri_count + more,
+                    "file: is of %u triangles, the scene has %u", scene.tri_count + more,
+                    scene.tri_count);
+        expect_text(bytes, size, 44, ABI_STACK_MAX + more,
+                    "file: needs %u stack entries, at most %u are possible", ABI_STACK_MAX + more,
+                    ABI_STACK_MAX);
+    }
+    expect_text(bytes, size, 28, UINT32_MAX,
+                "file: %u records and %u items are %llu bytes, not %zu", UINT32_MAX, count[1],
+                HEAD + 32ull * UINT32_MAX + 4ull * count[1], size);
+    expect_text(bytes, size, 32, UINT32_MAX,
+                "file: %u records and %u items are %llu bytes, not %zu", count[0], UINT32_MAX,
+                HEAD + 32ull * count[0] + 4ull * UINT32_MAX, size);
     expect_word(bytes, size, 36, UINT32_MAX, "outside");
-    expect_word(bytes, size, 40, scene.tri_count + 1, "triangles, the scene has");
-    expect_word(bytes, size, 44, 0, "stack entries");
-    expect_word(bytes, size, 44, ABI_STACK_MAX + 1, "stack entries");
+    expect_word(bytes, size, 44, 0, "the packed tree says 0");
     expect_word(bytes, size, 44, ABI_STACK_MAX, NULL);
     for (size_t cut = 0; cut < size; cut += cut < HEAD ? 1 : 13) {
         struct packed packed;

@@ -15,6 +15,9 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "tests/support/tree_fixture.h"
+
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -264,6 +267,78 @@ static void what_does_not_fit_is_refused(void **state)
     scene_free(&scene);
 }
 
+/* Two leaves of triangles that share no vertex, the second too large: its first triangle is named,
+ * and how many are beside it. */
+static void refusals_count_what_a_leaf_has(void **state)
+{
+    (void)state;
+    for (uint32_t beside = 4; beside <= 18; beside++) {
+        const bool quantised = beside % 2;
+        const uint32_t others = beside / 2 + 2; /* 4 to 11 beside the first */
+        struct scene scene = trees_grid(6 + others);
+        struct bvh bvh = trees_make(&scene, 6 + others, TREES_BALANCED);
+        struct bvh_node node[3] = {bvh.node[0], bvh.node[0], bvh.node[0]}, *one = bvh.node;
+        struct packed packed;
+        struct reason reason = {""};
+        char text[300] = "";
+        node[0].fst = 1;
+        node[0].snd = 2;
+        node[0].item_count = 0;
+        node[1].item_count = node[2].item_first = 5;
+        node[2].item_count = 1 + others;
+        bvh.node = node;
+        bvh.node_count = 3;
+        enum status status = packed_make_stored(layout_find("f32"),
+                                                tri_store_find(quantised ? "quantised" : "compact"),
+                                                &bvh, &scene, &packed, &reason);
+        if (others > 4 && quantised)
+            (void)snprintf(text, sizeof text,
+                           "storage quantised: a leaf holds at most 8 triangles and 16 vertices, "
+                           "that of triangle 5 and the %u beside it has more; use --leaf 5 or less",
+                           others);
+        else if (others > 7)
+            (void)snprintf(text, sizeof text,
+                           "storage compact: a leaf holds at most 8 triangles, this tree has one "
+                           "of %u; use --leaf 8 or less",
+                           1 + others);
+        else if (others > 4)
+            (void)snprintf(text, sizeof text,
+                           "storage compact: a leaf's triangles have at most 16 vertices, those of "
+                           "triangle 5 and the %u beside it have more; use --leaf 5 or less",
+                           others);
+        assert_string_equal(reason.text, text);
+        assert_int_equal(status, others > 4 ? STATUS_LIMIT : STATUS_OK);
+        packed_free(&packed);
+        bvh.node = one;
+        bvh_free(&bvh);
+        scene_free(&scene);
+    }
+}
+
+/* Rows keep a triangle's number in 30 bits. Only its count is read of this scene. */
+static void rows_hold_numbers_of_thirty_bits(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"gathered", "edges", "baldwin_webber"};
+    for (size_t n = 0; n < ARRAY_COUNT(names); n++)
+        for (uint32_t more = 0; more < 3; more++) {
+            const struct scene scene = {.tri_count = (1u << 30) - 1 + more};
+            const struct packed packed = {.store = tri_store_find(names[n])};
+            const uint32_t prim = 0;
+            struct reason reason = {""};
+            uint64_t words;
+            char text[200] = "";
+            enum status status = packed.store->measure(&packed, &scene, &prim, 1, &words, &reason);
+            if (more > 0)
+                (void)snprintf(text, sizeof text,
+                               "storage %s: at most 1073741823 triangles, the scene has %u",
+                               names[n], scene.tri_count);
+            assert_int_equal(status, more > 0 ? STATUS_LIMIT : STATUS_OK);
+            assert_string_equal(reason.text, text);
+            assert_int_equal(words, 10);
+        }
+}
+
 /* Random words in arrays of exactly their size: a sanitizer or malloc sees what is read beside. */
 static void hostile_words_are_not_left(void **state)
 {
@@ -303,6 +378,8 @@ int main(void)
         cmocka_unit_test(a_closed_mesh_is_smaller_compact),
         cmocka_unit_test(damaged_vertices_are_found),
         cmocka_unit_test(what_does_not_fit_is_refused),
+        cmocka_unit_test(refusals_count_what_a_leaf_has),
+        cmocka_unit_test(rows_hold_numbers_of_thirty_bits),
         cmocka_unit_test(hostile_words_are_not_left),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
