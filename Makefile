@@ -2,7 +2,8 @@
 #   make [config=debug|release|sanitize|tsan|coverage|mutation] [CC=clang]
 config ?= release
 PREFIX ?= /usr/local
-VERSION := 0.1.0
+LIBDIR ?= $(PREFIX)/lib
+VERSION := 0.2.0
 
 ifeq ($(origin CC),default)
   CC := $(if $(filter tsan,$(config)),clang,gcc)
@@ -52,7 +53,7 @@ PROGRAM_LIBS := $(if $(filter 1,$(HAVE_GLSLANG)),$(GLSLANG_LIBS))
 FUZZ     := gen play shrink feedback campaign findings selftest export
 LIB_SRC  := $(wildcard ref/*/*.c gpu/*/*.c scenes/*.c scenes/*/*.c bench/*/*.c tests/hard/*.c tests/hard/*/*.c $(FUZZ:%=fuzz/%/*.c))
 CMD_SRC  := raydiff.c $(wildcard cmd/*/*.c)
-GEN_SRC  := $(addprefix $(B)/gen/,shaders.c baseline.c waivers.c templates.c glsl_sources.c) # generated, of the library
+GEN_SRC  := $(addprefix $(B)/gen/,shaders.c baseline.c waivers.c turn.c templates.c glsl_sources.c) # generated, of the library
 LIB_OBJ  := $(patsubst %.c,$(B)/obj/%.o,$(LIB_SRC)) $(GEN_SRC:$(B)/%.c=$(B)/obj/%.o)
 CMD_OBJ  := $(CMD_SRC:%.c=$(B)/obj/%.o)
 ifeq ($(config),mutation) # see tests/mutation/mutation.mk
@@ -80,7 +81,7 @@ lib: $(B)/libraydiff.a
 spv: $(SPV)
 
 $(B)/raydiff: $(CMD_OBJ) $(B)/libraydiff.a
-	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) $(PROGRAM_LIBS)
+	$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(LDLIBS) $(PROGRAM_LIBS)
 
 ifneq ($(config),mutation)
 $(B)/libraydiff.a: $(LIB_OBJ)
@@ -115,10 +116,12 @@ $(B)/obj/scenes/render/window.o: CPPFLAGS += $(SDL2_CFLAGS)
 $(B)/obj/cmd/doctor/cmd_glsl.o: CPPFLAGS += $(GLSLANG_CFLAGS)
 .PHONY: FORCE
 
-# The lists of known failures are part of the program, so that installed programs have them.
+# The lists of known failures and the script of pages are part of the program, so that installed
+# programs have them.
 $(B)/gen/baseline.c: fuzz/baseline.txt
 $(B)/gen/waivers.c: tests/waivers.txt
-$(B)/gen/baseline.c $(B)/gen/waivers.c:
+$(B)/gen/turn.c: cmd/explain/turn.js
+$(B)/gen/baseline.c $(B)/gen/waivers.c $(B)/gen/turn.c:
 	@mkdir -p $(@D)
 	@{ echo 'extern const char $(basename $(@F))_shipped[];' && \
 	  echo 'const char $(basename $(@F))_shipped[] =' && \
@@ -167,12 +170,12 @@ BASH_DIR := share/bash-completion/completions
 ZSH_DIR  := share/zsh/site-functions
 install: all lib
 	install -Dm755 $(B)/raydiff $(DESTDIR)$(PREFIX)/bin/raydiff
-	install -Dm644 $(B)/libraydiff.a $(DESTDIR)$(PREFIX)/lib/libraydiff.a
+	install -Dm644 $(B)/libraydiff.a $(DESTDIR)$(LIBDIR)/libraydiff.a
 	for h in $(HEADERS); do \
 	    install -Dm644 $$h $(DESTDIR)$(PREFIX)/include/raydiff/$$h || exit 1; done
-	install -d $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/share/man/man1
-	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@LIBS@|$(LDLIBS)|' \
-	    ref/raydiff.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/raydiff.pc
+	install -d $(DESTDIR)$(LIBDIR)/pkgconfig $(DESTDIR)$(PREFIX)/share/man/man1
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@LIBS@|$(LDLIBS)|' \
+	    ref/raydiff.pc.in > $(DESTDIR)$(LIBDIR)/pkgconfig/raydiff.pc
 	$(B)/raydiff help --man | cat - ref/raydiff.1 > $(DESTDIR)$(PREFIX)/share/man/man1/raydiff.1
 	for c in $$($(B)/raydiff help --commands); do \
 	    $(B)/raydiff help --man $$c > $(DESTDIR)$(PREFIX)/share/man/man1/raydiff-$$c.1 || exit 1; done
@@ -181,8 +184,8 @@ install: all lib
 	$(B)/raydiff help --zsh > $(DESTDIR)$(PREFIX)/$(ZSH_DIR)/_raydiff
 
 uninstall:
-	rm -f $(DESTDIR)$(PREFIX)/bin/raydiff $(DESTDIR)$(PREFIX)/lib/libraydiff.a \
-	      $(DESTDIR)$(PREFIX)/lib/pkgconfig/raydiff.pc \
+	rm -f $(DESTDIR)$(PREFIX)/bin/raydiff $(DESTDIR)$(LIBDIR)/libraydiff.a \
+	      $(DESTDIR)$(LIBDIR)/pkgconfig/raydiff.pc \
 	      $(DESTDIR)$(PREFIX)/share/man/man1/raydiff.1 $(DESTDIR)$(PREFIX)/share/man/man1/raydiff-*.1 \
 	      $(DESTDIR)$(PREFIX)/$(BASH_DIR)/raydiff $(DESTDIR)$(PREFIX)/$(ZSH_DIR)/_raydiff
 	rm -rf $(DESTDIR)$(PREFIX)/include/raydiff

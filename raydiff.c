@@ -2,7 +2,7 @@
  * ends. */
 #include "ref/outside/plugin_shader.h"
 #include "ref/base/command.h"
-#include "cmd/common/cmd_nearest.h"
+#include "ref/base/nearest_name.h"
 #include "cmd/common/cmd_process.h"
 #include "cmd/common/cmd_rows.h"
 

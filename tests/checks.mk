@@ -25,6 +25,12 @@ arm-check:
 warnings-check:
 	@sh .ci/other.sh tests/fresh.txt warnings
 
+# Debian packages of both releases, or of RELEASE=trixie: built without network, clean under lintian, installed
+# in another minimal system, used and purged. Needs root. Exit code 77: not possible here. Slow.
+.PHONY: deb-check
+deb-check:
+	@sh .ci/deb.sh tests/fresh.txt $(RELEASE)
+
 # Compares all engines with each other, 300,000 rays per scene; the result is committed. Slow.
 RESULTS ?= bench/results/lavapipe-22.3.6
 agree: all
@@ -75,6 +81,12 @@ selftest-quick:
 mutants: all tests
 	@CC_CMD='$(subst ',,$(CC) $(CPPFLAGS) $(CFLAGS))' LIBS='$(LDLIBS) $(PROGRAM_LIBS)' TOOL_SRC='$(TOOL_SRC)' \
 	    PART='$(PART)' sh tests/planted/run.sh $(B) $(ONLY)
+
+# A graphics card: its arithmetic, agreement, hard cases, leaks, a campaign, speeds; all in FOLDER, under 10 minutes.
+#   make hardware [FOLDER=build/hardware] [DRIVER=hardware] [SECONDS=560]       exit code 77: there is no such device
+.PHONY: hardware
+hardware: all
+	@sh bench/hardware.sh $(B)/raydiff $(or $(FOLDER),$(OUT)/hardware) $(or $(DRIVER),hardware) $(SECONDS)
 
 # Draws docs/rooms.txt. Exit code 77: Graphviz is not installed.
 rooms-graph:
@@ -132,7 +144,7 @@ fuzz-oss:
 	@sh .ci/deps.sh deep
 	@sh tests/house/oss_fuzz.sh $(OUT)/oss-fuzz
 
-# Tightens every rounding constant until a check fails; CONTRIBUTING.md has the output.
+# Tightens every rounding constant until a check fails; docs/numerics.md has the output.
 bounds:
 	@$(MAKE) --no-print-directory -s -j$(JOBS) $(BOUNDS_TESTS)
 	@for test in $(BOUNDS_TESTS); do echo "# $$(basename $$test)"; \
@@ -140,7 +152,7 @@ bounds:
 	    grep -v '^\[' $(B)/bounds.log; [ $$code -eq 0 ] || exit 1; done
 
 # Checks that no correct answer is rejected: 10^6 exact ones and 10^6 evaluations of each formula and
-# black box. CONTRIBUTING.md has the output.
+# black box. docs/numerics.md has the output.
 HONEST_TESTS := $(B)/tests/test_judge_exact $(B)/tests/test_judge_noise $(B)/tests/test_judge_blackbox
 honest:
 	@$(MAKE) --no-print-directory -s -j$(JOBS) $(HONEST_TESTS)

@@ -88,11 +88,19 @@ plain)
     suite tree_files sh tests/scripts/tree_files.sh "$build/raydiff"
     alone frames sh tests/scripts/frames.sh "$build"
     suite show sh tests/scripts/show.sh "$build/raydiff"
-    suite five_commands sh tests/scripts/five_commands.sh "$build/raydiff"
+    suite screens sh tests/scripts/screens.sh "$build/raydiff"
+    suite explain_html sh tests/scripts/explain_html.sh "$build/raydiff"
+    suite pages perl tests/docs/pages.pl "$build" README.md docs/*.md
+    suite action sh tests/docs/action.sh
+    suite complete sh tests/docs/complete.sh "$build/raydiff"
+    suite wrong_inputs sh tests/docs/wrong_inputs.sh "$build/raydiff"
+    suite links perl tests/docs/links.pl README.md CONTRIBUTING.md CHANGELOG.md SECURITY.md docs/*.md
+    suite schemas sh tests/docs/schemas.sh "$build/raydiff"
     suite ci_outputs sh tests/scripts/ci_outputs.sh "$build/raydiff"
     suite report sh tests/scripts/report.sh "$build/raydiff"
     suite report_browser sh tests/scripts/report_browser.sh "$build/raydiff" quick
     alone fuzz sh tests/scripts/fuzz.sh "$build"
+    alone fuzz_screen sh tests/docs/fuzz_screen.sh "$build/raydiff"
     suite resumed sh tests/fuzz/resumed.sh "$build/raydiff"
     suite every_layout sh tests/fuzz/every_layout.sh "$build/raydiff"
     suite folders sh tests/scripts/folders.sh "$build/raydiff"
@@ -109,6 +117,7 @@ plain)
     suite runner sh tests/house/runner.sh
     suite stubs sh tests/house/stubs.sh "$build"
     suite other sh tests/house/other.sh
+    suite hardware sh tests/house/hardware_steps.sh
     alone mutants make -s mutants PART=3
     suite planted sh tests/planted/selftest.sh "$build"
     suite mutate sh tests/mutation/selftest.sh "$build"
@@ -128,7 +137,7 @@ sanitize)
     suite diff sh tests/scripts/diff.sh "$build"
     suite frames sh tests/scripts/frames.sh "$build"
     suite window sh tests/scripts/window.sh "$build"
-    suite five_commands sh tests/scripts/five_commands.sh "$build/raydiff"
+    suite pages perl tests/docs/pages.pl "$build" docs/quickstart.md
     suite ci_outputs sh tests/scripts/ci_outputs.sh "$build/raydiff"
     suite report sh tests/scripts/report.sh "$build/raydiff"
     suite fuzz sh tests/scripts/fuzz.sh "$build"

@@ -2,6 +2,7 @@
 #include "cmd/bench/cmd_bench.h"
 
 #include "bench/frames/frames.h"
+#include "ref/base/nearest_name.h"
 #include "ref/base/command.h"
 #include "cmd/common/cmd_json.h"
 #include "cmd/common/cmd_rows.h"
@@ -142,12 +143,16 @@ static const struct option_set set = {
 
 static enum status unknown(const char *name, struct reason *reason)
 {
-    char known[160] = "";
+    char known[160] = "", hint[NEAREST_HINT];
     size_t used = 0;
-    for (size_t i = 0; benchmarks[i] && used < sizeof known; i++)
+    struct nearest_name nearest = nearest_make(name, strlen(name));
+    for (size_t i = 0; benchmarks[i] && used < sizeof known; i++) {
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "",
                                  benchmarks[i]->name);
-    return fail(reason, STATUS_INPUT, "unknown benchmark '%.60s'; benchmarks are: %s", name, known);
+        nearest_try(&nearest, benchmarks[i]->name);
+    }
+    return fail(reason, STATUS_INPUT, "unknown benchmark '%.60s'; benchmarks are: %s%s", name,
+                known, nearest_hint(&nearest, hint));
 }
 
 /* Returns `named`, or all members of the table if none was named. */

@@ -222,6 +222,7 @@ static int check_all(struct check_run *check, char *const *spec, size_t count)
     if (!results)
         return EXIT_INTERNAL;
     const struct check_options *o = &check->options;
+    const struct screen screen = screen_make(&o->screen);
     turnout_expect(&check->turnout, o->engine_named ? &o->engine : NULL, &o->engine,
                    o->layout_named && !o->layout_auto ? &o->layout : NULL);
     for (size_t i = 0; i < count; i++) {
@@ -230,13 +231,13 @@ static int check_all(struct check_run *check, char *const *spec, size_t count)
         code = exit_worse(code, exit_with_reason("check", status, &reason));
         if (status)
             continue;
-        check_print(&results[i]);
+        check_print(&results[i], &screen);
         fflush(stdout);
         turnout_rows(&check->turnout, results[i].row, results[i].row_count);
         code = exit_worse(code, check_exit(&results[i], check->options.layout_named,
                                            check->options.engine_named));
     }
-    turnout_print(&check->turnout);
+    turnout_print(&check->turnout, &screen);
     code = exit_worse(code, turnout_exit(&check->turnout));
     code = exit_worse(code, check_unused(check->options.demands.displacement, results, count));
     if (check->options.json) {

@@ -2,7 +2,7 @@
 #ifndef CMD_CHECK_H
 #define CMD_CHECK_H
 
-#include "cmd/common/cmd_rows.h"
+#include "cmd/common/cmd_screen.h"
 #include "ref/match/match.h"
 #include "ref/scene/quantise.h"
 #include "ref/match/turnout.h"
@@ -26,10 +26,22 @@ struct check_scene {
 extern const struct option_set check_set;
 
 /* Prints the table of a scene, its findings, what was refused or skipped and why, and a summary. */
-void check_print(const struct check_scene *scene);
+void check_print(const struct check_scene *scene, const struct screen *screen);
+
+/* Prints the table in columns that fit the screen: the verdict first. */
+void check_print_table(const struct check_scene *scene, const struct screen *screen);
+
+#define CHECK_NOTE_MOST 1024
+
+/* Writes what a row that ran has besides its columns: kinds of WRONG, the displacement of an
+ * unknown formula, hits lost beside edges, counters of lists. Begins with a blank unless empty. */
+void check_row_note(const struct row *row, char text[CHECK_NOTE_MOST]);
+
+/* Prints it with every counter, however long the lines. */
+void check_print_wide(const struct check_scene *scene);
 
 /* Prints how --move affected trees and packed trees. Prints nothing without --move. */
-void check_print_moved(const struct check_scene *scene);
+void check_print_moved(const struct check_scene *scene, const struct screen *screen);
 
 /* The exit code of the rows. A refusing layout or a skipped engine counts only if it was named. It
  * is a usage error if nothing ran at all, or nothing ran on a named storage other than the
@@ -43,7 +55,7 @@ enum status check_add_row(struct check_scene *result, const struct row *row) MUS
  * unknown. `displacement` 0: not given. */
 int check_unused(float displacement, const struct check_scene *scene, size_t count);
 
-/* Writes all rows as JSON, see README "JSON". Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
+/* Writes all rows as JSON (docs/formats.md). Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
 enum status check_write_json(const char *path, const struct check_scene *scene, size_t scene_count,
                              const struct turnout *turnout, int exit_code,
                              struct reason *reason) MUST_USE;
@@ -58,6 +70,7 @@ struct check_options {
     struct engine_options engines;
     float move;
     struct match_demands demands;
+    struct screen_options screen;
     const char *json;
     const char *bvh; /* from --bvh, or NULL */
 };

@@ -23,7 +23,7 @@ static const struct option_row rows[] = {
      "(the first that fits)",
      OF_OWN(take_layouts), .table = 1 + TABLE_LAYOUTS, .value = "f32,rf16"},
     {"engine", "E,..",
-     "engines, or 'all'; pipe:COMMAND, as the last, is a tracer of your own (README)",
+     "engines, or 'all'; pipe:COMMAND, as the last, is a tracer of your own (docs/my-engine.md)",
      OF_LIST(engine, TABLE_ENGINES), .shown = "every engine that can run here"},
     {"store", "S,..", "triangle storages, see raydiff list storages", OF_LIST(store, TABLE_STORES),
      .value = "indexed"},
@@ -62,11 +62,15 @@ const struct option_set check_set = {
              "scenes.",
     .group = {GROUP(rows), GROUP_AT(leaf_rows, build), GROUP_AT(build_rows, build),
               GROUP_AT(displacement_rows, demands), GROUP_AT(watertight_rows, demands),
-              GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines)},
+              GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines),
+              GROUP_AT(screen_rows, screen)},
     .notes =
-        "Columns: hits, then answers in each allowed class (tie, near tie, boundary, border, in "
-        "plane, slab, noise, out of contract: README, \"Allowed differences\"), the largest error "
-        "over its proven bound, what is WRONG, and bits that differ from engine cpu.\n"
+        "Columns: the verdict (agrees, WRONG, BITS: bits differ from engine cpu's, LOST: more hits "
+        "lost beside edges than rounding explains, counted: as published, not judged, vacuous, "
+        "refused, skipped, failed); answers WRONG and allowed; bits that differ; hits; bytes a "
+        "triangle that a traversal reads; the largest error over its proven bound; speed. What "
+        "does not fit the screen is left out. --wide has all of it, answers by allowed class, too "
+        "(docs/verdicts.md).\n"
         "A named layout that refuses the scene, or must be built anew after a motion, exits with "
         "2, a named engine that cannot run with 77. A run that could play nothing, or nothing of "
         "a named storage, exits with 2.",

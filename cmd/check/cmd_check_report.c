@@ -1,4 +1,4 @@
-/* Output of raydiff check: the table, the findings, and a summary. */
+/* Output of raydiff check: the findings and a summary. */
 #include "cmd/check/cmd_check.h"
 
 #include "cmd/common/cmd_finding.h"
@@ -6,85 +6,6 @@
 #include "ref/store.h"
 
 #include <string.h>
-
-static void print_bytes(const struct row *row)
-{
-    if (!row->layout)
-        printf("%9s %9s", "-", "-");
-    else
-        printf("%9.1f %9.1f", (double)row->node_bytes / 1e3, (double)row->item_bytes / 1e3);
-}
-
-/* Prints the kinds of wrong answers, also of members as published. */
-static void print_wrong(const struct row *row)
-{
-    if (row->count[VERDICT_WRONG] == 0)
-        return;
-    fputs(row->judged ? "" : " as published:", stdout);
-    for (enum wrong w = WRONG_MISSED; w < WRONG_COUNT; w++)
-        if (row->wrong[w])
-            printf(" %s %zu", wrong_name(w), row->wrong[w]);
-}
-
-/* Prints counters that exist only for lists of all hits. */
-static void print_lists(const struct row *row)
-{
-    if (row->options.query != QUERY_ALL)
-        return;
-    printf(" %zu triangles listed, %zu double hits,", row->lists.triangles, row->lists.doubles);
-    if (row->lists.closed)
-        printf(" parity off in %zu of %zu", row->lists.parity_off, row->lists.parity);
-    else
-        printf(" no parity (the mesh is open)");
-}
-
-/* Prints hits lost beside edges, if there are more than rounding explains. */
-static void print_edges(const struct row *row)
-{
-    char text[MATCH_EDGES_TEXT];
-    match_edges_text(row->edges, text);
-    if (row->edges_beyond)
-        printf(" lost beside edges %s", text);
-}
-
-static void print_row(const struct row *row)
-{
-    const struct match_options *o = &row->options;
-    char text[STORED_NAME_MOST];
-    printf("%-13s %-13s %-7s %-7s %-7s ", stored_name(row->layout, row->options.store, text),
-           row->engine ? row->engine->name : "-", row_box_name(row), row_tri_name(row),
-           query_name(o->query));
-    if (row->status == ROW_REFUSED || row->status == ROW_SKIPPED || row->status == ROW_FAILED) {
-        printf("%s: %s\n", row_status_name(row->status), row->reason.text);
-        return;
-    }
-    print_bytes(row);
-    printf(" %7zu", row->hits);
-    for (enum verdict v = VERDICT_TIE; v < VERDICT_WRONG; v++)
-        printf(" %5zu", row->count[v]);
-    if (row->displacement.count)
-        printf(" %5s", "-");
-    else
-        printf(" %5.2f", row->worst_over);
-    if (row->judged)
-        printf(" %6zu", row->count[VERDICT_WRONG]);
-    else
-        printf(" %6s", "count");
-    printf(" %6zu", row->bit_differences);
-    printf(" %8.3f (%.3f-%.3f)", row->mrays[0], row->mrays[1], row->mrays[2]);
-    print_wrong(row);
-    if (row->displacement.count)
-        printf(" displacement p50 %.2g p99 %.2g max %.3g uM, %zu lost in closed fans",
-               row->displacement.p50, row->displacement.p99, row->displacement.most,
-               row->displacement.fan_lost);
-    print_edges(row);
-    if (row->fans_lost)
-        printf(" watertight: %zu lost in closed fans", row->fans_lost);
-    print_lists(row);
-    if (row->status == ROW_VACUOUS)
-        printf(" %s", row->reason.text);
-    putchar('\n');
-}
 
 static void print_findings(const struct check_scene *scene, const struct row *row)
 {
@@ -109,7 +30,7 @@ static const struct row *row_of(const struct check_scene *scene, const char *eng
 
 /* Prints how many bytes engine cpu reads of each layout and storage, if any storage is not the
  * default. */
-static void print_stored(const struct check_scene *scene)
+static void print_stored(const struct check_scene *scene, const struct screen *screen)
 {
     char text[STORED_NAME_MOST];
     const struct row *last = NULL;
@@ -124,16 +45,18 @@ static void print_stored(const struct check_scene *scene)
              last->options.builder == row->options.builder))
             continue;
         last = row;
-        printf("  %s: %.2f bytes a triangle: %.2f nodes, %.2f storage, %.2f the scene's arrays\n",
-               stored_name(row->layout, row->options.store, text),
-               (double)(row->node_bytes + row->item_bytes + row->scene_bytes) / tris,
-               (double)row->node_bytes / tris, (double)row->item_bytes / tris,
-               (double)row->scene_bytes / tris);
+        screen_text(
+            screen,
+            "  %s: %.2f bytes a triangle: %.2f nodes, %.2f storage, %.2f the scene's arrays\n",
+            stored_name(row->layout, row->options.store, text),
+            (double)(row->node_bytes + row->item_bytes + row->scene_bytes) / tris,
+            (double)row->node_bytes / tris, (double)row->item_bytes / tris,
+            (double)row->scene_bytes / tris);
     }
 }
 
 /* For rows on a decoded scene, prints how their answers fit the original. */
-static void print_originals(const struct check_scene *scene)
+static void print_originals(const struct check_scene *scene, const struct screen *screen)
 {
     char text[STORED_NAME_MOST];
     bool first = true;
@@ -143,25 +66,29 @@ static void print_originals(const struct check_scene *scene)
         if (row->status != ROW_OK || judged == 0)
             continue;
         if (first)
-            printf("  decoded from %u bits an axis: vertices moved by %.4g at most, certified; %u "
-                   "triangles without area\n",
-                   scene->quantised.grid.bits, scene->quantised.distance, scene->quantised.flat);
+            screen_text(
+                screen,
+                "  decoded from %u bits an axis: vertices moved by %.4g at most, certified; %u "
+                "triangles without area\n",
+                scene->quantised.grid.bits, scene->quantised.distance, scene->quantised.flat);
         first = false;
-        printf("  %s on %s %s: WRONG decoded %zu, beyond what moved %zu; for the original, of a "
-               "million %.1f lost, %.1f phantom, %.1f other triangle; displacement needed %.4g "
-               "(decoded: %.3g)\n",
-               stored_name(row->layout, row->options.store, text), row->engine->name,
-               query_name(row->options.query), row->count[VERDICT_WRONG], row->original.beyond,
-               1e6 * (double)row->original.lost / (double)judged,
-               1e6 * (double)row->original.phantom / (double)judged,
-               1e6 * (double)row->original.other / (double)judged, row->original.most,
-               row->original.most_decoded);
+        screen_text(
+            screen,
+            "  %s on %s %s: WRONG decoded %zu, beyond what moved %zu; for the original, of a "
+            "million %.1f lost, %.1f phantom, %.1f other triangle; displacement needed %.4g "
+            "(decoded: %.3g)\n",
+            stored_name(row->layout, row->options.store, text), row->engine->name,
+            query_name(row->options.query), row->count[VERDICT_WRONG], row->original.beyond,
+            1e6 * (double)row->original.lost / (double)judged,
+            1e6 * (double)row->original.phantom / (double)judged,
+            1e6 * (double)row->original.other / (double)judged, row->original.most,
+            row->original.most_decoded);
     }
 }
 
 /* Prints ratios within this run: size and speed of each layout relative to f32, per engine, and the
  * speed of cpu relative to Embree. */
-static void print_winners(const struct check_scene *scene)
+static void print_winners(const struct check_scene *scene, const struct screen *screen)
 {
     static const char *const players[] = {"vulkan", "cpu"};
     char text[STORED_NAME_MOST];
@@ -175,13 +102,15 @@ static void print_winners(const struct check_scene *scene)
                 row->engine != base->engine || row->options.tri != base->options.tri ||
                 row->options.box != base->options.box || row->options.query != base->options.query)
                 continue;
-            printf("  %s on %s: %.2f of f32's node bytes (%.2f with f32's item array), %.2f times "
-                   "its speed\n",
-                   stored_name(row->layout, row->options.store, text), players[p],
-                   (double)row->node_bytes / (double)base->node_bytes,
-                   (double)(row->node_bytes + row->item_bytes) /
-                       (double)(base->node_bytes + base->item_bytes),
-                   row->mrays[0] / base->mrays[0]);
+            screen_text(
+                screen,
+                "  %s on %s: %.2f of f32's node bytes (%.2f with f32's item array), %.2f times "
+                "its speed\n",
+                stored_name(row->layout, row->options.store, text), players[p],
+                (double)row->node_bytes / (double)base->node_bytes,
+                (double)(row->node_bytes + row->item_bytes) /
+                    (double)(base->node_bytes + base->item_bytes),
+                row->mrays[0] / base->mrays[0]);
         }
     }
     const struct row *cpu = row_of(scene, "cpu", NULL);
@@ -189,8 +118,8 @@ static void print_winners(const struct check_scene *scene)
         const struct row *row = &scene->row[i];
         if (row->status == ROW_OK && !row->layout && row->mrays[0] > 0 && row->engine->library &&
             row->options.query == cpu->options.query)
-            printf("  cpu on %s: %.2f times the speed of %s\n", cpu->layout->name,
-                   cpu->mrays[0] / row->mrays[0], row->engine->name);
+            screen_text(screen, "  cpu on %s: %.2f times the speed of %s\n", cpu->layout->name,
+                        cpu->mrays[0] / row->mrays[0], row->engine->name);
     }
 }
 
@@ -221,43 +150,78 @@ static const struct tri_store *idle_store(const struct check_scene *scene)
     return NULL;
 }
 
-static void print_agreement(const struct check_scene *scene)
+/* Sums over the rows that ran. */
+struct agreement {
+    size_t exact_rows, exact_rays, exact_bad; /* rows that must have the bits of engine cpu */
+    size_t judged, counted;                   /* answers judged; wrong ones of published members */
+    size_t count[VERDICT_COUNT], wrong[WRONG_COUNT];
+};
+
+static struct agreement agreement_of(const struct check_scene *scene)
 {
-    size_t exact_rows = 0, exact_rays = 0, exact_bad = 0, judged = 0, counted = 0;
-    size_t count[VERDICT_COUNT] = {0}, wrong[WRONG_COUNT] = {0};
+    struct agreement sum = {0};
     for (size_t i = 0; i < scene->row_count; i++) {
         const struct row *row = &scene->row[i];
         if (row->status != ROW_OK)
             continue;
         if (row->bits && !row->engine->reference) {
-            exact_rows++;
-            exact_rays += row->rays;
-            exact_bad += row->bit_differences;
+            sum.exact_rows++;
+            sum.exact_rays += row->rays;
+            sum.exact_bad += row->bit_differences;
         }
         if (!row->judged) {
-            counted += row->count[VERDICT_WRONG];
+            sum.counted += row->count[VERDICT_WRONG];
             continue;
         }
-        judged += row->rays;
+        sum.judged += row->rays;
         for (enum verdict v = 0; v < VERDICT_COUNT; v++)
-            count[v] += row->count[v];
+            sum.count[v] += row->count[v];
         for (enum wrong w = WRONG_MISSED; w < WRONG_COUNT; w++)
-            wrong[w] += row->wrong[w];
+            sum.wrong[w] += row->wrong[w];
     }
+    return sum;
+}
+
+/* Prints both lists of counters; those of 0 only if the screen is wide. */
+static void print_verdicts(const struct agreement *sum, const struct screen *screen)
+{
+    char text[1024];
+    size_t at = 0;
+    const char *between = " (";
+    for (enum wrong w = WRONG_MISSED; w < WRONG_COUNT; w++)
+        if (sum->wrong[w] || screen->wide) {
+            at += (size_t)snprintf(text + at, sizeof text - at, "%s%s %zu", between, wrong_name(w),
+                                   sum->wrong[w]);
+            between = ", ";
+        }
+    screen_text(screen, "  against the exact truth: %zu of %zu answers WRONG%s%s\n",
+                sum->count[VERDICT_WRONG], sum->judged, at ? text : "", at ? ")" : "");
+    at = 0;
+    between = " ";
+    for (enum verdict v = 0; v < VERDICT_WRONG; v++)
+        if (sum->count[v] || screen->wide) {
+            at += (size_t)snprintf(text + at, sizeof text - at, "%s%s %zu", between,
+                                   verdict_name(v), sum->count[v]);
+            between = ", ";
+        }
+    screen_text(screen, "  allowed:%s\n", at ? text : " none");
+}
+
+static void print_agreement(const struct check_scene *scene, const struct screen *screen)
+{
+    const struct agreement sum = agreement_of(scene);
     if (is_idle(scene))
         puts("  nothing was played: no engine has anything to play on");
     else if (idle_store(scene))
         printf("  storage %s was played on no layout\n", idle_store(scene)->name);
-    if (exact_rows)
-        printf("  bit for bit against cpu: %zu of %zu answers differ\n", exact_bad, exact_rays);
-    printf("  against the exact truth: %zu of %zu answers WRONG", count[VERDICT_WRONG], judged);
-    for (enum wrong w = WRONG_MISSED; w < WRONG_COUNT; w++)
-        printf("%s%s %zu", w == WRONG_MISSED ? " (" : ", ", wrong_name(w), wrong[w]);
-    printf(")\n  allowed:");
-    for (enum verdict v = 0; v < VERDICT_WRONG; v++)
-        printf(" %s %zu%s", verdict_name(v), count[v], v + 1 < VERDICT_WRONG ? "," : "\n");
-    if (counted)
-        printf("  members as published are wrong in %zu answers: counted, not judged\n", counted);
+    if (sum.exact_rows)
+        screen_text(screen, "  bit for bit against cpu: %zu of %zu answers differ\n", sum.exact_bad,
+                    sum.exact_rays);
+    print_verdicts(&sum, screen);
+    if (sum.counted)
+        screen_text(screen,
+                    "  members as published are wrong in %zu answers: counted, not judged\n",
+                    sum.counted);
 }
 
 /* Name of the member that refused, was skipped or failed. */
@@ -268,11 +232,11 @@ static const char *subject_name(const struct row *row)
     return row->engine ? row->engine->name : "--layout auto";
 }
 
-static void print_reasons(const struct check_scene *scene)
+static void print_reasons(const struct check_scene *scene, const struct screen *screen)
 {
     for (const char *line = scene->refused; *line;) {
         size_t length = strcspn(line, "\n");
-        printf("  --layout auto could not take %.*s\n", (int)length, line);
+        screen_text(screen, "  --layout auto could not take %.*s\n", (int)length, line);
         line += length + (line[length] == '\n');
     }
     for (size_t i = 0; i < scene->row_count; i++) {
@@ -281,8 +245,8 @@ static void print_reasons(const struct check_scene *scene)
         for (size_t k = 0; k < i; k++)
             repeated |= strcmp(scene->row[k].reason.text, row->reason.text) == 0;
         if (row->status != ROW_OK && !repeated)
-            printf("  %s %s: %s\n", subject_name(row), row_status_name(row->status),
-                   row->reason.text);
+            screen_text(screen, "  %s %s: %s\n", subject_name(row), row_status_name(row->status),
+                        row->reason.text);
     }
 }
 
@@ -296,7 +260,7 @@ static void print_tree(const struct row *row)
            row->stats.leaf_count, row->stats.depth, row->stats.largest_leaf);
 }
 
-void check_print(const struct check_scene *scene)
+void check_print(const struct check_scene *scene, const struct screen *screen)
 {
     const struct row *first = scene->row_count ? &scene->row[0] : NULL;
     printf("%s: %u triangles, %u vertices; %zu rays, set %s, seed %llu\n", scene->spec,
@@ -312,22 +276,19 @@ void check_print(const struct check_scene *scene)
     if (first && first->compared)
         printf("truth: exact, by the oracle's tree; %zu of %zu rays by brute force too\n",
                first->brute, first->compared);
-    printf("%-13s %-13s %-7s %-7s %-7s %9s %9s %7s %5s %5s %5s %5s %5s %5s %5s %5s %5s %6s %6s "
-           "%8s\n",
-           "layout", "engine", "box", "tri", "query", "nodes kB", "items kB", "hits", "tie", "near",
-           "bound", "bordr", "plane", "slab", "noise", "out", "err/E", "WRONG", "bits",
-           "Mray/s (least-most)");
-    for (size_t i = 0; i < scene->row_count; i++)
-        print_row(&scene->row[i]);
+    if (screen->wide)
+        check_print_wide(scene);
+    else
+        check_print_table(scene, screen);
     for (size_t i = 0; i < scene->row_count; i++)
         print_findings(scene, &scene->row[i]);
     puts("what it means");
-    print_reasons(scene);
-    print_winners(scene);
-    print_stored(scene);
-    check_print_moved(scene);
-    print_originals(scene);
-    print_agreement(scene);
+    print_reasons(scene, screen);
+    print_winners(scene, screen);
+    print_stored(scene, screen);
+    check_print_moved(scene, screen);
+    print_originals(scene, screen);
+    print_agreement(scene, screen);
     putchar('\n');
 }
 

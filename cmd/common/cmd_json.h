@@ -34,7 +34,7 @@ json_t *json_verdicts(const size_t count[VERDICT_COUNT]);
 json_t *json_prim(uint32_t prim);
 json_t *json_hit(const struct hit *hit);
 
-/* The named members and how often each answered, see README "JSON". */
+/* The named members and how often each answered, see docs/formats.md. */
 struct turnout;
 json_t *json_turnout(const struct turnout *turnout);
 

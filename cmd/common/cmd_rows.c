@@ -1,7 +1,7 @@
 /* Options from rows: reads the command line. */
 #include "cmd/common/cmd_rows.h"
 
-#include "cmd/common/cmd_nearest.h"
+#include "ref/base/nearest_name.h"
 #include "ref/base/text.h"
 #include "ref/outside/plugin_shader.h"
 #include "ref/base/command.h"

@@ -1,7 +1,9 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cmd/common/cmd_tables.h"
 
-#include "cmd/common/cmd_nearest.h"
+#include "cmd/common/cmd_screen.h"
+
+#include "ref/base/nearest_name.h"
 #include "ref/base/text.h"
 #include "ref/outside/pipe.h"
 #include "ref/outside/plugin_guard.h"
@@ -213,7 +215,7 @@ void turnout_expect(struct turnout *turnout, const struct list *engine, const st
         list_expect(TABLE_LAYOUTS, layout, turnout);
 }
 
-void turnout_print(const struct turnout *turnout)
+void turnout_print(const struct turnout *turnout, const struct screen *screen)
 {
     char line[512];
     for (size_t i = 0; i < turnout->count; i++) {
@@ -221,7 +223,10 @@ void turnout_print(const struct turnout *turnout)
         if (!one->declines && !turnout_tells(one)) /* engines are always printed */
             continue;
         turnout_line(one, line, sizeof line);
-        printf("%s %s %s\n", one->kind, one->name, line);
+        if (screen)
+            screen_text(screen, "%s %s %s\n", one->kind, one->name, line);
+        else
+            printf("%s %s %s\n", one->kind, one->name, line);
     }
 }
 

@@ -72,8 +72,10 @@ bool list_needs_trees(const struct list *engine);
 void turnout_expect(struct turnout *turnout, const struct list *engine, const struct list *playing,
                     const struct list *layout);
 
-/* Prints a line for each engine and for each other member that did not answer all. */
-void turnout_print(const struct turnout *turnout);
+/* Prints a line for each engine and for each other member that did not answer all. They fit
+ * `screen` (NULL: are not broken). */
+struct screen;
+void turnout_print(const struct turnout *turnout, const struct screen *screen);
 
 /* Parses a list of names "a,b". "all" is table_all (for queries a member, not the whole table) and
  * "every" the whole table. A name with * or ? is all members that it matches. An engine

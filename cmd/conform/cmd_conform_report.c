@@ -235,7 +235,7 @@ static void judge_turnout(struct conform_report *report)
 {
     static const enum ci_state state[] = {[EXIT_AGREE] = CI_PASSED, [EXIT_MISMATCH] = CI_FAILED};
     if (!report->tap)
-        turnout_print(&report->turnout);
+        turnout_print(&report->turnout, NULL);
     for (size_t i = 0; i < report->turnout.count; i++) {
         const struct turnout_one *one = &report->turnout.one[i];
         char name[TURNOUT_NAME_MOST + 40], line[512];

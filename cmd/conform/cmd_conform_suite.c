@@ -264,7 +264,8 @@ enum status suite_make(struct suite *suite, struct reason *reason)
     if (status)
         return status;
     if (suite->count == 0)
-        return fail(reason, STATUS_INPUT, "no trial matches '%s'%s",
+        return fail(reason, STATUS_INPUT,
+                    "no trial matches '%s'%s: raydiff conform --list prints their names",
                     suite->pattern ? suite->pattern : "*",
                     suite->list[TABLE_ENGINES].count ? " and --engine" : "");
     qsort(suite->trial, suite->count, sizeof *suite->trial, suite_by_stage);

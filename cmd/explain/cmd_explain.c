@@ -1,23 +1,32 @@
 /* raydiff explain: for one ray and one engine, shows the right answer, the given answer and why it
  * is wrong. */
 #include "cmd/explain/cmd_explain_inner.h"
+#include "cmd/explain/cmd_explain_picture.h"
 
 #include "fuzz/play/player.h"
 #include "fuzz/play/trial_tree.h"
 #include "cmd/common/cmd_tree.h"
+#include "ref/base/nearest_name.h"
 #include "ref/base/command.h"
 #include "ref/base/ray_text.h"
 #include "scenes/scenes.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static enum status take_cause(void *options, const struct option_value *given,
                               struct reason *reason)
 {
     struct explain_options *o = options;
+    char hint[NEAREST_HINT];
+    struct nearest_name nearest = nearest_make(given->text, strlen(given->text));
+    for (enum cause cause = CAUSE_NONE + 1; cause < CAUSE_COUNT; cause++)
+        nearest_try(&nearest, cause_name(cause));
     o->has_cause = cause_find(given->text, &o->cause);
     if (!o->has_cause || o->cause == CAUSE_NONE)
-        return fail(reason, STATUS_INPUT, "--cause: unknown cause '%.60s'", given->text);
+        return fail(reason, STATUS_INPUT,
+                    "--cause: unknown cause '%.60s'; docs/causes.md has all%s", given->text,
+                    nearest_hint(&nearest, hint));
     return STATUS_OK;
 }
 
@@ -44,6 +53,8 @@ static const struct option_row rows[] = {
     {"box", "B", "box test", OF_MEMBER(of.box, TABLE_BOX_TESTS), .value = "robust"},
     {"tri", "T", "triangle test", OF_MEMBER(of.tri, TABLE_TRI_TESTS), .value = "mt"},
     {"query", "Q", "closest or any", OF_ONE(of.query, TABLE_QUERIES), .value = "closest"},
+    {"html", "FILE", "the page with pictures that turn; fetches nothing", OF_WRITTEN(html)},
+    {"svg", "FILE", "the pictures alone", OF_WRITTEN(svg)},
     {"json", "FILE", "the page, for machines", OF_DATA(json)},
     {0},
 };
@@ -189,6 +200,8 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
         printf("%s: %zu ray%s%s: no answer of %s is wrong%s%s\n", o->of.spec, e->ray_count,
                plural(e->ray_count), from, o->of.engine->name, o->has_cause ? " with cause " : "",
                o->has_cause ? cause_name(o->cause) : "");
+        if (o->html || o->svg)
+            printf("%s is not written: there is nothing to draw\n", o->html ? o->html : o->svg);
         return explain_write_none(o, e->ray_count, &e->decode, *code, reason);
     }
     char again[EXPLAIN_COMMAND_MOST];
@@ -205,7 +218,11 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
                               : explain_is_wrong(&ray) ? EXIT_MISMATCH
                                                        : EXIT_AGREE);
     explain_print(&page);
-    if (o->json)
+    if (o->html)
+        status = explain_write_html(o->html, &page, reason);
+    if (!status && o->svg)
+        status = picture_write(o->svg, &page, reason);
+    if (!status && o->json)
         status = explain_write_json(o->json, &page, *code, reason);
     explain_free(&ray.why);
     return status;

@@ -26,6 +26,15 @@ void explain_print(const struct explain_page *page);
 enum status explain_write_json(const char *path, const struct explain_page *page, int exit_code,
                                struct reason *reason) MUST_USE;
 
+/* Writes the page as HTML: one file that fetches nothing. Errors: STATUS_INPUT cannot write,
+ * STATUS_MEMORY. */
+enum status explain_write_html(const char *path, const struct explain_page *page,
+                               struct reason *reason) MUST_USE;
+
+/* How a box test on the path ended, and what is wrong with a bound ("": nothing). Static. */
+const char *explain_note_text(const struct replay_note *note);
+const char *explain_fault_text(enum bound_fault fault);
+
 /* True if the answer is wrong: not allowed, or with other bits than C's. */
 static inline bool explain_is_wrong(const struct judged_ray *ray)
 {

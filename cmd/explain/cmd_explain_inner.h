@@ -13,7 +13,7 @@
 struct explain_options {
     struct explain_of of;
     const struct ray_set *rays;
-    const char *ray_text, *json;
+    const char *ray_text, *json, *html, *svg;
     uint64_t count, index;
     bool has_index, has_cause, has_engine;
     bool has_file;    /* scene, rays and test come from a finding's file */

@@ -81,19 +81,24 @@ static void print_verdict(const struct judged_ray *ray)
     putchar('\n');
 }
 
+const char *explain_note_text(const struct replay_note *note)
+{
+    if (!note->tested)
+        return "never reached";
+    if (!note->hit)
+        return "TURNED AWAY";
+    return note->visited ? "entered" : note->skipped ? "SKIPPED" : "hit, never entered";
+}
+
 static void print_note(const struct explain_step *step)
 {
     const struct replay_note *note = &step->note;
-    if (!note->tested)
-        puts("never reached");
-    else if (!note->hit)
-        puts("TURNED AWAY");
-    else if (note->visited)
-        printf("entered, t from %.9g\n", (double)note->entry);
-    else if (note->skipped)
-        printf("SKIPPED: entry %.9g is beyond the best t\n", (double)note->entry);
-    else
-        puts("hit, never entered");
+    fputs(explain_note_text(note), stdout);
+    if (note->tested && note->hit && note->visited)
+        printf(", t from %.9g", (double)note->entry);
+    else if (note->tested && note->hit && note->skipped)
+        printf(": entry %.9g is beyond the best t", (double)note->entry);
+    putchar('\n');
 }
 
 static void print_way(const struct explanation *why)
@@ -116,7 +121,7 @@ static void print_way(const struct explanation *why)
     }
 }
 
-static const char *fault_text(enum bound_fault fault)
+const char *explain_fault_text(enum bound_fault fault)
 {
     static const char *const names[] = {
         [BOUND_OK] = "",
@@ -136,7 +141,7 @@ static void print_bound(const char *name, const struct explain_bound *bound)
     float_text_write(bound->canonical, canonical);
     float_text_write(bound->decoded, decoded);
     printf("  %-5s %18s %18s %18s %12.4g %12lld  %s\n", name, exact, canonical, decoded,
-           bound->half_steps, (long long)bound->float_steps, fault_text(bound->fault));
+           bound->half_steps, (long long)bound->float_steps, explain_fault_text(bound->fault));
     printf("  %-5s %18.9g %18.9g %18.9g\n", "", (double)bound->exact, (double)bound->canonical,
            (double)bound->decoded);
 }

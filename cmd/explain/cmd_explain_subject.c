@@ -161,6 +161,9 @@ int explain_check_use(const struct explain_options *o, char *const *spec)
     const struct list engine = list_of_one(TABLE_ENGINES, o->of.engine);
     const struct list layout = list_of_one(TABLE_LAYOUTS, o->of.layout);
     const struct list builder = list_of_one(TABLE_BUILDERS, o->of.builder);
+    if (o->about_tree && (o->html || o->svg))
+        return usage_error("explain", "--%s: not used here: the finding is about a tree, on no ray",
+                           o->html ? "html" : "svg");
     const struct option_use use = {.by = o->ray_text ? "--ray" : "--index",
                                    .never = o->has_file ? "" : never,
                                    .engine = &engine,

@@ -139,9 +139,24 @@ static enum status try_outputs(const struct fuzz_command *c, struct reason *reas
     return status;
 }
 
+/* What is wrong without looking into the folder of findings, which is not made then. */
+static enum status check_options(const struct fuzz_command *c, struct reason *reason)
+{
+    struct stat what;
+    if (c->pairs > 0 && (c->shards > 0 || c->feedback || names_corpus(c)))
+        return fail(reason, STATUS_INPUT,
+                    "--pairs: draws members at random, so not with --shard, --feedback or "
+                    "--corpus");
+    if (names_corpus(c) && (stat(c->corpus, &what) != 0 || !S_ISDIR(what.st_mode)))
+        return fail(reason, STATUS_INPUT, "--corpus: %.200s is no folder", c->corpus);
+    return STATUS_OK;
+}
+
 static enum status prepare(struct fuzz_command *c, struct reason *reason)
 {
-    enum status status = findings_open(c->folder, &c->findings, reason);
+    enum status status = check_options(c, reason);
+    if (!status)
+        status = findings_open(c->folder, &c->findings, reason);
     if (!status && findings_said(c->findings)[0])
         fprintf(stderr, "raydiff fuzz: %s\n", findings_said(c->findings));
     if (!status)
@@ -155,10 +170,8 @@ static enum status prepare(struct fuzz_command *c, struct reason *reason)
                                        .seeded = true};
         status = options_check(&use, reason);
     }
-    if (!status && c->pairs > 0 && (c->shards > 0 || c->feedback || names_corpus(c)))
-        status =
-            fail(reason, STATUS_INPUT,
-                 "--pairs: draws members at random, so not with --shard, --feedback or --corpus");
+    if (!status)
+        status = check_options(c, reason); /* with those of the folder */
     if (!status)
         status = read_corpus(c, reason);
     if (!status)

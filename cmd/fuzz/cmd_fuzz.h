@@ -5,6 +5,7 @@
 #include "fuzz/findings/baseline.h"
 #include "fuzz/campaign/campaign.h"
 #include "cmd/common/cmd_rows.h"
+#include "cmd/fuzz/cmd_fuzz_screen.h"
 
 /* Options that decide what is found. They are saved in the folder, so that a resumed campaign uses
  * the same ones. */
@@ -56,7 +57,7 @@ struct fuzz_command {
     char left_out[FUZZ_VALUE_MOST]; /* default engines that cannot run here, and why */
     /* Display. */
     bool terminal;
-    int lines; /* number of lines drawn; the next drawing overwrites them */
+    struct fuzz_screen screen;
     uint64_t shown_ns, stats_ns;
     volatile sig_atomic_t *signalled; /* the signal that ended the campaign; 0: none */
     struct reason failed;             /* error of writing a report */

@@ -18,6 +18,7 @@
 struct judge_options {
     uint64_t seed, brute;
     struct match_demands demands;
+    struct screen_options screen;
     const char *json;
 };
 
@@ -57,7 +58,7 @@ static const struct option_set judge_set = {
         "Numbers are decimals or hexadecimal floats, 0x1.8p+1; '#' begins a comment. U weighs a "
         "triangle's second vertex, V its third.",
     .group = {GROUP(seed_rows), GROUP(rows), GROUP_AT(displacement_rows, demands),
-              GROUP_AT(watertight_rows, demands)},
+              GROUP_AT(watertight_rows, demands), GROUP_AT(screen_rows, screen)},
     .notes = NOTES,
     .codes = CODES,
     .example = "judge bunny.obj rays.txt hits.txt",
@@ -69,8 +70,8 @@ static const struct option_set verify_set = {
     .about = "Judges the answers on its standard input to the rays that raydiff gen wrote. They "
              "hold the 'from' line of the request, by which scene and rays are made again, and "
              "per ray 'h T U V TRIANGLE' or 'm'; see raydiff judge --help.",
-    .group = {GROUP(rows), GROUP_AT(displacement_rows, demands),
-              GROUP_AT(watertight_rows, demands)},
+    .group = {GROUP(rows), GROUP_AT(displacement_rows, demands), GROUP_AT(watertight_rows, demands),
+              GROUP_AT(screen_rows, screen)},
     .notes = NOTES,
     .codes = CODES,
     .example = "gen sphere:n=8 --decimal | awk -f fuzz/samples/tracer.awk |\n"
@@ -224,7 +225,8 @@ static int judge_all(struct judge_run *j)
     enum status status = play(j, &row, &reason);
     int code = EXIT_AGREE;
     if (!status) {
-        check_print(&result);
+        const struct screen screen = screen_make(&j->options->screen);
+        check_print(&result, &screen);
         code = check_exit(&result, false, true);
     }
     if (!status && j->options->json)

@@ -240,7 +240,7 @@ static int replay_all(const struct replay_options *options, struct replay_file *
     }
     replay_end(&worker);
     if (!options->brief || turnout_exit(turnout))
-        turnout_print(turnout);
+        turnout_print(turnout, NULL);
     return exit_worse(code, turnout_exit(turnout));
 }
 

@@ -51,7 +51,7 @@ static const struct option_set set = {
              "nothing (misses), those that hit two triangles where the edge or vertex they share "
              "has room for one (double), and those that cross the mesh an even number of times.",
     .group = {GROUP(rows), GROUP_AT(build_rows, build), GROUP_AT(engine_rows, engines),
-              GROUP_AT(outside_rows, engines)},
+              GROUP_AT(outside_rows, engines), GROUP_AT(screen_rows, screen)},
     .notes = " profile  miss        double hit  range of t        degenerate triangles\n"
              "  vulkan  should not  should not  tmin < t < tmax   culled: no area for the ray\n"
              "  dxr     must not    must not    TMin < t < TMax   never hit\n"
@@ -74,6 +74,7 @@ static int leaks_all(const struct leaks_options *o, char *const *spec, size_t co
     struct reason reason = {""};
     struct pool pool = {.options = o->engines};
     struct progress progress = progress_make("leaks");
+    const struct screen screen = screen_make(&o->screen);
     struct leak_scene *results = alloc_zeroed(count, sizeof *results);
     static struct turnout turnout;
     if (!results)
@@ -86,12 +87,12 @@ static int leaks_all(const struct leaks_options *o, char *const *spec, size_t co
         code = exit_worse(code, exit_with_reason("leaks", status, &reason));
         if (status)
             continue;
-        leaks_print(&results[i]);
+        leaks_print(&results[i], &screen);
         fflush(stdout);
         leaks_count_turnout(&results[i], &turnout);
         code = exit_worse(code, leaks_exit(&results[i], o->layout_named, o->engine_named));
     }
-    turnout_print(&turnout);
+    turnout_print(&turnout, &screen);
     code = exit_worse(code, turnout_exit(&turnout));
     if (o->json) {
         enum status status = leaks_write_json(o->json, results, count, &turnout, code, &reason);

@@ -2,7 +2,7 @@
 #ifndef CMD_LEAKS_H
 #define CMD_LEAKS_H
 
-#include "cmd/common/cmd_tables.h"
+#include "cmd/common/cmd_screen.h"
 #include "ref/judge/leaks.h"
 #include "ref/match/turnout.h"
 #include "scenes/rays/rays_inside.h"
@@ -17,6 +17,7 @@ struct leaks_options {
     uint64_t count, seed;
     const struct leak_profile *profile;
     struct engine_options engines;
+    struct screen_options screen;
     const char *json;
     const char *bvh; /* from --bvh, or NULL */
 };
@@ -65,7 +66,19 @@ enum status leaks_play(const struct leaks_options *options, struct pool *pool,
 void leak_row_judge(struct leak_row *row, const struct leak_profile *profile);
 
 /* Prints the table of a scene, its findings and a summary. */
-void leaks_print(const struct leak_scene *scene);
+void leaks_print(const struct leak_scene *scene, const struct screen *screen);
+
+/* Prints the table in columns that fit the screen: the verdict first. */
+void leaks_print_table(const struct leak_scene *scene, const struct screen *screen);
+
+/* Prints it with every counter, however long the lines. */
+void leaks_print_wide(const struct leak_scene *scene);
+
+/* The triangle test that a row ran, which may be the engine's whatever was named. */
+const char *leak_row_tri(const struct leak_row *row);
+
+/* How a row without results ended: refused, skipped or failed. */
+const char *leak_row_ended(const struct leak_row *row);
 
 /* The exit code of the rows. A refusing layout or an engine that cannot run counts only if it was
  * named, but it is an error if every layout refuses. */
@@ -74,7 +87,7 @@ int leaks_exit(const struct leak_scene *scene, bool layout_named, bool engine_na
 /* Counts all rows for the members in the turnout. */
 void leaks_count_turnout(const struct leak_scene *scene, struct turnout *turnout);
 
-/* Writes all rows as JSON, see README "Leaks". Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
+/* Writes all rows as JSON (docs/formats.md). Errors: STATUS_INPUT cannot write; STATUS_MEMORY. */
 enum status leaks_write_json(const char *path, const struct leak_scene *scene, size_t scene_count,
                              const struct turnout *turnout, int exit_code,
                              struct reason *reason) MUST_USE;

@@ -1,6 +1,7 @@
 /* raydiff render --show: shows what determines a picture in false colours. */
 #include "cmd/render/cmd_render_show.h"
 
+#include "ref/base/nearest_name.h"
 #include "ref/base/command.h"
 #include "ref/base/text.h"
 #include "ref/look/look_decoded.h"
@@ -247,10 +248,14 @@ static enum status check(const struct showing *showing, const char *name, struct
     const struct render_settings *settings = showing->settings;
     const struct engine *engine = showing->engine;
     if (!showing->show) {
-        char known[200] = "";
-        for (const struct show *one = shows; one->name; one++)
+        char known[200] = "", hint[NEAREST_HINT];
+        struct nearest_name nearest = nearest_make(name, strlen(name));
+        for (const struct show *one = shows; one->name; one++) {
             text_append(known, sizeof known, "%s%s", one == shows ? "" : ", ", one->name);
-        return fail(reason, STATUS_INPUT, "--show: unknown '%.40s'; known: %s", name, known);
+            nearest_try(&nearest, one->name);
+        }
+        return fail(reason, STATUS_INPUT, "--show: unknown '%.40s'; known: %s%s", name, known,
+                    nearest_hint(&nearest, hint));
     }
     if (settings->versus && !engine->needs_packed)
         return fail(reason, STATUS_INPUT,

@@ -2,6 +2,7 @@
 #define _GNU_SOURCE /* scandir */
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
+#include "ref/base/nearest_name.h"
 #include "ref/base/command.h"
 #include "ref/base/decimal.h"
 #include "scenes/facts.h"
@@ -249,5 +250,10 @@ int cmd_scene(int argc, char **argv)
     for (size_t i = 0; i < ARRAY_COUNT(actions); i++)
         if (strcmp(argv[first], actions[i].name) == 0)
             return run_action(i, &options);
-    return usage_error("scene", "unknown action '%s'; those are info, convert, list", argv[first]);
+    char hint[NEAREST_HINT];
+    struct nearest_name nearest = nearest_make(argv[first], strlen(argv[first]));
+    for (size_t i = 0; i < ARRAY_COUNT(actions); i++)
+        nearest_try(&nearest, actions[i].name);
+    return usage_error("scene", "unknown action '%s'; those are info, convert, list%s", argv[first],
+                       nearest_hint(&nearest, hint));
 }

@@ -1,11 +1,11 @@
 #!/bin/sh
-# Keeps CONTRIBUTING.md, "Where the constants come from", true: every row of its tables names files
+# Keeps docs/numerics.md, true: every row of its tables names files
 # that have its constant with that value, and every power of two, or of ten below 1, in the code of
 # ref/ and shaders/ (commands left out) stands in a row with its file. Prints every breach; exit 1
 # if there is one.
 #   sh tests/house/constants.sh [PAGE]
 set -u
-page=${1:-CONTRIBUTING.md}
+page=${1:-docs/numerics.md}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 : >"$work/breaches"
@@ -17,7 +17,7 @@ bare() {
 
 # "file literal" of every row: the first column's names, the second's values and the third's files
 # are in backticks. A name is defined as one of the values in each file that it is in.
-awk '/^## /{on = /^## Where the constants come from/} on && /^\| [^-]/' "$page" >"$work/rows"
+awk '/^\| [^-]/' "$page" >"$work/rows"
 [ -s "$work/rows" ] || { echo "$page: no table of constants"; exit 1; }
 in_ticks() { echo "$1" | grep -o '`[^`]*`' | tr -d '`'; }
 while IFS='|' read -r _ names values files _; do

@@ -8,8 +8,8 @@ failed=0
 
 # sed script that breaks a copy of the page.
 plant() {
-    sed "$1" CONTRIBUTING.md >"$altered"
-    if cmp -s CONTRIBUTING.md "$altered"; then
+    sed "$1" docs/numerics.md >"$altered"
+    if cmp -s docs/numerics.md "$altered"; then
         echo "NOTHING planted: $1"
         failed=1
     elif sh tests/house/constants.sh "$altered" >/dev/null; then

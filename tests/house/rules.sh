@@ -111,8 +111,23 @@ git grep -niE '\bnobody|(is|was|be|are) gone on with|\bwho (is|was) (killed|ende
     ref gpu scenes fuzz bench cmd shaders tests raydiff.c ':!bench/results' ':!tests/house/rules*.sh' && breach "write it plainly: no person where there is none, RTRS by its name"
 
 # The front of the house.
-git ls-files | grep -v / | grep -vxE '\.clang-format|\.gitignore|CONTRIBUTING\.md|LICENSE|Makefile|README\.md|raydiff\.c' &&
+git ls-files | grep -v / | grep -vxE '\.clang-format|\.gitignore|CHANGELOG\.md|CITATION\.cff|CONTRIBUTING\.md|LICENSE|Makefile|README\.md|SECURITY\.md|raydiff\.c' &&
     breach "what stands at the root is named in tests/house/rules.sh"
+
+# One version, which debian/changelog has as well; debian/control wants what .ci/deps.sh installs.
+[ "$(sed -n 's/^VERSION := //p' Makefile)" = "$(sed -n '1s/^raydiff (\(.*\)) .*/\1/p' debian/changelog)" ] ||
+    breach "debian/changelog: the version of its first line is not VERSION of the Makefile"
+for told in "$(sed -n 's/^version: //p' CITATION.cff)" "$(sed -n 's/^## \([0-9.]*\),.*/\1/p' CHANGELOG.md | head -n 1)"; do
+    [ "$(sed -n 's/^VERSION := //p' Makefile)" = "$told" ] || breach "CITATION.cff and CHANGELOG.md have the version of the Makefile first"
+done
+for package in $(sed -n "/^run='/,/'$/p" .ci/deps.sh | tr " '" '\n\n' | sed -n 's/:.*//p' | sed 's/^run=//'); do
+    case $package in
+    gcc | libc6-dev | mesa-vulkan-drivers) continue ;; # of every build; of no build
+    pkg-config) package=pkgconf ;;
+    esac
+    sed -n '/^Build-Depends/,/^[^ B]/p' debian/control | grep -qE "[ ,]$package,?\$" ||
+        breach "debian/control: Build-Depends lacks $package of .ci/deps.sh"
+done
 
 # Small rooms; results are data.
 git ls-files -- ':!bench/results' | sed -n 's|/[^/]*$||p' | sort | uniq -c | awk '$1 > 40 {print $2 ": " $1 " files"; bad = 1} END {exit !bad}' &&

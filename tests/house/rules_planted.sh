@@ -3,7 +3,7 @@
 set -u
 copy=$(mktemp -d) || exit 4
 trap 'rm -rf "$copy"' EXIT
-git ls-files -z -- ref gpu scenes fuzz tests bench cmd shaders docs CONTRIBUTING.md README.md Makefile raydiff.c | tar --null -T - -cf - | tar -xf - -C "$copy" || exit 4
+git ls-files -z -- .ci debian ref gpu scenes fuzz tests bench cmd shaders docs CHANGELOG.md CITATION.cff CONTRIBUTING.md README.md SECURITY.md Makefile raydiff.c | tar --null -T - -cf - | tar -xf - -C "$copy" || exit 4
 cd "$copy" && git init -q . && git add -A || exit 4
 sh tests/house/rules.sh >log 2>&1 || { cat log; echo "the copy breaks a rule before anything is planted"; exit 1; }
 failed=0
@@ -97,6 +97,9 @@ git add docs
 plant docs/1.txt ''
 git rm -qf docs/[0-9]*.txt
 plant Makefile "$(awk 'BEGIN { for (i = 0; i < 200; i++) print "#" }')"
+plant Makefile 'VERSION := 9.9.9'
+plant CITATION.cff 'version: 9.9.9'
+plant .ci/deps.sh "run='libnowhere-dev:nothing'"
 plant bench/results/lavapipe-22.3.6/hour.txt "$(awk 'BEGIN { for (i = 0; i < 3000; i++) print "1" }')"
 echo '{}' >bench/results/new.json && git add bench/results/new.json
 plant bench/results/new.json ''

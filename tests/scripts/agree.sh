@@ -44,7 +44,7 @@ code=0
 part() {
     name=$1
     shift
-    "$raydiff" check "$@" --tri mt,woop,mt_rtrs --repeat 1 >>"$out.tmp" 2>&1
+    "$raydiff" check --wide "$@" --tri mt,woop,mt_rtrs --repeat 1 >>"$out.tmp" 2>&1
     result=$?
     echo "$name: exit code $result"
     [ "$result" -eq 0 ] || code=1

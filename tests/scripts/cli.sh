@@ -136,18 +136,18 @@ cp "$dir/one.obj" "$dir/one.xyz"
 expect 2 'one.xyz' check "$dir/one.xyz" $small
 
 # Limits: named is an error, by default a row.
-expect 0 . check "$dir/one.obj" --rays primary $small
-expect 2 . check soup:n=100000,size=0.001 --layout rf16 $small
-expect 0 . check soup:n=100000,size=0.2 --brute 1e6 $small
+expect 0 . check --wide "$dir/one.obj" --rays primary $small
+expect 2 . check --wide soup:n=100000,size=0.001 --layout rf16 $small
+expect 0 . check --wide soup:n=100000,size=0.2 --brute 1e6 $small
 grep -q 'refused: rf16' "$dir/out" || bad "a refused layout is a row with its reason"
-expect 2 . check soup:n=100 --store compact --leaf 100 --engine cpu --count 100 --repeat 1
+expect 2 . check --wide soup:n=100 --store compact --leaf 100 --engine cpu --count 100 --repeat 1
 grep -q 'nothing was played' "$dir/out" || bad "check --store compact: nothing was played, and it is not said"
-expect 2 '--store: .*walks trees' check soup:n=100 --store quantised --engine brute --count 100 --repeat 1
-expect 2 . check soup:n=100 --store indexed,compact --leaf 100 --count 100 --repeat 1 --engine cpu,brute
+expect 2 '--store: .*walks trees' check --wide soup:n=100 --store quantised --engine brute --count 100 --repeat 1
+expect 2 . check --wide soup:n=100 --store indexed,compact --leaf 100 --count 100 --repeat 1 --engine cpu,brute
 grep -q 'storage compact was played on no layout' "$dir/out" || bad "check: a named storage that holds nothing is no pass"
-expect 0 . check soup:n=100000,size=0.2 --layout auto --brute 1e6 $small
+expect 0 . check --wide soup:n=100000,size=0.2 --layout auto --brute 1e6 $small
 grep -q '^cwbvh80 .*cpu' "$dir/out" || bad "--layout auto takes cwbvh80 where rf16 cannot"
-expect 2 . check soup:n=70000,size=0.001 --layout rf16 --leaf 8 $small
+expect 2 . check --wide soup:n=70000,size=0.001 --layout rf16 --leaf 8 $small
 grep -q 'at most 32767, .*or --layout auto' "$dir/out" || bad "rf16 names --layout auto where it refuses"
 
 # Ten million triangles and too little memory: refused before the build, with the memory it takes. (A
@@ -164,23 +164,23 @@ fi
 # said, not crashed on.
 awk 'BEGIN { for (i = 0; i < 100; i++) { x = 2 ^ (110 - i)
     printf "v %.9g 0 0\nv %.9g %.9g 0\nv %.9g 0 %.9g\nf %d %d %d\n", x, x, x / 8, x, x / 8, 3*i+1, 3*i+2, 3*i+3 } }' >"$dir/deep.obj"
-expect 2 . check "$dir/deep.obj" --builder rtrs --eps 0 --leaf 1 --layout auto $small
+expect 2 . check --wide "$dir/deep.obj" --builder rtrs --eps 0 --leaf 1 --layout auto $small
 grep -q 'auto refused: .*deep' "$dir/out" || bad "--layout auto says why nothing fits"
 
 # A miss everywhere proves nothing.
 printf 'v 0 0 0\nv 1e-6 0 0\nv 0 1e-6 0\nv 1 1 1\nf 1 2 3\nf 1 4 4\n' >"$dir/speck.obj"
-expect 1 . check "$dir/speck.obj" --rays random $small
+expect 1 . check --wide "$dir/speck.obj" --rays random $small
 grep -q 'vacuous' "$dir/out" || bad "a vacuous row says so"
 
 # Output files: complete or not there.
-expect 0 . check soup $small --json "$dir/rows.json"
+expect 0 . check --wide soup $small --json "$dir/rows.json"
 for key in rows layout builder leaf engine box tri query node_bytes rays hits counts differences \
     mrays_per_s median min max status reason; do
     grep -q "\"$key\"" "$dir/rows.json" || bad "--json: no key $key"
 done
-expect 2 'no-such-folder' check soup $small --json "$dir/no-such-folder/rows.json"
+expect 2 'no-such-folder' check --wide soup $small --json "$dir/no-such-folder/rows.json"
 # Vertices that moved: refitted and judged, or to be built anew.
-expect 0 . check sphere $small --move 0.01 --json "$dir/moved.json"
+expect 0 . check --wide sphere $small --move 0.01 --json "$dir/moved.json"
 grep -q 'SAH cost of the tree of median [0-9.]* before, [0-9.]* refitted' "$dir/out" || bad "--move: cost"
 grep -q '^  rf16: refitted in ' "$dir/out" || bad "--move: time"
 grep -q sah_after "$dir/moved.json" || bad "--move: JSON"
@@ -191,26 +191,26 @@ awk '/"sah_before"/ { before = $2 + 0 } /"sah_after"/ { after = $2 + 0 }
         ok += ratio - time < off && time - ratio < off; n++ }
     END { exit !(before < after && told - before < 0.06 && before - told < 0.06 && anew - after < 0.06 && after - anew < 0.06 && n > 1 && ok == n) }' \
     "$dir/moved.json" "$dir/out" || bad "--move: costs and times do not belong together"
-expect 2 . check sphere $small --move 0.5 --layout bvh2_u8_scene
+expect 2 . check --wide sphere $small --move 0.5 --layout bvh2_u8_scene
 grep -q 'rebuild: bvh2_u8_scene: a box' "$dir/out" || bad "--move says what is to be built anew"
-expect 2 'is below 0' check sphere $small --move -1
-# Every allowed class and every kind of WRONG has a counter, also of 0, and is told of in the README.
-expect 0 'parity off in [0-9]* of [0-9]*$' check sphere $small --query closest,any,all --json "$dir/rows.json"
+expect 2 'is below 0' check --wide sphere $small --move -1
+# Every allowed class and every kind of WRONG has a counter, also of 0, and docs/verdicts.md has it.
+expect 0 'parity off in [0-9]* of [0-9]*$' check --wide sphere $small --query closest,any,all --json "$dir/rows.json"
 for key in right tie near_tie boundary border in_plane slab noise out_of_contract; do
     grep -q "^  allowed:.* $key [0-9]" "$dir/out" || bad "check counts no $key"
     grep -q "\"$key\": [0-9]" "$dir/rows.json" || bad "--json counts no $key"
-    grep -q "[\`*]$key[\`*]" README.md || bad "the README does not tell of $key"
+    grep -q "[\`*]$key[\`*]" docs/verdicts.md || bad "docs/verdicts.md does not tell of $key"
 done
 for key in missed phantom triangle distance barycentric not_finite not_repeatable any_disagrees \
     twice order; do
     grep -q "WRONG (.*$key 0[,)]" "$dir/out" || bad "check counts no $key"
     grep -q "\"$key\": 0" "$dir/rows.json" || bad "--json counts no $key"
-    grep -q "^| \`$key\` |" README.md || bad "the README does not tell of $key"
+    grep -q "^| \`$key\` |" docs/verdicts.md || bad "docs/verdicts.md does not tell of $key"
 done
 for key in err_over_bound displacement lists double_hits parity_off closed; do
     grep -q "\"$key\": " "$dir/rows.json" || bad "--json has no $key"
 done
-expect 2 "queries are: closest, any, all" check soup --query every $small
+expect 2 "queries are: closest, any, all" check --wide soup --query every $small
 expect 0 . conform closest.cpu.f32.median.robust.mt.soup.random.1 --junit "$dir/junit.xml"
 grep -q '<testcase' "$dir/junit.xml" || bad "--junit writes test cases"
 expect 0 . conform closest.cpu.f32.median.robust.mt.soup.random.1 --tap
@@ -288,7 +288,7 @@ expect 2 'storage quantised: .* lie on no grid' explain soup --store quantised -
 expect 2 'goes without --store' explain soup --store compact --bvh none --ray '0,0,-1 0,0,1'
 expect 1 . explain needles:n=300 --builder sbvh --rays random --count 3000 --layout rtrs_rf
 grep -q '^cause     index_shifted' "$dir/out" || bad "explain names the cause in a split tree"
-expect 0 'missed 0' check needles:n=300 --builder sbvh --split-budget 2 --split-alpha 0 --query all \
+expect 0 'missed 0' check --wide needles:n=300 --builder sbvh --split-budget 2 --split-alpha 0 --query all \
     --layout f32,rf16,bvh8_u8_node --engine cpu --count 2000 --repeat 1
 expect 2 'not a number from 0 to 64' precompute --scene needles --builder sbvh --split-budget 65 \
     --out "$dir/x"
@@ -319,16 +319,16 @@ samples=$(dirname "$raydiff")/samples
 peer="--count 2000 --repeat 1"
 [ -x "$samples/tracer" ] || bad "no sample tracer: make tests builds it"
 if [ -x "$samples/tracer" ]; then
-    expect 0 . check sphere --engine "pipe:$samples/tracer" $peer --json "$dir/peer.json"
+    expect 0 . check --wide sphere --engine "pipe:$samples/tracer" $peer --json "$dir/peer.json"
     grep -q "^-  *pipe:.*tracer .* 0 *0 " "$dir/out" || bad "a peer is a row"
     grep -q '"engine": "pipe:' "$dir/peer.json" || bad "a peer is in the JSON"
     for bug in 1 2; do
-        expect 1 . check sphere --engine "pipe:$samples/tracer_bug$bug" $peer
+        expect 1 . check --wide sphere --engine "pipe:$samples/tracer_bug$bug" $peer
         again=$(sed -n 's/^  explain: raydiff //p' "$dir/out" | head -n 1)
         eval "expect 1 . $again"
         grep -q '^verdict   WRONG' "$dir/out" || bad "a peer's WRONG ray can be explained"
     done
-    expect 0 . check sphere --engine "cpu,pipe:$samples/tracer,pipe:exec '$samples/tracer' a,b" $peer
+    expect 0 . check --wide sphere --engine "cpu,pipe:$samples/tracer,pipe:exec '$samples/tracer' a,b" $peer
     [ "$(grep -c '^-  *pipe:' "$dir/out")" -eq 2 ] || bad "two peers beside cpu, one with a comma"
     expect 0 . conform "closest.pipe:$samples/tracer.-.-.-.mt.soup.vertices.1"
     expect 0 . conform 'closest.*.vertices.1' --engine "pipe:$samples/tracer"
@@ -336,14 +336,14 @@ if [ -x "$samples/tracer" ]; then
     expect 0 . conform 'hard.28-*' --engine "pipe:$samples/tracer"
     expect 0 . leaks sphere:n=4 --count 1000 --engine "pipe:$samples/tracer"
 fi
-expect 77 . check sphere --engine 'pipe:no-such-tracer' $peer
+expect 77 . check --wide sphere --engine 'pipe:no-such-tracer' $peer
 grep -q 'exit code 127' "$dir/out" || bad "a command that is not found is skipped, with the reason"
-expect 3 . check sphere --engine 'pipe:echo Hello, World, and all who sail in her' $peer
+expect 3 . check --wide sphere --engine 'pipe:echo Hello, World, and all who sail in her' $peer
 grep -q "begins with 'Hell', not with 'RDRA'" "$dir/out" || bad "a peer's nonsense is named"
-expect 3 . check sphere --engine 'pipe:sleep 100' --peer-time 1 $peer
+expect 3 . check --wide sphere --engine 'pipe:sleep 100' --peer-time 1 $peer
 grep -q 'late: ' "$dir/out" || bad "a peer that hangs is late"
-expect 2 "'pipe:' is not pipe:COMMAND" check sphere --engine pipe:
-expect 2 "'0' is not a whole number from 1" check sphere --peer-time 0
+expect 2 "'pipe:' is not pipe:COMMAND" check --wide sphere --engine pipe:
+expect 2 "'0' is not a whole number from 1" check --wide sphere --peer-time 0
 expect 2 "is not answer:FORMULA" explain soup --engine answer:x
 expect 2 'no scene given' gen
 expect 2 'not all' gen soup --query all
@@ -462,26 +462,26 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 4 2\nf 1 4 3\nf 2 3 4\n
 expect 2 'a triangle is turned round' leaks "$dir/turned.obj" $few
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n' >"$dir/flat.obj"
 expect 2 'flat.obj: no point inside' leaks "$dir/flat.obj" $few
-expect 0 . leaks sphere:n=4 $few --tri mt,woop --json "$dir/leaks.json"
+expect 0 . leaks --wide sphere:n=4 $few --tri mt,woop --json "$dir/leaks.json"
 grep -q 'mt .* counted$' "$dir/out" || bad "leaks: a row that promises nothing is counted"
 grep -q 'watertight *woop .* kept$' "$dir/out" || bad "leaks: woop keeps its word"
 for key in profile scenes aimed_exactly promises broken total aims vertex beside misses double_hits even \
     lost phantoms repeated bit_differences findings; do
     grep -q "\"$key\"" "$dir/leaks.json" || bad "leaks --json: no key $key"
 done
-expect 1 . leaks sphere:n=4 $few --tri woop --box watertight --profile dxr
+expect 1 . leaks --wide sphere:n=4 $few --tri woop --box watertight --profile dxr
 grep -q 'BROKEN: .* hit twice' "$dir/out" || bad "leaks: woop breaks the DXR rule, and it is said"
-expect 0 . leaks sphere --count 1000 --engine cpu --layout rtrs_rf,f32 --tri woop --box watertight
+expect 0 . leaks --wide sphere --count 1000 --engine cpu --layout rtrs_rf,f32 --tri woop --box watertight
 grep -q '^rtrs_rf .* counted$' "$dir/out" || bad "leaks: a member as published promises nothing"
 grep -q '^f32 .* kept$' "$dir/out" || bad "leaks: what stands beside it does"
-expect 1 . leaks sphere:n=4 --count 999 --layout f32 --engine cpu
+expect 1 . leaks --wide sphere:n=4 --count 999 --layout f32 --engine cpu
 grep -q 'vacuous: 999 rays' "$dir/out" || bad "leaks: too few rays are vacuous"
-expect 2 . leaks sphere:n=4 $few --layout rf16 --leaf 9
-expect 0 . leaks sphere:n=4 $few --tri woop --box watertight --store indexed,compact --json "$dir/leaks.json"
+expect 2 . leaks --wide sphere:n=4 $few --layout rf16 --leaf 9
+expect 0 . leaks --wide sphere:n=4 $few --tri woop --box watertight --store indexed,compact --json "$dir/leaks.json"
 grep -q '^f32:compact .* kept$' "$dir/out" || bad "leaks: a storage keeps its word"
 grep -q '"store": "compact"' "$dir/leaks.json" || bad "leaks --json says which storage"
 expect 2 'goes without --store' leaks sphere:n=4 --store compact --bvh none
-expect 2 . leaks sphere:n=4 $few --store quantised
+expect 2 . leaks --wide sphere:n=4 $few --store quantised
 grep -q 'refused: storage quantised: ' "$dir/out" || bad "leaks: a storage that holds nothing of the scene is not a pass"
 expect 2 'no-such-folder' leaks sphere:n=4 $few --json "$dir/no-such-folder/x"
 
@@ -706,20 +706,20 @@ done
 [ ! -e ./- ] || bad "a file named - was written"
 
 # RTRS's numbers (Figure 8 of its paper), on its scene.
-expect 0 . check rtrs --builder rtrs --eps 0.02 --leaf 2 --layout rtrs_direct $small --json "$dir/f8.json"
+expect 0 . check --wide rtrs --builder rtrs --eps 0.02 --leaf 2 --layout rtrs_direct $small --json "$dir/f8.json"
 grep -q '"node_bytes": 2448' "$dir/f8.json" || bad "rtrs_direct at leaf 2 needs 2,448 bytes"
-expect 0 . check rtrs --builder rtrs --eps 0.02 --leaf 4 --layout rtrs_rf $small --json "$dir/f8.json"
+expect 0 . check --wide rtrs --builder rtrs --eps 0.02 --leaf 4 --layout rtrs_rf $small --json "$dir/f8.json"
 grep -q '"node_bytes": 656' "$dir/f8.json" || bad "rtrs_rf at leaf 4 needs 656 bytes"
 
 # An engine that cannot run: skipped by default, 77 when named. Mesa's driver loses 128 bytes when it
 # is unloaded without a device having been made, and is gone when a sanitizer asks whose they were.
 export ASAN_OPTIONS=detect_leaks=0
-expect 77 . check soup --count 200 --repeat 1 --engine vulkan --driver no-such-driver
+expect 77 . check --wide soup --count 200 --repeat 1 --engine vulkan --driver no-such-driver
 expect 77 . leaks sphere:n=4 --count 1000 --engine vulkan --driver no-such-driver
 expect 77 . explain soup --engine vulkan --driver no-such-driver
 expect 77 "fewer than two .* can run here: .*no-such-driver" diff sphere:n=2 -w 16 -h 16 --engine cpu,vulkan --driver no-such-driver
 expect 77 . replay fuzz/corpus/sentinel.trial --engine vulkan --driver no-such-driver
-expect 0 . check soup --count 200 --repeat 1 --driver no-such-driver
+expect 0 . check --wide soup --count 200 --repeat 1 --driver no-such-driver
 
 echo "cli: $failed failed"
 [ "$failed" -eq 0 ]

@@ -22,15 +22,15 @@ says() {
 small='--count 100 --repeat 1'
 for who in "$all" "$opening" "$rays"; do
     says 1 "^engine $who answered 0 of 1, refused 1: .*only teapots; vacuous: $vacuous" \
-        check sphere:n=4 $small --engine "$who"
-    says 1 "^engine $who answered 0 of 1, refused 1: .*$vacuous" check sphere:n=4 $small --engine "cpu,$who"
+        check --wide sphere:n=4 $small --engine "$who"
+    says 1 "^engine $who answered 0 of 1, refused 1: .*$vacuous" check --wide sphere:n=4 $small --engine "cpu,$who"
     says 1 "^engine $who answered 0 of 3, refused 3: .*$vacuous" \
         conform 'closest.*.mt.sphere.[pr]*' --count 20 --engine "$who"
     says 1 'it answered none of the trials' fuzz --trials 8 --rays 50 --corpus none --engine "$who" --dir "$dir/f${#who}"
 done
 
 # In files, too; a member that answers is not accused.
-says 1 "answered 0 of 1, refused 1" check sphere:n=4 $small --engine "cpu,$all" --json "$dir/check.json"
+says 1 "answered 0 of 1, refused 1" check --wide sphere:n=4 $small --engine "cpu,$all" --json "$dir/check.json"
 grep -A 8 '"name": "pipe:' "$dir/check.json" | grep -q '"refused": 1' || bad "check --json: no count of what was refused"
 grep -A 8 '"name": "pipe:' "$dir/check.json" | grep -q '"vacuous": true' || bad "check --json: not vacuous"
 grep -A 8 '"name": "cpu"' "$dir/check.json" | grep -q '"vacuous": false' || bad "check --json: cpu is accused"

@@ -24,7 +24,8 @@ every=$(cat "$dir"/knows.* | tr ' ' '\n' | sort -u)
 value_of() {
     case $1 in
     all | as-expected | brief | camera-fixed | camera-orbit | decimal | faithful | feedback | fill-normals | force | \
-        general | handler-* | hard | list | no-shrink | quick | summary | verbose | waves | window | shaders) value= ;;
+        general | handler-* | hard | list | no-shrink | quick | summary | verbose | waves | wide | window | shaders) value= ;;
+    color) value=always ;;
     engine | require) value=cpu ;;
     layout) value=f32 ;; builder) value=median ;; box) value=robust ;; tri) value=mt ;; store) value=compact ;;
     query) value=any ;; rays) value=random ;; profile) value=rtrs ;; optimize) value=reinsert ;; handler) value=bvh ;;
@@ -113,21 +114,21 @@ echo "closest.* it is known https://example.org" >"$dir/waivers"
 walk 'check soup:n=40,seed=2 --count 64 --repeat 1 --engine cpu --rays primary' \
     "layout=f32 store=compact engine=fast builder=sah_sweep leaf=1 ~bvh=$dir/soup.json optimize=reinsert move=0.1 box=watertight
     tri=woop query=any rays=random count=70 ~repeat=2 brute=300 brute-rays=3 ~require=watertight
-    json=@ ~threads=1"
+    json=@ ~threads=1 wide color=always"
 walk 'check soup:n=40 --count 64 --repeat 1 --engine brute' \
     'engine=cpu tri=woop move=0.1 query=any rays=random count=70 seed=3 ~repeat=2 brute=300 brute-rays=3
-    ~require=watertight json=@ ~threads=1'
+    ~require=watertight json=@ ~threads=1 wide color=always'
 walk 'explain soup:n=40 --index 3 --engine cpu --builder ploc --layout f32' \
     'rays=random count=70 index=4 seed=3 engine=fast layout=rf16 store=compact builder=lbvh leaf=1 ~radius=1
-    optimize=reinsert box=watertight tri=woop query=any json=@ ~threads=1'
+    optimize=reinsert box=watertight tri=woop query=any json=@ html=@ svg=@ ~threads=1'
 walk 'leaks sphere:n=4 --count 100 --engine cpu --builder sah_binned' \
     'layout=f32 store=compact engine=fast ~bins=2 ~leaf=1 ~optimize=reinsert ~builder=sah_binned box=robust tri=mt count=70
-    ~seed=3 profile=dxr json=@ ~threads=1'
+    ~seed=3 profile=dxr json=@ ~threads=1 wide color=always'
 # Files and formats.
 walk 'gen soup:n=9 --count 5' 'rays=vertices count=6 seed=3 query=any decimal out=@'
 "$raydiff" gen sphere:n=2 --count 5 >"$dir/rays"
 { echo 'formula unknown ieee'; for i in 1 2 3 4 5; do echo m; done; } >"$dir/hits"
-walk "judge sphere:n=2 $dir/rays $dir/hits" 'brute=1 ~displacement=3 ~require=watertight json=@'
+walk "judge sphere:n=2 $dir/rays $dir/hits" 'brute=1 ~displacement=3 ~require=watertight json=@ wide color=always'
 walk "precompute --scene soup:n=40 --builder median --out $files/tree" 'scene=sphere:n=2 out=@ layout=f32 builder=lbvh
     item-count=1 seed=3 ~optimize=reinsert'
 walk 'scene list' ''
@@ -156,7 +157,7 @@ walk "render --path rtrs --width 8 --height 8 --engine cpu --out $files/tree.png
 # Whole answers, machines, made scenes, pictures that differ, campaigns, reports.
 "$raydiff" gen sphere:n=2 --count 5 --decimal | awk -f fuzz/samples/tracer.awk >"$dir/answers"
 input=$dir/answers
-walk verify 'brute=1 ~displacement=3 ~require=watertight json=@'
+walk verify 'brute=1 ~displacement=3 ~require=watertight json=@ wide color=always'
 input=/dev/null
 walk 'doctor --driver stock' '~driver=stock ~device=0 json=@ ~threads=1 ~workgroup=32'
 walk "construct --out $files/made.json --model soup:n=9 0 --camera-pos 0 1 -8 0 0 0 --camera-fixed" \

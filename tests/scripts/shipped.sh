@@ -53,13 +53,13 @@ expect 0 . fuzz $campaign --dir "$dir/old" --baseline "$dir/baseline"
 ! ls "$dir/old" | grep -q '^pipe=' || bad "fuzz: an older folder's findings are there twice"
 
 # Rows say what ran, with its own bytes.
-expect 0 . check sphere:n=20 --engine cpu,fast --layout f32 --count 1000 --repeat 1 --json "$dir/fast.json"
+expect 0 . check --wide sphere:n=20 --engine cpu,fast --layout f32 --count 1000 --repeat 1 --json "$dir/fast.json"
 grep -q '^f32  *fast  *own  *woop  *closest' "$dir/out" || bad "check: a row of fast says other tests than it ran"
 grep '^f32 ' "$dir/out" | awk '{print $6, $7}' >"$dir/bytes"
 [ "$(sort -u "$dir/bytes" | wc -l)" -eq 2 ] || bad "check: fast has the bytes of f32"
 
 # So do those of engines with tests of their own, and of a peer that declares its formula, whatever is asked for.
-expect 0 . check sphere:n=20 --engine "cpu,embree,embree_robust,pipe:$samples/tracer" --tri woop --count 100 --repeat 1 \
+expect 0 . check --wide sphere:n=20 --engine "cpu,embree,embree_robust,pipe:$samples/tracer" --tri woop --count 100 --repeat 1 \
     --json "$dir/own.json"
 for engine in embree embree_robust; do
     grep -q "^-  *$engine  *-  *own  *closest" "$dir/out" || bad "check: a row of $engine says another test than it ran"

@@ -33,13 +33,13 @@ for builder in median rtrs; do
 done
 # RTRS's tree of its own scene, cut boxes and all: taken, said, and judged.
 expect 0 . precompute --scene rtrs --item-count 2 --out "$dir/seed.json"
-expect 1 . check rtrs --engine cpu --count 2000 --repeat 1 --bvh "$dir/seed.json"
+expect 1 . check --wide rtrs --engine cpu --count 2000 --repeat 1 --bvh "$dir/seed.json"
 grep -q 'warning: .*seed.json: 2 of 51 boxes are too small for their triangles' "$dir/err" ||
     bad "RTRS's cut boxes are not warned of"
 for layout in $("$raydiff" list layouts | awk '/^  /{print $1}'); do
     for builder in median rtrs; do
         expect 0 . precompute --scene $scene --builder $builder --layout "$layout" --out "$dir/packed"
-        "$raydiff" check $scene $small --bvh "$dir/packed" >"$dir/out" 2>"$dir/err"
+        "$raydiff" check --wide $scene $small --bvh "$dir/packed" >"$dir/out" 2>"$dir/err"
         got=$?
         [ $got -le 1 ] || bad "check --bvh, $layout of $builder: exit $got"
         grep -q "^$layout .*cpu" "$dir/out" || bad "check --bvh does not play $layout alone"

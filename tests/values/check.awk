@@ -11,6 +11,14 @@ function row_of(layout, engine, like,  r) {
             return r
     return -1
 }
+# Of counters of which those of 0 are left out: all of them, in their order.
+function listed(part, count, names, of,  k, n, full) {
+    n = 1
+    for (k = 1; k <= of; k++) full[k] = n <= count && index(part[n], names[k] " ") == 1 && part[n] != names[k] " 0" ? part[n++] : names[k] " 0"
+    if (n <= count) return count
+    for (k = 1; k <= of; k++) part[k] = full[k]
+    return of
+}
 BEGIN {
     kinds = split("right tie near_tie boundary border in_plane slab noise out_of_contract", kind, " ")
     wrongs = split("missed phantom triangle distance barycentric not_finite not_repeatable any_disagrees twice order", of_wrong, " ")
@@ -41,8 +49,66 @@ BEGIN {
     equal("largest leaf", word[9], v["rows." r ".tree.largest_leaf"])
     next
 }
+/^(WRONG|BITS|  explain:|  \.\.\. and) ?/ && (rows || narrow) && !/^WRONG  *[^ ]+  *[^ ]+  *[0-9]/ { next }
 /^layout  *engine / { rows = 1; next }
-/^what it means/ { rows = 0; next }
+/^verdict  *layout / {
+    narrow = 1
+    for (i in place) delete place[i]
+    for (i = 1; i <= NF; i++) place[$i] = i
+    next
+}
+/^tests: / {
+    for (k in tests) delete tests[k]
+    count = split(substr($0, 8), part, /, /)
+    for (k = 1; k <= count; k++) { split(part[k], word, " "); tests[word[1]] = word[2] }
+    next
+}
+/^what it means/ { rows = narrow = 0; next }
+# The table that fits the screen: columns by their titles; what is no column is the same for all, or "-" or "own".
+narrow && /^  / { next }
+narrow {
+    r = next_row++
+    p = "rows." r
+    name = v[p ".scene"] " row " r " "
+    is["layout"] = v[p ".layout"] == "null" ? "-" : v[p ".layout"]
+    is["engine"] = v[p ".engine"] == "null" ? "-" : v[p ".engine"]
+    if (v[p ".status"] != "ok") {
+        equal(name "verdict", $1, v[p ".status"])
+        equal(name "layout", $2, is["layout"])
+        equal(name "engine", $3, is["engine"])
+        text = $0
+        sub(/\.\.\.$/, "", text)
+        match(text, /^[^ ]+ +[^ ]+ +[^ ]+ +/)
+        truth(name "reason", index(v[p ".reason"], substr(text, RLENGTH + 1)) == 1)
+        next
+    }
+    wrongs_of = v[p ".counts.wrong"]
+    is["verdict"] = v[p ".judged"] != "true" ? "counted" : wrongs_of > 0 ? "WRONG" : v[p ".differences"] == 0 ? "agrees" : v[p ".bit_differences"] > 0 ? "BITS" : "LOST"
+    is["box"] = v[p ".box"] == "null" ? "-" : v[p ".box"]
+    is["tri"] = v[p ".tri"]
+    is["query"] = v[p ".query"]
+    is["builder"] = v[p ".builder"] == "null" || is["layout"] == "-" ? "-" : v[p ".builder"]
+    is["wrong"] = wrongs_of
+    is["allowed"] = v[p ".rays"] - wrongs_of - v[p ".counts.right"]
+    is["hits"] = v[p ".hits"]
+    is["bits"] = v[p ".bit_differences"] == "null" ? "-" : v[p ".bit_differences"]
+    for (title in place) {
+        text = $(place[title])
+        if (title == "B/tri") {
+            if (text == "-") equal(name title, is["layout"], "-")
+            else same(name title, text, "%.1f", (v[p ".node_bytes"] + v[p ".item_bytes"] + v[p ".scene_bytes"]) / v["scenes." scene ".triangles"])
+        }
+        else if (title == "bits" && text == "-") equal(name title " that are not compared", is["bits"], 0) # of engines without C's bits
+        else if (title == "Mray/s") same(name title, text, "%.3f", rate(r))
+        else if (title == "least-most") same_span(name title, text, "%.3f", v[p ".mrays_per_s.min"], v[p ".mrays_per_s.max"])
+        else if (title == "err/E" && (p ".displacement.p50" in v)) equal(name title, text, "-")
+        else if (title == "err/E") same(name title, text, "%.2f", v[p ".err_over_bound"])
+        else equal(name title, text, is[title])
+    }
+    for (title in tests)
+        if (is[title] != "-" && is[title] != "own") equal(name title ", of all", tests[title], is[title])
+    next
+}
 rows && NF >= 7 {
     r = next_row++
     p = "rows." r
@@ -149,6 +215,7 @@ rows && NF >= 7 {
     sub(/.*\(/, "", text)
     sub(/\)$/, "", text)
     count = split(text, part, ", ")
+    if (fits) count = listed(part, / WRONG$/ ? 0 : count, of_wrong, wrongs)
     equal("kinds of WRONG", count, wrongs)
     for (k = 1; k <= count; k++) equal("of all WRONG", part[k], of_wrong[k] " " total[of_wrong[k]] + 0)
     next
@@ -157,6 +224,7 @@ rows && NF >= 7 {
     text = $0
     sub(/.*allowed: /, "", text)
     count = split(text, part, ", ")
+    if (fits) count = listed(part, / none$/ ? 0 : count, kind, kinds)
     equal("verdicts", count, kinds)
     for (k = 1; k <= count; k++) equal("of all allowed", part[k], kind[k] " " total[kind[k]] + 0)
     next

@@ -32,7 +32,45 @@ BEGIN {
 }
 /^profile / { equal("profile", $2, v["profile"] ":"); next }
 /^layout  *engine / { rows = 1; next }
-/^what it means/ { rows = 0; next }
+/^verdict  *layout / {
+    narrow = 1
+    for (i in place) delete place[i]
+    for (i = 1; i <= NF; i++) place[$i] = i
+    next
+}
+/^tests: / {
+    for (k in tests) delete tests[k]
+    count = split(substr($0, 8), part, /, /)
+    for (k = 1; k <= count; k++) { split(part[k], word, " "); tests[word[1]] = word[2] }
+    next
+}
+/^what it means/ { rows = narrow = 0; next }
+narrow && /^(  |MISS|DOUBLE)/ { next }
+# The table that fits the screen: columns by their titles.
+narrow {
+    p = "rows." r++
+    name = v[p ".scene"] " row " r - 1 " "
+    is["layout"] = v[p ".layout"] == "null" ? "-" : v[p ".layout"]
+    is["engine"] = v[p ".engine"] == "null" ? "-" : v[p ".engine"]
+    is["builder"] = is["layout"] == "-" ? "-" : v[p ".builder"]
+    is["box"] = v[p ".box"] == "null" ? "-" : v[p ".box"]
+    is["tri"] = v[p ".tri"]
+    is["verdict"] = v[p ".broken"] != "" ? "BROKEN" : v[p ".promises"] == "true" ? "kept" : "counted"
+    is["misses"] = v[p ".total.misses"]
+    for (a = 1; a <= aims; a++) is[aim[a]] = v[p ".aims." aim[a] ".misses"]
+    is["doubles"] = v[p ".total.double_hits"]
+    is["lost"] = v[p ".total.lost"]
+    is["phantom"] = v[p ".total.phantoms"]
+    is["even"] = v[p ".total.even"]
+    is["repeat"] = v[p ".total.repeated"]
+    is["bits"] = v[p ".bit_differences"] == "null" ? "-" : v[p ".bit_differences"]
+    if (v[p ".status"] == "ok") {
+        for (title in place) equal(name title, $(place[title]), is[title])
+        for (title in tests)
+            if (is[title] != "-" && is[title] != "own") equal(name title ", of all", tests[title], is[title])
+    }
+    next
+}
 rows {
     p = "rows." r++
     name = v[p ".scene"] " row " r - 1 " "
@@ -60,6 +98,7 @@ rows {
     for (a = 1; a <= aims; a++) sum += v[p ".aims." aim[a] ".rays"]
     equal(name "rays of all aims", sum, rays)
     # Moeller-Trumbore loses hits at shared edges and makes none up; Woop on watertight boxes does neither.
+    if (v[p ".engine"] == "fast") equal(name "test of fast", v[p ".tri"], "woop")
     if (v[p ".tri"] == "mt" && v[p ".total.lost"] + 0 == 0) bad(name "mt loses nothing")
     if (v[p ".total.phantoms"] + 0 != 0) bad(name "a phantom")
     if (v[p ".tri"] == "woop" && v[p ".total.lost"] + 0 != 0) bad(name "woop loses a hit")

@@ -1,0 +1,67 @@
+/* What a row of raydiff check has besides its columns. */
+#include "cmd/check/cmd_check.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+/* A text that grows up to CHECK_NOTE_MOST bytes. */
+struct row_text {
+    char *text;
+    size_t at;
+};
+
+__attribute__((format(printf, 2, 3))) static void add(struct row_text *note, const char *format,
+                                                      ...)
+{
+    va_list args;
+    va_start(args, format);
+    int more = vsnprintf(note->text + note->at, CHECK_NOTE_MOST - note->at, format, args);
+    va_end(args);
+    note->at += more > 0 ? (size_t)more : 0;
+    if (note->at >= CHECK_NOTE_MOST)
+        note->at = CHECK_NOTE_MOST - 1;
+}
+
+/* The kinds of wrong answers, also of members as published. */
+static void add_wrong(struct row_text *note, const struct row *row)
+{
+    if (row->count[VERDICT_WRONG] == 0)
+        return;
+    add(note, "%s", row->judged ? "" : " as published:");
+    for (enum wrong w = WRONG_MISSED; w < WRONG_COUNT; w++)
+        if (row->wrong[w])
+            add(note, " %s %zu", wrong_name(w), row->wrong[w]);
+}
+
+/* Counters that exist only for lists of all hits. */
+static void add_lists(struct row_text *note, const struct row *row)
+{
+    if (row->options.query != QUERY_ALL)
+        return;
+    add(note, " %zu triangles listed, %zu double hits,", row->lists.triangles, row->lists.doubles);
+    if (row->lists.closed)
+        add(note, " parity off in %zu of %zu", row->lists.parity_off, row->lists.parity);
+    else
+        add(note, " no parity (the mesh is open)");
+}
+
+void check_row_note(const struct row *row, char text[CHECK_NOTE_MOST])
+{
+    struct row_text note = {text, 0};
+    char edges[MATCH_EDGES_TEXT];
+    text[0] = '\0';
+    add_wrong(&note, row);
+    if (row->displacement.count)
+        add(&note, " displacement p50 %.2g p99 %.2g max %.3g uM, %zu lost in closed fans",
+            row->displacement.p50, row->displacement.p99, row->displacement.most,
+            row->displacement.fan_lost);
+    match_edges_text(row->edges, edges);
+    if (row->edges_beyond)
+        add(&note, " lost beside edges %s", edges);
+    if (row->fans_lost)
+        add(&note, " watertight: %zu lost in closed fans", row->fans_lost);
+    add_lists(&note, row);
+    if (row->status == ROW_VACUOUS)
+        add(&note, " %s", row->reason.text);
+}

@@ -1,0 +1,105 @@
+#!/bin/sh
+# Pages and pictures of raydiff explain: numbers and bits against the JSON, shapes within their cube, nothing fetched,
+# and the picture of README.md as it is.
+#   sh tests/scripts/explain_html.sh RAYDIFF
+set -u
+raydiff=$1
+dir=$(mktemp -d) || exit 4
+trap 'rm -rf "$dir"' EXIT
+failed=0
+bad() {
+    echo "FAILED  $*"
+    failed=$((failed + 1))
+}
+# exit code, arguments of explain: both files and the JSON
+page() {
+    want=$1
+    shift
+    rm -f "$dir/page.html" "$dir/page.svg" "$dir/json"
+    "$raydiff" explain "$@" --html "$dir/page.html" --svg "$dir/page.svg" --json "$dir/json" >"$dir/out" 2>"$dir/err"
+    code=$?
+    [ "$code" -eq "$want" ] || { bad "explain $*: exit $code, not $want"; cat "$dir/err"; }
+}
+
+# The bits of the node: those of the floats, and marked exactly where they differ.
+bits() {
+    awk -f tests/values/flat.awk "$dir/json" >"$dir/flat"
+    tr -d '\n' <"$dir/page.html" | sed 's/<tr/\n<tr/g' | sed -n 's/^<tr[^>]*><td>\([xyz] [a-z]*\)<\/td>/\1 /p' >"$dir/rows"
+    awk '
+        function binary(hex,  i, k, d, out) {
+            for (i = 1; i <= length(hex); i++) {
+                d = index("0123456789abcdef", substr(hex, i, 1)) - 1
+                for (k = 8; k >= 1; k /= 2) { out = out (d >= k ? "1" : "0"); if (d >= k) d -= k }
+            }
+            return substr(out, 1, 1) " " substr(out, 2, 8) " " substr(out, 10)
+        }
+        FNR == NR { at = index($0, "="); v[substr($0, 1, at - 1)] = substr($0, at + 1); next }
+        {
+            axis = index("xyz", substr($0, 1, 1)) - 1
+            p = "way." v["last"] "." substr($0, 3, 2) "." axis
+            n = 0
+            text = $0
+            while (match(text, /<td class="bits">[^\/]*(<\/b>[^\/]*)*<\/td>/)) {
+                cell[++n] = substr(text, RSTART + 17, RLENGTH - 22)
+                text = substr(text, RSTART + RLENGTH)
+            }
+            if (n != 2) { print "not two cells of bits: " $0; bad = 1; next }
+            plain = cell[1]; gsub(/<\/?b>/, "", plain)
+            other = cell[2]; gsub(/<\/?b>/, "", other)
+            if (plain != binary(substr(v[p ".exact.bits"], 3))) { print p ": exact " plain; bad = 1 }
+            if (other != binary(substr(v[p ".decoded.bits"], 3))) { print p ": decoded " other; bad = 1 }
+            marked = ""
+            for (i = 1; i <= length(plain); i++) {
+                a = substr(plain, i, 1)
+                marked = marked (a == substr(other, i, 1) ? a : "<b>" a "</b>")
+            }
+            if (marked != cell[1]) { print p ": marked " cell[1] ", not " marked; bad = 1 }
+            rows++
+        }
+        END { if (rows != 6) { print rows + 0 " bounds, not 6"; bad = 1 } exit bad }' "$dir/flat" "$dir/rows" || bad "bits of $1"
+}
+
+# Shapes lie in the cube; a box has at most six sides; the place is the exact hit; pictures are those of the page.
+shapes() {
+    sed -n 's/<.*//; s/.*"corners"://p' "$dir/page.html" | tr -d '[]}' | tr ',' '\n' |
+        awk 'NF && ($1 > 1.00001 || $1 < -1.00001) { bad = 1 } END { exit bad || NR < 9 }' || bad "$1: a corner outside of the cube"
+    [ "$(grep -c '"role":"hit","corners":\[\[-\{0,1\}0,-\{0,1\}0,-\{0,1\}0\]\]' "$dir/page.html")" -ge 1 ] ||
+        bad "$1: the place is not the exact hit"
+    [ "$(grep -c '"role":"bytes"' "$dir/page.html")" -le 12 ] || bad "$1: a box of more than six sides"
+    for role in expected exact bytes ray hit; do
+        [ "$(grep -c "\"role\":\"$role\"" "$dir/page.html")" -eq "$(grep -cE "^<(polygon|polyline|circle) class=\"$role\"" "$dir/page.html")" ] ||
+            bad "$1: shapes of $role in the picture and for the script"
+        [ "$(grep -cE "^<(polygon|polyline|circle) class=\"$role\"" "$dir/page.html")" -eq "$(grep -cE "^<(polygon|polyline|circle) class=\"$role\"" "$dir/page.svg")" ] ||
+            bad "$1: shapes of $role in both files"
+    done
+    grep -oE '(src|href|url|@import)[=( ][^> ]*|https?://[a-z./0-9]*' "$dir/page.html" "$dir/page.svg" | grep -v 'http://www.w3.org/2000/svg$' &&
+        bad "$1: something is fetched"
+    grep -q "<script" "$dir/page.svg" && bad "$1: a script in a picture"
+}
+
+page 1 sphere:n=8 --layout rtrs_rf_paper --tri woop --rays edges --count 20000 --cause rounded_inward
+bits sphere
+shapes sphere
+cmp -s "$dir/page.svg" docs/finding.svg || bad 'docs/finding.svg is another picture: explain ... --svg docs/finding.svg'
+grep -q 'Cause: rounded_inward, ' "$dir/page.html" || bad 'no cause'
+page 1 fuzz/corpus/rounded-inward.trial
+bits rounded-inward
+shapes rounded-inward
+page 1 fuzz/corpus/strict-comparison.trial # its cause has "<" in its text
+grep -q '<title>the box test has &lt; where' "$dir/page.svg" || bad 'a text is not escaped'
+# All causes of the corpus, and answers that are right.
+for file in fuzz/corpus/*.trial; do
+    "$raydiff" explain "$file" --html "$dir/x.html" --svg "$dir/x.svg" >"$dir/out" 2>"$dir/err"
+    [ $? -le 1 ] || bad "$file: $(cat "$dir/err")"
+    grep -qiE '[^a-z](nan|inf)[^a-z]' "$dir/x.svg" 2>/dev/null && bad "$file: a corner that is no number"
+done
+page 0 sphere:n=8 --engine cpu --rays vertices --count 10 --index 4
+grep -q '<p>allowed: right</p>' "$dir/page.html" || bad 'an answer that is right has no page'
+# Nothing to draw.
+"$raydiff" explain sphere:n=8 --ray 'nan,0,0 1,0,0' --svg "$dir/none.svg" >"$dir/out" 2>"$dir/err"
+[ $? -eq 2 ] && grep -q 'none.svg: there is nothing to draw' "$dir/err" && [ ! -e "$dir/none.svg" ] || bad 'a picture of nothing'
+"$raydiff" explain sphere:n=8 --layout f32 --rays primary --count 10 --html "$dir/none.html" >"$dir/out"
+[ $? -eq 0 ] && grep -q 'none.html is not written: there is nothing to draw' "$dir/out" && [ ! -e "$dir/none.html" ] ||
+    bad 'a page of nothing'
+echo "explain_html: $failed failed"
+[ "$failed" -eq 0 ]

@@ -1,0 +1,72 @@
+#!/bin/sh
+# What a person sees on terminals of 80, 120 and 200 columns: no line is longer, the verdict comes first, and the
+# screen is the one that docs/screens shows, times masked. Colours are on terminals alone.
+#   sh tests/scripts/screens.sh RAYDIFF [--write]      --write: makes docs/screens anew
+set -u
+raydiff=$(realpath "$1")
+write=${2:-}
+command -v script >/dev/null || { echo "SKIP screens: script (util-linux) is not installed"; exit 77; }
+dir=$(mktemp -d) || exit 4
+trap 'rm -rf "$dir"' EXIT
+failed=0
+bad() {
+    echo "FAILED  $*"
+    failed=$((failed + 1))
+}
+# columns, arguments: what a terminal gets, without carriage returns
+on_terminal() {
+    columns=$1
+    shift
+    TERM=xterm script -qec "stty cols $columns; '$raydiff' $*" /dev/null </dev/null | tr -d '\r' >"$dir/screen"
+}
+plain() { sed 's/\x1b\[[0-9;]*[mK]//g' "$1"; }
+# Times differ from run to run, and with them the width of their columns.
+masked() { plain "$1" | awk '/^    / { sub(/^ */, " "); line = line $0; next } NR > 1 { print line } { line = $0 } END { print line }' | sed -E 's/[0-9]+\.[0-9]{3}(-[0-9]+\.[0-9]{3})?/#/g; s/[0-9]+\.[0-9]+ times (its|the) speed/# times/; s/ +/ /g; s/ $//'; }
+
+# name, arguments
+screen() {
+    name=$1
+    shift
+    for columns in 80 120 200; do
+        on_terminal "$columns" "$*"
+        plain "$dir/screen" >"$dir/plain"
+        awk -v most="$columns" 'length($0) > most { print FILENAME ": " length($0) " columns: " $0; bad = 1 } END { exit bad }' "$dir/plain" ||
+            bad "$name at $columns columns"
+        page=docs/screens/$name-$columns.txt
+        [ "$write" = --write ] && { mkdir -p docs/screens; cp "$dir/plain" "$page"; }
+        masked "$page" >"$dir/wanted"
+        masked "$dir/screen" >"$dir/got"
+        cmp -s "$dir/wanted" "$dir/got" || { bad "$page is not what is printed"; diff "$dir/wanted" "$dir/got" | head -5; }
+        sed 's/agrees/Agrees/; s/kept/Kept/' "$dir/got" >"$dir/other"
+        cmp -s "$dir/wanted" "$dir/other" && bad "$page: a changed line is not noticed"
+    done
+}
+few='--count 2000 --repeat 2 --threads 1'
+screen check check sphere --layout f32,rf16,cwbvh80,rtrs_rf --engine cpu,vulkan,fast "$few"
+screen leaks leaks sphere:n=8 --layout f32 --engine cpu,vulkan,embree,embree_robust --tri mt,woop --box watertight --count 2000 --threads 1
+
+# Colours: on terminals, as --color and NO_COLOR tell; never in a pipe by itself.
+escape=$(printf '\033')
+one="check sphere:n=8 --layout f32 --engine cpu $few"
+colours() { grep -q "$escape\\[" "$1"; }
+on_terminal 80 "$one"
+colours "$dir/screen" || bad 'no colour on a terminal'
+on_terminal 80 "$one --color never"
+colours "$dir/screen" && bad '--color never colours'
+NO_COLOR=1 && export NO_COLOR
+on_terminal 80 "$one"
+colours "$dir/screen" && bad 'NO_COLOR is not obeyed'
+on_terminal 80 "$one --color always"
+colours "$dir/screen" || bad '--color always does not outweigh NO_COLOR'
+unset NO_COLOR
+$raydiff $one >"$dir/out"
+colours "$dir/out" && bad 'colour in a pipe'
+$raydiff $one --color always >"$dir/out"
+colours "$dir/out" || bad '--color always has no colour in a pipe'
+# Without a terminal, and on a narrow one: 80 columns.
+on_terminal 40 "$one"
+masked "$dir/screen" >"$dir/narrow"
+plain "$dir/out" >"$dir/piped"
+masked "$dir/piped" | cmp -s - "$dir/narrow" || bad 'a terminal of 40 columns is not treated as one of 80'
+echo "screens: $failed failed"
+[ "$failed" -eq 0 ]
