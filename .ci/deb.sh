@@ -1,6 +1,7 @@
 #!/bin/sh
 # Debian packages of what is committed: built in a minimal system without network, clean under that release's
-# lintian; then, in a system that never saw the sources' tools, installed, used and purged without a trace.
+# lintian; then, in a system that never saw the sources' tools, installed, used, the tutorials followed with
+# it, and purged without a trace.
 #   sh .ci/deb.sh RESULTS [RELEASE...]       (make deb-check, RELEASE=trixie)
 # A line a release, which replaces its line in RESULTS. Packages and logs: build/deb.
 # Exit codes: 0 green; 1 not; 2 usage; 77 it cannot be tried here, with the reason.
@@ -37,12 +38,14 @@ build() {
     } | tr '\n' ' ' >"$line"
 }
 
+followed='docs/quickstart.md docs/my-layout.md docs/my-engine.md docs/my-shader.md'
+
 # All files but those that packages of any kind write: dpkg's own, caches, logs.
 files='find / -xdev \( -path /proc -o -path /root -o -path /tmp -o -path /var/lib/dpkg -o -path /var/cache
     -o -path /var/log \) -prune -o -print | sort'
 
 use() {
-    enter_system git man-db zsh pkgconf gcc libc6-dev || exit 1
+    enter_system git man-db zsh pkgconf gcc libc6-dev perl python3-minimal mesa-vulkan-drivers glslang-tools || exit 1
     mkdir "$root/root/packages"
     cp $(ls "$logs"/*.deb | grep -v dbgsym) "$root/root/packages"
     step needs 'cd /root/packages &&
@@ -60,9 +63,14 @@ use() {
     step library 'cd /root/raydiff && sh tests/house/user_program.sh /usr/include/raydiff'
     step documents 'cd /usr/share/doc/raydiff && [ -s README.md ] && [ -s docs/numerics.md ] &&
         [ -s examples/sample_tracer.c ]'
+    # The pages of who has one bug, a layout, a tracer or a shader, word for word, with what is installed.
+    started=$(date +%s)
+    step follow "cd /root/raydiff && SLOW=1 perl tests/docs/pages.pl /usr/bin $followed"
+    seconds=$(($(date +%s) - started))
     step purge 'dpkg --purge raydiff libraydiff-dev raydiff-doc'
     step after "$files >/root/after; diff /root/before /root/after"
-    echo "dpkg -i, program, man pages, completions, pkg-config, purged without a trace" >"$line"
+    echo "dpkg -i, program, man pages, completions, pkg-config," \
+        "$(echo $followed | wc -w) pages followed in $seconds s, purged without a trace" >"$line"
 }
 
 if [ "${1:-}" = --inside ]; then
