@@ -118,7 +118,7 @@ plain)
     suite stubs sh tests/house/stubs.sh "$build"
     suite other sh tests/house/other.sh
     suite hardware sh tests/house/hardware_steps.sh
-    alone mutants make -s mutants PART=3
+    alone mutants make -s mutants PART=4
     suite planted sh tests/planted/selftest.sh "$build"
     suite mutate sh tests/mutation/selftest.sh "$build"
     alone selftest make -s selftest-quick
