@@ -93,8 +93,8 @@ static void report(const struct tightness_field *field, const struct tightness_f
                           "group_p50=%g group_most=%g alarms=%zu unbounded=%zu",
                           field->spec, formula->name, rounding->name, sum->count, sum->real_p50,
                           sum->real_p999, sum->real_most, sum->rejected_p50, sum->rejected_p999,
-                          sum->medians, sum->times, sum->group_p50, sum->group_most,
-                          sum->alarms, sum->unbounded));
+                          sum->medians, sum->times, sum->group_p50, sum->group_most, sum->alarms,
+                          sum->unbounded));
 }
 
 static enum status measure(struct tightness_field *field, const struct tightness_formula *formula,
