@@ -6,8 +6,8 @@
 #                  end of a line for the rest of it. "# exit N" at the end of a command is its exit code, 0 else.
 #   ```sh          commands that must end with 0
 #   any, after a line <!-- file: NAME -->      is written to NAME
-#   any, after a line <!-- shown: REASON -->   is not played; nor after <!-- tutorial: ... --> and
-#                  <!-- plugin: ... -->, which tests/house/tutorial.sh and tests/scripts/plugin.sh follow
+#   any, after a line <!-- shown: REASON -->   is not played; nor after <!-- tutorial: ... -->, which
+#                  tests/house/tutorial.sh follows
 # <!-- slow --> before a block: it is played with SLOW=1 alone. <!-- needs: COMMAND -->: only where that ends
 # with 0. A block of another kind, without a mark, is an error: nothing is shown that nothing checks.
 # Times, speeds, versions and the width of gaps are masked. Each line of a page is also held against the
@@ -108,7 +108,7 @@ sub console {
 sub block { # where, language, marks, lines
     my ($where, $language, $mark, @text) = @_;
     return breach("$where: shown for no reason") if exists $mark->{shown} && $mark->{shown} eq '';
-    return if grep { exists $mark->{$_} } qw(shown tutorial plugin);
+    return if grep { exists $mark->{$_} } qw(shown tutorial);
     if (exists $mark->{slow} && !$ENV{SLOW}) { $slow++; return }
     if ($mark->{needs} && system("($mark->{needs}) >/dev/null 2>&1")) {
         print "SKIP $where: it needs: $mark->{needs}\n";
@@ -145,7 +145,7 @@ sub follow {
             } else { push @text, $line }
         } elsif ($line =~ /^```(\S*)$/) {
             ($language, $first) = ($1, $.);
-        } elsif ($line =~ /^<!-- (file|shown|slow|needs|tutorial|plugin)(?:: (.*?))? -->$/) {
+        } elsif ($line =~ /^<!-- (file|shown|slow|needs|tutorial)(?:: (.*?))? -->$/) {
             $mark{$1} = $2 // '';
         } elsif ($line ne '') { %mark = () }
     }

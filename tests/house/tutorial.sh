@@ -1,5 +1,5 @@
 #!/bin/sh
-# Follows docs/my-layout.md, "Add a layout in ten minutes", word for word, in a copy of the tree.
+# Follows docs/built-in-layout.md word for word, in a copy of the tree.
 #   sh tests/house/tutorial.sh BUILD
 set -u
 build=$1
@@ -18,9 +18,9 @@ awk -v out="$copy/steps" '
     inside && /^```$/ { inside = 0; name = ""; next }
     inside { print > file }
     END { print block > (out ".count") }
-' docs/my-layout.md
+' docs/built-in-layout.md
 count=$(cat steps.count)
-[ "$count" -ge 4 ] || { echo "docs/my-layout.md: found $count tutorial blocks, expected at least 4"; exit 1; }
+[ "$count" -ge 4 ] || { echo "docs/built-in-layout.md: found $count tutorial blocks, expected at least 4"; exit 1; }
 
 i=1
 while [ "$i" -le "$count" ]; do

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Layouts from outside. First docs/my-layout.md, "A layout from outside, in ten minutes", word for word; then
-# plugins that lie, crash and hang, which must be refused with the record or the deed named.
+# Layouts from outside. First that of docs/my-layout.md through several commands (tests/docs/pages.pl follows the
+# page itself); then plugins that lie, crash and hang, which must be refused with the record or the deed named.
 #   sh tests/scripts/plugin.sh BUILD
 set -u
 build=$1
@@ -16,17 +16,15 @@ for entry in "$root"/ref "$root"/scenes; do ln -s "$entry" "$work/"; done
 mkdir "$work/build"
 ln -s "$(cd "$build" && pwd)/raydiff" "$work/build/raydiff"
 
-# Blocks follow a line "<!-- plugin: NAME -->"; NAME is a file to write, or "run".
-awk -v out="$work" '
-    /^<!-- plugin: / { name = $3; next }
-    name != "" && /^```/ && !inside { inside = 1; count++; next }
-    inside && /^```$/ { inside = 0; name = ""; next }
-    inside { print > (out "/" name) }
-    END { print count > (out "/count") }
-' docs/my-layout.md
-[ "$(cat "$work/count")" -eq 3 ] || breach "docs/my-layout.md has not 3 blocks"
-cmp "$work/mine.c" fuzz/samples/layout/mine.c || breach "docs/my-layout.md has another mine.c"
-cmp "$work/mine.glsl" fuzz/samples/layout/mine.glsl || breach "docs/my-layout.md has another mine.glsl"
+# The files of the page are the samples.
+for file in mine.c mine.glsl; do
+    awk -v mark="<!-- file: $file -->" '
+        $0 == mark { here = 1 }
+        here && /^```$/ { exit }
+        inside { print }
+        here && /^```./ { inside = 1 }' docs/my-layout.md >"$work/$file"
+    cmp "$work/$file" "fuzz/samples/layout/$file" || breach "docs/my-layout.md has another $file"
+done
 cd "$work" || exit 4
 start=$(date +%s)
 while read -r line; do
@@ -48,7 +46,13 @@ while read -r line; do
     *" fuzz "*) grep -q 'trials  *60 ' step.log || breach "fuzz played not 300 trials" ;;
     *" bench "*) grep -q 'mine' step.log || breach "bench does not name it" ;;
     esac
-done <run
+done <<'END'
+cc -std=c17 -O2 -ffp-contract=off -shared -fPIC -I. -o mine.so mine.c
+build/raydiff check sphere --layout f32,./mine.so --shader mine.glsl --count 10000
+build/raydiff conform --layout ./mine.so --shader mine.glsl --count 100
+build/raydiff fuzz --trials 60 --layout ./mine.so --shader mine.glsl --dir mine.findings
+build/raydiff bench error --scene sphere:n=8 --layout f32,./mine.so --shader mine.glsl --tri mt --rounds 3 --count 1000
+END
 echo "tutorial: $(($(date +%s) - start)) s"
 
 # --- four children ---------------------------------------------------------------------------------
