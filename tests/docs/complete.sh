@@ -29,6 +29,8 @@ each docs/layouts.md '`NAME`' 6 <"$dir/storages"
 each docs/traversal.md '`NAME`' 3 <"$dir/boxes"
 each docs/traversal.md '`NAME`' 5 <"$dir/tris"
 each docs/commands.md '`raydiff NAME|`NAME`' 20 <"$dir/commands"
+seq 39 | sed 's/^/F/' >"$dir/faults"
+each docs/rtrs-faults.md '^\| NAME \|' 39 <"$dir/faults"
 # Each cause stands in the table once, and no other does.
 sort "$dir/causes" >"$dir/sorted"
 sed -n '/^## All causes/,$s/^| `\([a-z_]*\)` |.*/\1/p' docs/causes.md | sort | diff "$dir/sorted" - || { echo 'FAILED  docs/causes.md has other causes'; failed=1; }
