@@ -92,7 +92,9 @@ static enum status prepare(const struct render_settings *settings, struct benchm
 static enum status open_all(const struct render_settings *settings, struct benchmark_run *b,
                             struct reason *reason)
 {
-    enum status status = render_stage_open("render", settings, &b->stage, reason);
+    struct render_settings shared = *settings; /* bench frames draws the same */
+    shared.framing = FRAMING_OVERVIEW;
+    enum status status = render_stage_open("render", &shared, &b->stage, reason);
     if (!status)
         status = renderer_open(settings->engine, &settings->engine_options, settings->waves,
                                &b->renderer, reason);

@@ -276,6 +276,7 @@ static int finish_options(struct render *r, int argc, char **argv, int first, st
         return usage_error("render", "unexpected argument '%s'", argv[first + 1]);
     if (first < argc)
         r->settings.scene = argv[first];
+    r->settings.framing = r->frames > 1 ? FRAMING_TURN : FRAMING_MODEL;
     if (render_settings_finish("render", &r->settings, reason))
         return usage_error("render", "%s", reason->text);
     return -1;

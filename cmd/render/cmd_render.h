@@ -34,6 +34,7 @@ struct render_settings {
     uint64_t seed; /* for generators */
     struct look look;
     enum { RENDER_AS_SCENE, RENDER_FIXED, RENDER_ORBIT } turn;
+    enum framing framing;                 /* of a scene without a camera */
     uint32_t width, height, tile;         /* filled in: all above 0 */
     const struct render_handler *handler; /* filled in */
     const struct engine *engine;          /* filled in */

@@ -13,7 +13,8 @@ static enum status open_scene(const struct render_settings *settings, struct ren
     enum status status = scene_open(settings->scene, settings->seed, &stage->scene, reason);
     if (status)
         return status;
-    stage->camera = scene_camera(&stage->scene);
+    stage->camera = camera_of_scene(&stage->scene, settings->framing, settings->look.profile,
+                                    settings->width, settings->height);
     for (int k = 0; k < 3; k++)
         if (!float_is_finite(stage->camera.pos[k]) || !float_is_finite(stage->camera.at[k]))
             return fail(reason, STATUS_INPUT, "%s: the camera's coordinate %c is not finite",

@@ -136,7 +136,9 @@ static enum status loop(struct window_showing *s, struct reason *reason)
 /* Opens everything except the window. */
 static enum status open_all(struct window_showing *s, struct reason *reason)
 {
-    const struct render_settings *settings = s->settings;
+    struct render_settings turning = *s->settings;
+    const struct render_settings *settings = &turning;
+    turning.framing = FRAMING_TURN;
     enum status status = STATUS_OK;
     if (option_was_given("out"))
         status = output_try(settings->out, reason);

@@ -19,4 +19,19 @@ struct view camera_view(const struct camera *camera, enum profile profile, uint3
  * arrow turns. Computed in double from the original camera. */
 struct camera camera_orbit(const struct camera *camera, double angle);
 
+#define CAMERA_SHARE 0.8 /* of the picture's width or height that a framed model fills */
+
+/* How a picture frames a scene that has no camera of its own. */
+enum framing {
+    FRAMING_MODEL,    /* the model fills CAMERA_SHARE of the width or height, whichever binds */
+    FRAMING_TURN,     /* it stays within CAMERA_SHARE while the camera orbits */
+    FRAMING_OVERVIEW, /* scene_camera's, which benchmarks share */
+};
+
+/* The scene's camera; without one it looks along scene_camera's direction, as near as `framing`
+ * allows for pictures of width x height. It can be beyond the range of floats. For a single point,
+ * or no triangle, it is scene_camera's. */
+struct camera camera_of_scene(const struct scene *scene, enum framing framing, enum profile profile,
+                              uint32_t width, uint32_t height);
+
 #endif

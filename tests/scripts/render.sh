@@ -102,15 +102,17 @@ expect 2 "--fps: '0' is not above 0" render --fps 0 $small
 # Scenes that cannot be shown.
 sed 's/"material": 2/"material": 9/' "$dir/scene.json" >"$dir/nine.json"
 expect 2 'nine.json: .*material' render "$dir/nine.json" $small
-# Of a scene without a camera the first of its coordinates that is beyond a float; well below it there is one.
+# A scene without a camera is framed as long as the eye's coordinates are floats.
 far() { # vertices
     printf 'v %s\nv %s\nv %s\nf 1 2 3\n' "$@" >"$dir/far.obj"
 }
-far '1.4e38 0 0' '3.4e38 0 0' '2e38 1 0'
-expect 2 "^raydiff render: $dir/far.obj: the camera's coordinate x is not finite\$" render "$dir/far.obj" $small
-far '0 1.4e38 0' '0 3.4e38 0' '1 2e38 0'
-expect 2 "^raydiff render: $dir/far.obj: the camera's coordinate y is not finite\$" render "$dir/far.obj" $small
-far '-1.5e38 0 0' '1.5e38 0 0' '0 1 0'
+for vertices in '1.4e38 0 0,3.4e38 0 0,2e38 1 0' '0 1.4e38 0,0 3.4e38 0,1 2e38 0'; do
+    IFS=,
+    far $vertices
+    unset IFS
+    expect 0 . render "$dir/far.obj" $small
+done
+far '0 -1.4e38 1.4e38' '0 1.4e38 3.4e38' '0 0 2e38'
 expect 2 "^raydiff render: $dir/far.obj: the camera's coordinate z is not finite\$" render "$dir/far.obj" $small
 far '-1.2e38 0 0' '1.2e38 0 0' '0 1 0'
 expect 0 . render "$dir/far.obj" $small
@@ -118,6 +120,36 @@ expect 2 'no file, and no generator' render nothing_like_it $small
 expect 2 "$dir" render "$dir" $small
 expect 2 "one scene" render rtrs --path rtrs $small
 expect 2 "unexpected argument 'more'" render rtrs more $small
+
+# The model fills 80 % of the picture, a little less where thin ends fall between pixels; a turn shows all of it.
+share() { # file of paths, frame
+    awk -F, -v frame="$2" 'NR > 1 && $1 == frame && $4 == 0 {
+            if ($2 + 1 > width) width = $2 + 1
+            if ($3 + 1 > height) height = $3 + 1
+            if ($6 == "") next
+            if (!hits++) { left = right = $2; top = bottom = $3 }
+            if ($2 < left) left = $2
+            if ($2 > right) right = $2
+            if ($3 < top) top = $3
+            if ($3 > bottom) bottom = $3
+        }
+        END {
+            x = (right - left + 1) / width
+            y = (bottom - top + 1) / height
+            printf "%d\n", 100 * (x > y ? x : y)
+        }' "$1"
+}
+expect 0 . scene convert sphere:n=6 "$dir/ball.obj"
+for scene in soup sphere:n=12 flake:n=2 terrain:k=4 grid:n=8 platonic stack needles "$dir/ball.obj"; do
+    expect 0 . render "$scene" --bounces 1 -w 200 -h 150 $out --paths "$dir/p.csv"
+    part=$(share "$dir/p.csv" 1)
+    [ "$part" -ge 70 ] && [ "$part" -le 90 ] || bad "render $scene: the model has $part % of the picture"
+done
+expect 0 . render platonic --frames 5 --bounces 1 -w 200 -h 150 --out "$dir/p.png" --paths "$dir/p.csv"
+for frame in 1 2 3 4 5; do
+    part=$(share "$dir/p.csv" "$frame")
+    [ "$part" -ge 20 ] && [ "$part" -le 80 ] || bad "picture $frame of a turn: the model has $part %"
+done
 
 # Sequences: an orbiting camera comes back after N pictures.
 expect 0 . render --frames 3 --angle 180 -w 40 -h 30 --out "$dir/turn.png" --paths "$dir/turn.csv"
