@@ -15,7 +15,7 @@
 #define BAR_LEAST  220
 #define BAR_MOST   640
 #define SWATCH     9
-#define LARGE_FROM 1000u /* pixels; text is twice as large from this width on */
+#define TEXT_WIDTH 400u /* pixels of the values for each time that text is enlarged */
 
 #define INK   image_rgb(0, 0, 0)
 #define PAPER image_rgb(255, 255, 255)
@@ -187,7 +187,7 @@ enum status colour_picture_of(const struct colour_scale *scale, const uint32_t *
                     "picture: %u x %u values %u times enlarged: sides are 1 to %u", width, height,
                     zoom, IMAGE_SIDE_MOST);
     struct picture_sheet sheet = {.scale = scale,
-                                  .text = wide >= LARGE_FROM ? 2 : 1,
+                                  .text = wide < 2 * TEXT_WIDTH ? 1 : (int)(wide / TEXT_WIDTH),
                                   .values_w = (int)wide,
                                   .values_h = (int)high};
     const int least = BAR_LEAST * sheet.text;

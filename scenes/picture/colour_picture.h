@@ -12,7 +12,8 @@ struct colour_place {
 
 /* Makes a picture of width x height values, row 0 at the top. The title is above; below are the
  * scale bar with ticks or the classes, and the meaning of no data. A long title is cut to the
- * picture's width.
+ * picture's width. Text grows with the picture: a line is 9 pixels high in less than 800 pixels, 18
+ * from 800 on, 27 from 1200 on, and so on.
  * Errors: STATUS_INPUT a side or the zoom is 0, or the picture is too large (image_make);
  * STATUS_MEMORY. */
 enum status colour_picture(const struct colour_scale *scale, const float *value, uint32_t width,

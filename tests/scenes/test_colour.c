@@ -207,14 +207,16 @@ static void scales_fit_their_values(void **state)
     assert_true(scale.hi > scale.lo);
 }
 
-/* Where a text stands in the picture, black on white; false if nowhere. */
-static bool find_text(const struct image *image, const char *text, uint32_t *at_x, uint32_t *at_y)
+/* Where a text of that scale stands in the picture, black on white; false if nowhere. */
+static bool find_scaled(const struct image *image, const char *text, unsigned scale, uint32_t *at_x,
+                        uint32_t *at_y)
 {
     struct image stamp;
-    const uint32_t width = (uint32_t)draw_text_width(text, 1) + 6, height = FONT_HEIGHT;
+    const uint32_t width = (uint32_t)draw_text_width(text, scale) + 6;
+    const uint32_t height = FONT_HEIGHT * scale;
     assert_int_equal(image_make(width, height, &stamp, NULL), STATUS_OK);
     draw_rect(&stamp, 0, 0, (int)width, (int)height, image_rgb(255, 255, 255));
-    draw_text(&stamp, 3, 0, 1, image_rgb(0, 0, 0), text);
+    draw_text(&stamp, 3, 0, scale, image_rgb(0, 0, 0), text);
     bool found = false;
     for (uint32_t y = 0; !found && y + height <= image->height; y++)
         for (uint32_t x = 0; !found && x + width <= image->width; x++) {
@@ -227,6 +229,11 @@ static bool find_text(const struct image *image, const char *text, uint32_t *at_
         }
     image_free(&stamp);
     return found;
+}
+
+static bool find_text(const struct image *image, const char *text, uint32_t *at_x, uint32_t *at_y)
+{
+    return find_scaled(image, text, 1, at_x, at_y);
 }
 
 static struct image pictured(const struct colour_scale *scale, const float *value, uint32_t width,
@@ -262,6 +269,34 @@ static void each_value_is_its_pixels(void **state)
         assert_true(find_text(&image, "miss", &x, &y));
         assert_int_equal(image.pixel[y * image.width + x - 8], COLOUR_NO_DATA);
         image_free(&image);
+    }
+}
+
+/* Title, bar, numbers, unit and swatches grow with the picture, and no word has another scale.
+ * Below the values are 6 pixels, the bar (12), ticks and numbers (18) and two lines of 13, each
+ * enlarged, and 2. */
+static void words_grow_with_the_picture(void **state)
+{
+    (void)state;
+    static const uint32_t size[][2] = {{100, 1}, {799, 1}, {800, 2}, {1199, 2}, {1200, 3}};
+    const struct colour_scale scale = {
+        .kind = COLOUR_SEQUENTIAL, .hi = 90, .title = "title", .unit = "units", .no_data = "miss"};
+    for (size_t i = 0; i < ARRAY_COUNT(size); i++) {
+        const uint32_t width = size[i][0], text = size[i][1];
+        float *value = calloc(width, sizeof *value);
+        struct colour_place place;
+        struct image image = pictured(&scale, value, width, 1, 1, &place);
+        static const char *const words[] = {"title", "0", "60", "units, 0 to 90", "miss"};
+        for (size_t k = 0; k < ARRAY_COUNT(words); k++) {
+            uint32_t x, y;
+            for (unsigned other = 1; other <= 4; other++)
+                if (find_scaled(&image, words[k], other, &x, &y) != (other == text))
+                    fail_msg("'%s' in %u pixels: scale %u", words[k], width, other);
+        }
+        assert_int_equal(place.y, 8 + 13 * text);
+        assert_int_equal(image.height - place.y - 1, 6 + (12 + 18 + 13 + 13) * text + 2);
+        image_free(&image);
+        free(value);
     }
 }
 
@@ -354,6 +389,7 @@ int main(void)
         cmocka_unit_test(values_become_the_colours_of_their_scale),
         cmocka_unit_test(scales_fit_their_values),
         cmocka_unit_test(each_value_is_its_pixels),
+        cmocka_unit_test(words_grow_with_the_picture),
         cmocka_unit_test(the_bar_says_what_colours_mean),
         cmocka_unit_test(classes_are_in_the_legend),
         cmocka_unit_test(words_fit_or_are_cut),
