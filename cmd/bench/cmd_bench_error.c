@@ -34,14 +34,6 @@ static enum status decide(const struct error_field *field, struct known_rays *kn
                         known, reason);
 }
 
-static size_t hits_of(const struct known_rays *known)
-{
-    size_t hits = 0;
-    for (size_t i = 0; i < known->count; i++)
-        hits += known->truth[i].prim != ABI_NO_PRIM;
-    return hits;
-}
-
 /* Makes rays that must hit if the mesh is closed. An open mesh gets no rays, and page->no_leaks is
  * the reason. */
 static enum status make_leak_rays(struct error_field *field, size_t count, struct error_page *page,
@@ -64,44 +56,18 @@ static enum status make_leak_rays(struct error_field *field, size_t count, struc
         if (status)
             return status;
         page->leak_rays[target] = count;
-        if (hits_of(known) != count)
+        if (known_hits(known) != count)
             return fail(reason, STATUS_DEVICE, "%s: %zu rays from inside a closed mesh do not hit",
-                        page->scene, count - hits_of(known));
+                        page->scene, count - known_hits(known));
     }
     return STATUS_OK;
 }
 
-/* Judges the answers to `known` and adds them to the row. Errors: STATUS_MEMORY. */
 static enum status judge_rays(const struct error_field *field, const struct contestant *c,
                               const struct known_rays *known, struct error_row *row,
                               struct reason *reason)
 {
-    struct model model = c->engine->model(c->self, c->tri);
-    struct judge *judge;
-    size_t wrong = 0, named = 0, failed = 0;
-    double over = 0, displacement = 0;
-    enum status status = judge_make(field->oracle, &model, QUERY_CLOSEST, &judge, reason);
-    if (status)
-        return status;
-#pragma omp parallel for schedule(dynamic, 64) reduction(+ : wrong, named, failed) \
-    reduction(max : over, displacement)
-    for (long long i = 0; i < (long long)known->count; i++) {
-        struct judgement judgement;
-        failed += judge_answer(judge, &known->ray[i], &known->truth[i], &field->hit[i],
-                               &judgement) != STATUS_OK;
-        wrong += judgement.verdict == VERDICT_WRONG;
-        named += judgement.verdict != VERDICT_WRONG && judgement.verdict != VERDICT_RIGHT;
-        over = fmax(over, judgement.over);
-        displacement = fmax(displacement, judgement.displacement);
-    }
-    judge_free(judge);
-    if (failed)
-        return fail(reason, STATUS_MEMORY, "no memory to judge %zu answers", failed);
-    row->wrong += wrong;
-    row->named += named;
-    row->over = isnan(row->over) ? over : fmax(row->over, over);
-    row->displacement = fmax(row->displacement, displacement);
-    return STATUS_OK;
+    return known_judge(field->oracle, known, c, QUERY_CLOSEST, field->hit, &row->verdicts, reason);
 }
 
 /* Counts the leaks and errors of one contestant. */
@@ -133,11 +99,11 @@ static enum status measure(const struct error_field *field, const struct contest
 /* Returns a row with the contestant's members and bytes, without measurements. */
 static struct error_row row_of(const struct contestant *c)
 {
-    struct error_row row = {.engine = c->engine, .layout = c->layout, .over = NAN};
+    struct error_row row = {.engine = c->engine, .layout = c->layout};
     bool own = c->layout || strstr(c->engine->name, "brute");
     row.tri = own ? c->tri : NULL;
     row.box = c->layout ? c->box : NULL;
-    row.judged = !(c->layout && (c->layout->faithful || c->box->faithful));
+    row.judged = known_is_judged(c);
     if (c->layout) {
         row.node_bytes = packed_node_bytes(&c->packed);
         row.item_bytes = packed_item_bytes(&c->packed);
@@ -188,7 +154,7 @@ static enum status play(struct error_field *field, const struct ray_set *set,
         ray_set_make(set, field->scene, field->bench->seed, page->ray_count, known.ray, reason);
     if (status == STATUS_OK)
         status = decide(field, &known, reason);
-    page->exact_hits = status ? 0 : hits_of(&known);
+    page->exact_hits = status ? 0 : known_hits(&known);
     for (size_t i = 0; i < field->race.count && status == STATUS_OK; i++) {
         const struct contestant *c = &field->race.contestant[i];
         progress_step(&field->bench->progress, "%s: errors of %s", label, c->engine->name);
@@ -208,7 +174,7 @@ static enum status play(struct error_field *field, const struct ray_set *set,
 static void count_wrong(struct bench *bench, const struct error_page *page)
 {
     for (size_t i = 0; i < page->row_count; i++)
-        if (page->row[i].judged && page->row[i].wrong > 0)
+        if (page->row[i].judged && page->row[i].verdicts.wrong > 0)
             bench_worse(bench, EXIT_MISMATCH);
     if (page->exact_hits == 0) {
         puts("vacuous: no ray hits anything");

@@ -19,11 +19,8 @@ struct error_row {
     const char *base; /* name of the ratio's base */
     struct error_sum sum;
     size_t leak[LEAK_TARGETS];
-    bool judged;  /* false: a member as published takes part, so errors are only counted */
-    size_t wrong; /* answers with verdict WRONG */
-    size_t named; /* answers in an allowed class */
-    double over;  /* largest error of t over its proven bound; 0: no bounds; NAN: not judged */
-    double displacement; /* the largest that answers of an unknown formula need, see judge.h */
+    bool judged; /* false: a member as published takes part, so errors are only counted */
+    struct known_verdicts verdicts;
     double boxes, tris;  /* tests per ray; NAN: not counted */
     double boxes_to_f32; /* relative to the same engine and tests on f32; NAN: not available */
     double tris_to_f32;

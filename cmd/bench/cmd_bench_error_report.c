@@ -33,12 +33,8 @@ static void print_speeds(const struct error_page *page)
         bench_rate(8, row->sum.kind[ERROR_WRONG], row->sum.rays);
         for (int target = 0; target < LEAK_TARGETS; target++)
             bench_rate(8, row->leak[target], page->leak_rays[target]);
-        if (isnan(row->over))
-            puts("      -      -      -");
-        else if (row->judged)
-            printf(" %6zu %6zu %6.3f\n", row->named, row->wrong, row->over);
-        else
-            printf(" %6zu (%4zu) %6.3f\n", row->named, row->wrong, row->over);
+        printf(row->judged ? " %6zu %6zu %6.3f\n" : " %6zu (%4zu) %6.3f\n", row->verdicts.allowed,
+               row->verdicts.wrong, row->verdicts.over);
     }
 }
 
@@ -84,6 +80,7 @@ static json_t *row_json(const struct bench *bench, const struct error_page *page
                         const struct error_row *row)
 {
     const struct error_sum *sum = &row->sum;
+    const struct known_verdicts *verdicts = &row->verdicts;
     const struct quantiles *forward = &sum->forward, *plane = &sum->plane, *point = &sum->point;
     return json_record(
         "scene=%s triangles=%u rays=%s seed=%zu engine=%s layout=%p box=%p tri=%p count=%zu "
@@ -102,9 +99,9 @@ static json_t *row_json(const struct bench *bench, const struct error_page *page
         sum->rays, sum->hits, sum->kind[ERROR_LOST], sum->kind[ERROR_PHANTOM],
         sum->kind[ERROR_WRONG], sum->kind[ERROR_FREE], page->leak_rays[LEAK_EDGE],
         row->leak[LEAK_EDGE], page->leak_rays[LEAK_VERTEX], row->leak[LEAK_VERTEX], row->judged,
-        row->named, row->wrong, row->over, row->displacement, forward->p50, forward->p99,
-        forward->most, plane->p50, plane->p99, plane->most, point->p50, point->p99, point->most,
-        row->boxes, row->tris, row->boxes_to_f32, row->tris_to_f32,
+        verdicts->allowed, verdicts->wrong, verdicts->over, verdicts->displacement, forward->p50,
+        forward->p99, forward->most, plane->p50, plane->p99, plane->most, point->p50, point->p99,
+        point->most, row->boxes, row->tris, row->boxes_to_f32, row->tris_to_f32,
         row->layout ? json_integer((json_int_t)row->layout->node_bytes) : json_null(),
         row->node_bytes, row->item_bytes, row->memory_bytes);
 }

@@ -2,6 +2,7 @@
 
 #include "bench/measure/error_measure.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 void known_free(struct known_rays *known)
@@ -35,6 +36,52 @@ enum status known_trace(const struct known_rays *known, const struct contestant 
 {
     *report = (struct trace_report){0};
     return c->engine->trace(c->self, known->ray, known->count, hit, report, reason);
+}
+
+bool known_is_judged(const struct contestant *c)
+{
+    return !(c->layout && (c->layout->faithful || c->box->faithful));
+}
+
+enum status known_judge(const struct oracle *oracle, const struct known_rays *known,
+                        const struct contestant *c, enum query query, const struct hit *hit,
+                        struct known_verdicts *sum, struct reason *reason)
+{
+    struct model model = c->engine->model(c->self, c->tri);
+    struct judge *judge;
+    size_t wrong = 0, allowed = 0, failed = 0;
+    double over = 0, displacement = 0;
+    enum status status = judge_make(oracle, &model, query, &judge, reason);
+    if (status)
+        return status;
+#pragma omp parallel for schedule(dynamic, 64) reduction(+ : wrong, allowed, failed) \
+    reduction(max : over, displacement)
+    for (long long i = 0; i < (long long)known->count; i++) {
+        struct judgement judgement;
+        failed +=
+            judge_answer(judge, &known->ray[i], &known->truth[i], &hit[i], &judgement) != STATUS_OK;
+        wrong += judgement.verdict == VERDICT_WRONG;
+        allowed += judgement.verdict != VERDICT_WRONG && judgement.verdict != VERDICT_RIGHT;
+        over = fmax(over, judgement.over);
+        displacement = fmax(displacement, judgement.displacement);
+    }
+    judge_free(judge);
+    if (failed)
+        return fail(reason, STATUS_MEMORY, "no memory to judge %zu answers", failed);
+    sum->compared += known->count;
+    sum->allowed += allowed;
+    sum->wrong += wrong;
+    sum->over = fmax(sum->over, over);
+    sum->displacement = fmax(sum->displacement, displacement);
+    return STATUS_OK;
+}
+
+size_t known_hits(const struct known_rays *known)
+{
+    size_t hits = 0;
+    for (size_t i = 0; i < known->count; i++)
+        hits += known->truth[i].prim != ABI_NO_PRIM;
+    return hits;
 }
 
 void bench_rate(int width, size_t events, size_t count)

@@ -25,6 +25,28 @@ enum status known_decide(const struct oracle *oracle, const struct scene *scene,
 enum status known_trace(const struct known_rays *known, const struct contestant *c, struct hit *hit,
                         struct trace_report *report, struct reason *reason) MUST_USE;
 
+/* Verdicts of the judge on a contestant's answers. */
+struct known_verdicts {
+    size_t compared;     /* answers judged */
+    size_t allowed;      /* of these in an allowed class */
+    size_t wrong;        /* WRONG */
+    double over;         /* largest error of t over its proven bound; 0: no bounds */
+    double displacement; /* the largest that answers of an unknown formula need, see judge.h */
+};
+
+/* False if a member as published takes part, whose answers are known to be wrong: its verdicts are
+ * only counted. */
+bool known_is_judged(const struct contestant *c);
+
+/* Judges the contestant's answers to `query` on the oracle's scene and adds the verdicts to *sum.
+ * Errors: STATUS_MEMORY. */
+enum status known_judge(const struct oracle *oracle, const struct known_rays *known,
+                        const struct contestant *c, enum query query, const struct hit *hit,
+                        struct known_verdicts *sum, struct reason *reason) MUST_USE;
+
+/* How many of the rays hit something exactly. */
+size_t known_hits(const struct known_rays *known);
+
 void known_free(struct known_rays *known);
 
 /* Prints a blank and the text of error_rate_text, at least `width` wide. */

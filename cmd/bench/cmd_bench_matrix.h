@@ -50,7 +50,10 @@ struct matrix_row {
     uint64_t held_bytes;                          /* as the engine reports */
     size_t asked, lost, wrong;                    /* prim and rand rays, judged by the oracle */
     size_t leak_rays, leaks;                      /* 0 rays: the mesh is not closed */
-    bool touched;                                 /* false: what it reads is unknown */
+    bool judged;                    /* false: a member as published; verdicts are only counted */
+    struct known_verdicts verdicts; /* of prim, rand and leak rays, and of any hits */
+    bool judged_any;                /* the verdicts on any hits are among them */
+    bool touched;                   /* false: what it reads is unknown */
     struct matrix_touch touch[MATRIX_CLOSEST];
     bool on_front;
     const char *worth; /* why it is worth using, or NULL */
@@ -76,6 +79,7 @@ struct matrix {
     struct ray *few;
     struct hit *hit;
     struct known_rays sample, leak; /* leak.count 0: not closed; all leak rays must hit */
+    struct known_rays any;          /* o-shad and o-rand rays */
     struct matrix_row *row;         /* for the current number of threads */
     size_t row_count;
     struct race race;
@@ -104,6 +108,11 @@ enum status matrix_known_make(struct matrix *matrix, struct reason *reason) MUST
  * errors, leaks, cache lines. Errors: those of engine.trace; STATUS_MEMORY. */
 enum status matrix_measure(struct matrix *matrix, const struct contestant *c,
                            struct matrix_row *row, struct reason *reason) MUST_USE;
+
+/* Judges any hits of a contestant that is prepared for them, unless the row has these verdicts.
+ * Errors: those of engine.trace; STATUS_MEMORY. */
+enum status matrix_judge_any(struct matrix *matrix, const struct contestant *c,
+                             struct matrix_row *row, struct reason *reason) MUST_USE;
 
 /* Marks the rows that are on the front and worth using, prints the tables and adds the rows. With
  * `full`, also prints the table of sizes, which do not depend on threads. */

@@ -10,18 +10,19 @@
 #define RUNS     4    /* runs of rays; the first fills the cache, the others are counted */
 #define RUN_RAYS 512
 
-/* Makes the sample: half prim and half rand rays, evenly spread. */
-static enum status make_sample(struct matrix *m, struct reason *reason)
+/* Makes a sample: half rays of kind `a` and half of kind `b`, evenly spread. */
+static enum status make_sample(struct matrix *m, enum matrix_kind a, enum matrix_kind b,
+                               struct known_rays *out, struct reason *reason)
 {
     size_t each = m->count < SAMPLE ? m->count : SAMPLE;
-    enum status status = known_alloc(2 * each, &m->sample, reason);
+    enum status status = known_alloc(2 * each, out, reason);
     for (size_t i = 0; i < each && !status; i++) {
         size_t from = i * m->count / each;
-        m->sample.ray[i] = m->ray[KIND_PRIM][from];
-        m->sample.ray[each + i] = m->ray[KIND_RAND][from];
+        out->ray[i] = m->ray[a][from];
+        out->ray[each + i] = m->ray[b][from];
     }
     if (!status)
-        status = known_decide(m->oracle, m->scene, 0, 0, &m->sample, reason);
+        status = known_decide(m->oracle, m->scene, 0, 0, out, reason);
     return status;
 }
 
@@ -34,12 +35,16 @@ static enum status make_leaks(struct matrix *m, struct reason *reason)
                                 m->leak.ray + (target ? each : 0), reason);
     if (status)
         known_free(&m->leak);
+    else
+        status = known_decide(m->oracle, m->scene, 0, 0, &m->leak, reason);
     return status == STATUS_INPUT ? STATUS_OK : status; /* an open mesh has no leak rays */
 }
 
 enum status matrix_known_make(struct matrix *matrix, struct reason *reason)
 {
-    enum status status = make_sample(matrix, reason);
+    enum status status = make_sample(matrix, KIND_PRIM, KIND_RAND, &matrix->sample, reason);
+    if (!status)
+        status = make_sample(matrix, KIND_O_SHAD, KIND_O_RAND, &matrix->any, reason);
     return status ? status : make_leaks(matrix, reason);
 }
 
@@ -58,11 +63,31 @@ static enum status count_errors(struct matrix *m, const struct contestant *c,
     row->asked = sum.rays;
     row->lost = sum.kind[ERROR_LOST];
     row->wrong = sum.kind[ERROR_PHANTOM] + sum.kind[ERROR_WRONG];
+    row->judged = known_is_judged(c);
+    if (!status)
+        status =
+            known_judge(m->oracle, &m->sample, c, QUERY_CLOSEST, m->hit, &row->verdicts, reason);
     row->leak_rays = m->leak.count;
     if (!status && m->leak.count)
         status = known_trace(&m->leak, c, m->hit, &report, reason);
     for (size_t i = 0; i < m->leak.count && !status; i++)
         row->leaks += m->hit[i].prim == ABI_NO_PRIM;
+    if (!status && m->leak.count)
+        status = known_judge(m->oracle, &m->leak, c, QUERY_CLOSEST, m->hit, &row->verdicts, reason);
+    return status;
+}
+
+enum status matrix_judge_any(struct matrix *matrix, const struct contestant *c,
+                             struct matrix_row *row, struct reason *reason)
+{
+    struct trace_report report;
+    if (row->judged_any)
+        return STATUS_OK;
+    enum status status = known_trace(&matrix->any, c, matrix->hit, &report, reason);
+    if (!status)
+        status = known_judge(matrix->oracle, &matrix->any, c, QUERY_ANY, matrix->hit,
+                             &row->verdicts, reason);
+    row->judged_any = true;
     return status;
 }
 

@@ -53,7 +53,7 @@ static void mark_front(struct matrix *m, bool gpu)
             (struct pareto_point){.size = per_tri(m, bytes_of(r)),
                                   .speed = r->mean,
                                   .error = (double)(r->lost + r->leaks) / (asked > 0 ? asked : 1)};
-        if (!r->entry->layout || has_better_tree(m, r))
+        if (!r->entry->layout || has_better_tree(m, r) || r->verdicts.wrong > 0)
             own[count].size = NAN;
         count++;
     }
@@ -131,7 +131,8 @@ static void print_of(size_t events, size_t count)
 static void print_sizes(const struct matrix *m)
 {
     puts("  bytes per triangle              nodes  items  scene    all  lines prim L1 L2   rand    "
-         "           diff                       lost        wrong        leaks");
+         "           diff                       lost        wrong        leaks allowed   "
+         "WRONG");
     for (size_t i = 0; i < m->row_count; i++) {
         const struct matrix_row *r = &m->row[i];
         printf("  %-30s", r->entry->name);
@@ -150,7 +151,9 @@ static void print_sizes(const struct matrix *m)
         print_of(r->lost, r->asked);
         print_of(r->wrong, r->asked);
         print_of(r->leaks, r->leak_rays);
-        putchar('\n');
+        char text[24];
+        snprintf(text, sizeof text, r->judged ? "%zu" : "(%zu)", r->verdicts.wrong);
+        printf(" %7zu %7s\n", r->verdicts.allowed, text);
     }
 }
 
@@ -184,9 +187,11 @@ static json_t *row_json(const struct matrix *m, const struct matrix_row *r)
                  r->touched ? t->beyond[0] : (double)NAN, name,
                  r->touched ? t->beyond[1] : (double)NAN);
     }
-    json_add(row, "asked=%zu lost=%zu wrong=%zu leak_rays=%zu leaks=%zu front=%i worth=%s",
-             r->asked, r->lost, r->wrong, r->leak_rays, r->leaks, r->on_front,
-             r->worth ? r->worth : "-");
+    json_add(row,
+             "asked=%zu lost=%zu wrong=%zu leak_rays=%zu leaks=%zu judged=%i compared=%zu "
+             "allowed=%zu judged_wrong=%zu front=%i worth=%s",
+             r->asked, r->lost, r->wrong, r->leak_rays, r->leaks, r->judged, r->verdicts.compared,
+             r->verdicts.allowed, r->verdicts.wrong, r->on_front, r->worth ? r->worth : "-");
     return row;
 }
 

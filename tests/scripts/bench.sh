@@ -38,6 +38,19 @@ rows "$dir/square.csv" '$c["engine"] == "cpu" {
     if ($c["asked"] != 1000 || $c["leak_rays"] != 0) wrong("rays asked") }' \
     -v hits_prim="$(json hits "$dir/primary.json")" -v hits_rand="$(json hits "$dir/random.json")"
 
+# A blind tracer's WRONG answers are those of three checks: nothing stands between the square and the light.
+sed 's/size > 0\.0f/size > 1e30f/' fuzz/samples/sample_tracer.c >"$dir/blind.c" && cc -O1 -o "$dir/blind" "$dir/blind.c" || failed=1
+expect 1 . bench matrix --scene "$dir/square.obj" --rounds 1 --count 500 --engine "pipe:$dir/blind" --csv "$dir/blind.csv"
+blind=0
+for rays in primary 'random --seed 1' 'random --seed 2 --query any'; do
+    expect 1 . check "$dir/square.obj" --engine "pipe:$dir/blind" --rays $rays --count 500 --repeat 1 --json "$dir/blind.json"
+    blind=$((blind + $(json wrong "$dir/blind.json")))
+done
+rows "$dir/blind.csv" '$c["engine"] ~ /^"?pipe/ {
+    found = 1
+    if (blind < 300 || $c["judged_wrong"] != blind || $c["compared"] != 2000) wrong("answers of a blind tracer") }
+    END { if (!found) wrong("no row of a blind tracer") }' -v blind="$blind"
+
 # The front anew, and the fastest of ours that lose nothing.
 front='{
     count++
@@ -135,6 +148,7 @@ awk -F, '
         at = value[name, "layout"] != "-" ? 14 : 8
         same(f[at], "lost", 0); same(f[at + 1], "asked", 0); same(f[at + 2], "wrong", 0)
         same(f[at + 4], "leaks", 0); same(f[at + 5], "leak_rays", 0)
+        same(f[at + 6], "allowed", 0); same(f[at + 7], "judged_wrong", 0)
     }
     END { if (told < 30) { print "FAILED  tables of bench matrix have " told + 0 " rows"; bad = 1 } exit bad }
 ' "$dir/m.csv" "$dir/m.txt" || failed=$((failed + 1))

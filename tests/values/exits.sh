@@ -18,19 +18,21 @@ ends() {
     [ "$code" -eq "$wanted" ] || bad "raydiff $*: exit $code, not $wanted: $(tail -n 1 "$dir/err")"
     [ "$code" -ne 2 ] || [ -s "$dir/err" ] || bad "raydiff $*: no reason on standard error"
 }
-# A tracer that sees, one that finds nothing, one that refuses everything, one that ends at the first
+# A tracer that sees, one that finds nothing, one that finds no any-hit, one that refuses everything, one that ends at the first
 # rays, one that does at once, and one that is not there.
-for tracer in sees blind refuser ender; do
+for tracer in sees blind careless refuser ender; do
     case $tracer in
     sees) edit= ;;
     blind) edit='s/size > 0\.0f/size > 1e30f/' ;;
+    careless) edit='s/if (meets(/if (q.query == 0 \&\& meets(/' ;;
     refuser) edit='s/"RDRA", 1, 0, q.rays/"RDRA", 1, q.rays > 0, 0/; s/i < q.rays/i < 0/' ;;
     ender) edit='s/^        struct ray \*ray = /        if (q.rays > 0) exit(9);&/' ;;
     esac
     sed "$edit" fuzz/samples/sample_tracer.c >"$dir/$tracer.c"
     cc -O1 -o "$dir/$tracer" "$dir/$tracer.c" || bad "$tracer is not compiled"
 done
-sees="pipe:$dir/sees" blind="pipe:$dir/blind" refuser="pipe:$dir/refuser" ender="pipe:$dir/ender" dies="pipe:false" missing="pipe:$dir/missing"
+sees="pipe:$dir/sees" blind="pipe:$dir/blind" careless="pipe:$dir/careless"
+refuser="pipe:$dir/refuser" ender="pipe:$dir/ender" dies="pipe:false" missing="pipe:$dir/missing"
 none='--engine vulkan --driver no-such-driver'
 gone="$dir/gone"
 echo 'no file of this kind' >"$dir/other.obj"
@@ -179,6 +181,9 @@ files() {
     ends 77 diff sphere:n=4 --engine cpu,vulkan --driver no-such-driver $size
     ends 0 bench builders --scene sphere:n=4 --rounds 1
     ends 1 bench error --scene sphere:n=4 --engine "$blind" --count 50 --rounds 1
+    ends 0 bench matrix --scene sphere:n=4 --engine "$sees" --count 50 --rounds 1
+    ends 1 bench matrix --scene sphere:n=4 --engine "$blind" --count 50 --rounds 1
+    ends 1 bench matrix --scene sphere:n=4 --engine "$careless" --count 50 --rounds 1
     ends 2 bench nothing
     ends 2 bench builders --scene "$gone.obj"
     ends 3 bench error --scene sphere:n=4 --engine "$dies" --count 50 --rounds 1

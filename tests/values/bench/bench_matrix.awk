@@ -53,7 +53,13 @@ function sizes(  k, touched, sum, at) {
     }
     equal(name "lost", word[at++], v[p ".lost"] "/" v[p ".asked"])
     equal(name "wrong", word[at++], v[p ".wrong"] "/" v[p ".asked"])
-    equal(name "leaks", word[at], v[p ".leak_rays"] > 0 ? v[p ".leaks"] "/" v[p ".leak_rays"] : "-")
+    equal(name "leaks", word[at++], v[p ".leak_rays"] > 0 ? v[p ".leaks"] "/" v[p ".leak_rays"] : "-")
+    equal(name "allowed", word[at++], v[p ".allowed"])
+    equal(name "WRONG", word[at], v[p ".judged"] == "true" ? v[p ".judged_wrong"] : "(" v[p ".judged_wrong"] ")")
+    equal(name "compared", v[p ".compared"], 2 * v[p ".asked"] + v[p ".leak_rays"])
+    truth(name "verdicts", v[p ".allowed"] + v[p ".judged_wrong"] <= v[p ".compared"])
+    equal(name "judged", v[p ".judged"], v[p ".layout"] ~ /^rtrs_/ ? "false" : "true")
+    if (v[p ".judged"] == "true") any_wrong += v[p ".judged_wrong"]
 }
 BEGIN { split("prim rand diff o-shad o-rand", kind, " ") }
 /: [0-9]+ triangles, [0-9]+ rays of each kind, / {
@@ -87,6 +93,7 @@ BEGIN { split("prim rand diff o-shad o-rand", kind, " ") }
         worth++
         truth("worth using: " v["rows." i ".name"], index(", " shown ",", ", " v["rows." i ".name"] " (" v["rows." i ".worth"] "),") > 0)
         truth("worth using, but it loses hits", v["rows." i ".lost"] + v["rows." i ".leaks"] == 0)
+        truth("worth using, but it is WRONG", v["rows." i ".judged_wrong"] == 0)
     }
     equal("worth using", count, worth + 0)
     worths++
@@ -103,6 +110,7 @@ table && NF > 8 {
 }
 END {
     equal("rows", r, v["rows.count"])
+    equal("exit code", v["exit"], any_wrong > 0 ? 1 : 0)
     for (i = 0; i < r; i++) is_worth += v["rows." i ".worth"] != "-"
     equal("lines of the front", fronts " " worths + 0, "1 " (is_worth > 0))
     print "bench matrix: " checked " values, " wrong + 0 " wrong"
