@@ -110,13 +110,6 @@ struct error_one error_measure(const struct oracle *oracle, const struct scene *
     return out;
 }
 
-/* The value of rank ceil(part * count), counted from 1. */
-static double ranked(const double *value, size_t count, double part)
-{
-    size_t rank = (size_t)ceil(part * (double)count - 1e-9);
-    return value[rank > 0 ? rank - 1 : 0];
-}
-
 struct quantiles quantiles_of(double *value, size_t count)
 {
     struct quantiles out = {0, NAN, NAN, NAN};
@@ -126,8 +119,8 @@ struct quantiles quantiles_of(double *value, size_t count)
     if (out.count == 0)
         return out;
     sort_doubles(value, out.count);
-    out.p50 = ranked(value, out.count, 0.50);
-    out.p99 = ranked(value, out.count, 0.99);
+    out.p50 = value[rank_of(out.count, 500)];
+    out.p99 = value[rank_of(out.count, 990)];
     out.most = value[out.count - 1];
     return out;
 }

@@ -91,13 +91,6 @@ static int by_rejected(const void *left, const void *right)
     return (a > b) - (a < b);
 }
 
-/* Index of a nearest-rank quantile, in thousandths, of sorted values. */
-static size_t rank(size_t count, size_t thousandths)
-{
-    size_t at = (count * thousandths + 999) / 1000;
-    return at > 0 ? at - 1 : 0;
-}
-
 /* Copies the real errors of pairs [first, end) to `real` and sorts them. */
 static void sort_real(const struct tightness_one *one, size_t first, size_t end, double *real)
 {
@@ -116,10 +109,11 @@ static void sum_groups(const struct tightness_one *one, size_t bounded, double *
         size_t first = g * TIGHTNESS_GROUP;
         size_t end = g + 1 == groups ? bounded : first + TIGHTNESS_GROUP;
         sort_real(one, first, end, real);
-        group[g] = one[first + rank(end - first, 500)].rejected / real[rank(end - first, 999)];
+        group[g] =
+            one[first + rank_of(end - first, 500)].rejected / real[rank_of(end - first, 999)];
     }
     sort_doubles(group, groups);
-    out->group_p50 = groups ? group[rank(groups, 500)] : NAN;
+    out->group_p50 = groups ? group[rank_of(groups, 500)] : NAN;
     out->group_most = groups ? group[groups - 1] : NAN;
 }
 
@@ -136,11 +130,11 @@ enum status tightness_sum(struct tightness_one *one, size_t count, struct tightn
         out->unbounded += isinf(one[i].rejected) ? 1 : 0;
     }
     sort_real(one, 0, count, real);
-    out->real_p50 = real[rank(count, 500)];
-    out->real_p999 = real[rank(count, 999)];
+    out->real_p50 = real[rank_of(count, 500)];
+    out->real_p999 = real[rank_of(count, 999)];
     out->real_most = real[count - 1];
-    out->rejected_p50 = one[rank(count, 500)].rejected;
-    out->rejected_p999 = one[rank(count, 999)].rejected;
+    out->rejected_p50 = one[rank_of(count, 500)].rejected;
+    out->rejected_p999 = one[rank_of(count, 999)].rejected;
     out->medians = out->rejected_p50 / out->real_p50;
     out->times = out->rejected_p50 / out->real_p999;
     sum_groups(one, count - out->unbounded, real, real + count, out);

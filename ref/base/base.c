@@ -96,6 +96,12 @@ void sort_doubles(double *value, size_t count)
     qsort(value, count, sizeof *value, by_value);
 }
 
+size_t rank_of(size_t count, size_t thousandths)
+{
+    size_t rank = (count * thousandths + 999) / 1000;
+    return rank > 0 ? rank - 1 : 0;
+}
+
 static uint64_t ns_of(clockid_t clock)
 {
     struct timespec now;

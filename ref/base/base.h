@@ -53,6 +53,10 @@ enum status array_reserve(void *array, size_t *capacity, size_t need, size_t siz
 /* Sorts numbers in ascending order. */
 void sort_doubles(double *value, size_t count);
 
+/* Index of a quantile of `count` >= 1 sorted values by nearest rank: the smallest value that at
+ * least so many thousandths (0 to 1000) of all do not exceed. */
+size_t rank_of(size_t count, size_t thousandths);
+
 /* Monotonic time in nanoseconds since an arbitrary start. */
 uint64_t time_ns(void);
 

@@ -116,8 +116,8 @@ void match_displacements(double *displacement, struct row *row)
     if (count == 0)
         return;
     sort_doubles(displacement, count);
-    row->displacement.p50 = displacement[(count - 1) / 2];
-    row->displacement.p99 = displacement[(count - 1) * 99 / 100];
+    row->displacement.p50 = displacement[rank_of(count, 500)];
+    row->displacement.p99 = displacement[rank_of(count, 990)];
     row->displacement.most = displacement[count - 1];
 }
 

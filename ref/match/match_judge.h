@@ -10,7 +10,8 @@
 enum status match_judge(const struct match *match, const struct model *model,
                         struct row *row) MUST_USE;
 
-/* Sorts an unknown formula's row->displacement.count displacements and takes their percentiles. */
+/* Sorts an unknown formula's row->displacement.count displacements and takes their percentiles, by
+ * nearest rank. */
 void match_displacements(double *displacement, struct row *row);
 
 /* Counts judgements of answers or lists in a row. */

@@ -3,7 +3,6 @@
 #include "bench/frames/frames_files.h"
 #include "ref/files/file.h"
 #include "scenes/picture/image.h"
-#include "scenes/picture/image.h"
 #include "tests/support/root.h"
 
 #include <setjmp.h>
@@ -194,6 +193,43 @@ static void a_stopped_run_keeps_whole_frames(void **state)
     frames_free(&run);
 }
 
+/* Frame f of the first contestant takes f * f + 1 ms, of the second twice as long and f more. */
+static enum status draw_longer(void *user, size_t contestant, double angle,
+                               struct frames_sample *out, struct reason *reason)
+{
+    enum status status = draw(user, contestant, angle, out, reason);
+    double f = round(angle * 30 / (2 * acos(-1)));
+    out->ms = contestant == 0 ? f * f + 1 : 2 * (f * f + 1) + f;
+    return status;
+}
+
+/* Of frames 0 to n - 1 the average is (n - 1)(2n - 1) / 6 + 1, the median of an even count between
+ * the two in the middle: nothing is of the frames that were not drawn. */
+static void a_stopped_run_has_the_statistics_of_its_frames(void **state)
+{
+    (void)state;
+    for (unsigned n = 1; n <= 30; n++) {
+        struct drawer drawer = {.stop_call = n < 30 ? 2 * n + 1 : 0};
+        struct frames_run run = made(&drawer, 30, 1, 0);
+        double last = n - 1.0, low = floor(last / 2), high = ceil(last / 2);
+        assert_int_equal(frames_measure(&run, draw_longer, NULL, &drawer, NULL), STATUS_OK);
+        assert_int_equal(run.done, n);
+        struct frames_stats a = frames_stats_of(&run, 0), b = frames_stats_of(&run, 1);
+        double middle = 0.5 * (low * low + high * high) + 1;
+        assert_true(fabs(a.average - (last * (2 * last + 1) / 6 + 1)) < 1e-9);
+        assert_true(fabs(b.average - (2 * a.average + last / 2)) < 1e-9);
+        assert_true(a.least == 1 && b.least == 2);
+        assert_true(fabs(a.most - (last * last + 1)) < 1e-9);
+        assert_true(fabs(b.most - (2 * a.most + last)) < 1e-9);
+        assert_true(fabs(a.median - middle) < 1e-9);
+        assert_true(fabs(b.median - (2 * middle + last / 2)) < 1e-9);
+        /* 2 + f / (f * f + 1): least at 0, most at 1 */
+        struct spread ratio = frames_ratio(&run, 1, 0);
+        assert_true(ratio.least == 2 && ratio.most == (n > 1 ? 2.5 : 2));
+        frames_free(&run);
+    }
+}
+
 static void a_failing_frame_ends_the_run_and_is_told(void **state)
 {
     (void)state;
@@ -319,6 +355,7 @@ int main(void)
         cmocka_unit_test(one_sample_of_the_host_clock_names_it),
         cmocka_unit_test(files_are_told_of_every_ten_frames_and_at_the_end),
         cmocka_unit_test(a_stopped_run_keeps_whole_frames),
+        cmocka_unit_test(a_stopped_run_has_the_statistics_of_its_frames),
         cmocka_unit_test(a_failing_frame_ends_the_run_and_is_told),
         cmocka_unit_test(settings_out_of_range_are_refused),
         cmocka_unit_test(files_hold_the_run),

@@ -63,22 +63,26 @@ static void limits_by_value(void **state)
     assert_int_equal(match_edges_beyond(edges), 2 + 0 + 1 + 1);
 }
 
-/* 1 to 200 in another order, and one alone. */
+/* Twice the rank of each, in another order; of none nothing is changed. */
 static void displacements_by_value(void **state)
 {
     (void)state;
+    static const size_t known[][3] = {{1, 1, 1},     {2, 1, 2},      {3, 2, 3},      {99, 50, 99},
+                                      {100, 50, 99}, {101, 51, 100}, {200, 100, 198}};
     double displacement[200];
-    struct row row = {.displacement.count = ARRAY_COUNT(displacement)};
-    for (size_t i = 0; i < ARRAY_COUNT(displacement); i++)
-        displacement[i] = (double)(i * 77 % 200 + 1);
-    match_displacements(displacement, &row);
-    assert_true(row.displacement.p50 == 100);
-    assert_true(row.displacement.p99 == 198);
-    assert_true(row.displacement.most == 200);
-    row = (struct row){.displacement.count = 1};
-    match_displacements(displacement, &row);
-    assert_true(row.displacement.p50 == 1 && row.displacement.p99 == 1);
-    assert_true(row.displacement.most == 1);
+    for (size_t k = 0; k < ARRAY_COUNT(known); k++) {
+        size_t count = known[k][0];
+        struct row row = {.displacement.count = count};
+        for (size_t i = 0; i < count; i++)
+            displacement[i] = 2 * (double)(i * 13 % count + 1); /* 13 divides no count */
+        match_displacements(displacement, &row);
+        assert_true(row.displacement.p50 == 2 * (double)known[k][1]);
+        assert_true(row.displacement.p99 == 2 * (double)known[k][2]);
+        assert_true(row.displacement.most == 2 * (double)count);
+    }
+    struct row none = {.displacement.p50 = 7};
+    match_displacements(displacement, &none);
+    assert_true(none.displacement.p50 == 7 && none.displacement.most == 0);
 }
 
 static void what_any_test_may_lose_is_not_counted(void **state)

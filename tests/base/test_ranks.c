@@ -1,0 +1,44 @@
+/* Quantiles by nearest rank. */
+#include "ref/base/base.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+/* Ranks, from 1, of the median, 99 % and 99.9 %, by hand. */
+static void ranks_by_value(void **state)
+{
+    (void)state;
+    static const size_t known[][4] = {
+        {1, 1, 1, 1},          {2, 1, 2, 2},          {3, 2, 3, 3},         {99, 50, 99, 99},
+        {100, 50, 99, 100},    {101, 51, 100, 101},   {200, 100, 198, 200}, {201, 101, 199, 201},
+        {1000, 500, 990, 999}, {1001, 501, 991, 1000}};
+    static const size_t thousandths[] = {500, 990, 999};
+    for (size_t i = 0; i < ARRAY_COUNT(known); i++)
+        for (size_t p = 0; p < ARRAY_COUNT(thousandths); p++)
+            assert_int_equal(rank_of(known[i][0], thousandths[p]) + 1, known[i][p + 1]);
+}
+
+/* So many values do not exceed it, and of the one before not as many. */
+static void a_rank_is_the_smallest_that_is_enough(void **state)
+{
+    (void)state;
+    for (size_t count = 1; count <= 2100; count++)
+        for (size_t part = 0; part <= 1000; part += part < 10 || part >= 990 ? 1 : 10) {
+            size_t at = rank_of(count, part);
+            assert_true(at < count);
+            assert_true(1000 * (at + 1) >= part * count);
+            assert_true(at == 0 || 1000 * at < part * count);
+        }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ranks_by_value),
+        cmocka_unit_test(a_rank_is_the_smallest_that_is_enough),
+    };
+    return cmocka_run_group_tests_name("ranks", tests, NULL, NULL) ? 1 : 0;
+}
