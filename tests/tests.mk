@@ -55,7 +55,7 @@ $(B)/tests/test_out_of_memory $(B)/tests/test_memory: TEST_LIBS += \
 
 # The campaign of truth. It needs GMP, so it is not part of the program.
 TRUTH_OBJ := $(patsubst %.c,$(B)/obj/%.o,$(wildcard tests/truth/*.c tests/exact/exact_gmp*.c) \
-               $(wildcard cmd/common/cmd_rows*.c) $(addprefix cmd/common/cmd_,tables.c options.c))
+               $(wildcard cmd/common/cmd_rows*.c) $(addprefix cmd/common/cmd_,tables.c options.c progress.c screen.c))
 $(B)/truth: $(TRUTH_OBJ) $(B)/libraydiff.a
 	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) $(GMP_LIBS)
 truth:

@@ -4,6 +4,7 @@
 
 #include "bench/chart/spread.h"
 #include "cmd/common/cmd_tree.h"
+#include "cmd/common/cmd_progress.h"
 #include "ref/frame.h"
 #include "ref/match/match.h"
 #include "ref/files/file.h"

@@ -108,6 +108,8 @@ static enum status build_all(struct bench *bench, const char *spec, const struct
         for (size_t i = 0; i < count; i++) {
             if (list[i].refused.text[0])
                 continue;
+            progress_done(&bench->progress, round * count + i, bench->rounds * count,
+                          "these rounds");
             progress_step(&bench->progress, "%s, builder %s, %u threads, round %zu", spec,
                           list[i].builder->name, list[i].threads, round);
             enum status status = build_once(&list[i], scene, round, round == 0, reason);

@@ -6,6 +6,7 @@
 #include "bench/frames/frames_files.h"
 #include "bench/frames/painter.h"
 #include "cmd/common/cmd_tables.h"
+#include "cmd/common/cmd_progress.h"
 
 #define FRAMES_VERSIONS 640
 

@@ -30,6 +30,7 @@ static enum status draw(void *user, size_t contestant, double angle, struct fram
     struct frame frame = {.pixel = b->pixel};
     struct trace_report report = {0};
     (void)contestant;
+    progress_done(&b->progress, b->run.done, b->run.settings.frames, NULL);
     progress_step(&b->progress, "frame %u of %u", b->run.done + 1, b->run.settings.frames);
     enum status status = renderer_frame(b->renderer, &view, &frame, &report, reason);
     *out = (struct frames_sample){1e-6 * (double)report.ns, report.device_clock};

@@ -42,6 +42,9 @@ static enum status draw(void *user, size_t contestant, double angle, struct fram
     struct frames_session *session = user;
     struct painter *painter = &session->painter[contestant];
     struct reason why = {""};
+    if (contestant == 0)
+        progress_done(session->progress, session->run.done, session->run.settings.frames,
+                      "these frames");
     progress_step(session->progress, "%s: frame %u of %u, %s", session->label,
                   session->run.done + 1, session->run.settings.frames, painter->plan.handler);
     enum status status = painter_draw(painter, angle, out, &why);

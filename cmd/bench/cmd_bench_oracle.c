@@ -200,6 +200,7 @@ static enum status measure(struct bench *bench, struct measured *it, struct reas
 {
     static struct times times;
     for (size_t round = 0; round < bench->rounds; round++) {
+        progress_done(&bench->progress, round, bench->rounds, "these rounds");
         progress_step(&bench->progress, "%s, round %zu", it->spec, round);
         enum status status = one_round(it, round, &times, reason);
         if (status)

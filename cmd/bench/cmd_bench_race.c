@@ -175,6 +175,8 @@ enum status race_run(struct race *race, const struct ray *ray, size_t count, str
         for (size_t i = 0; i < race->count; i++) {
             struct contestant *c = &race->contestant[order[i]];
             struct trace_report report = {0};
+            progress_done(&bench->progress, round * race->count + i,
+                          (bench->rounds + 1) * race->count, "these rounds");
             progress_step(&bench->progress, "%s, round %zu of %llu", race->label, round,
                           (unsigned long long)bench->rounds);
             size_t rays = c->few ? race->few_count : count;

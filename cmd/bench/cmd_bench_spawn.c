@@ -188,6 +188,8 @@ static enum status play_rows(struct spawn_field *field, struct spawn_block *bloc
         struct spawn_row *row = &block->row[i];
         row->point = (enum spawn_point)(i / SPAWN_RULES);
         row->rule = (enum spawn_rule)(i % SPAWN_RULES);
+        progress_done(&field->bench->progress, i, (uint64_t)SPAWN_POINTS * SPAWN_RULES,
+                      "this table");
         progress_step(&field->bench->progress, "%s, scale %g, offset %g: %s", block->scene,
                       block->scale, block->far, spawn_rule_name(row->rule));
         enum status status = exact_row(field, i, row, reason);

@@ -2,6 +2,7 @@
 #include "cmd/check/cmd_check.h"
 
 #include "cmd/common/cmd_tree.h"
+#include "cmd/common/cmd_progress.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 #include "ref/match/original.h"
@@ -24,6 +25,7 @@ struct check_run {
     struct check_options options;
     struct pool pool;
     struct progress progress;
+    size_t rows;                     /* of a scene, at most */
     struct tree_file tree;           /* from --bvh; rows point to it */
     struct turnout turnout;          /* of the named members */
     const struct original *original; /* of the decoded scene in use; NULL: not decoded */
@@ -40,6 +42,7 @@ static enum status play_engine(struct check_run *check, struct match *match,
         for (size_t q = 0; q < o->query.count; q++) {
             struct row row;
             match_set(match, box_tests[o->box.index[b]], (enum query)o->query.index[q]);
+            progress_done(&check->progress, result->row_count, check->rows, "this scene");
             progress_step(&check->progress, "%s: %s %s %s", result->spec,
                           engine->needs_packed ? match->packed.layout->name : "-", engine->name,
                           query_name(match->options.query));
@@ -223,6 +226,9 @@ static int check_all(struct check_run *check, char *const *spec, size_t count)
         return EXIT_INTERNAL;
     const struct check_options *o = &check->options;
     const struct screen screen = screen_make(&o->screen);
+    const struct list_rows rows = {&o->engine, &o->tri, &o->box, o->bvh ? 1 : o->builder.count,
+                                   (o->layout_auto ? 1 : o->layout.count) * o->store.count};
+    check->rows = list_rows(&rows) * o->query.count;
     turnout_expect(&check->turnout, o->engine_named ? &o->engine : NULL, &o->engine,
                    o->layout_named && !o->layout_auto ? &o->layout : NULL);
     for (size_t i = 0; i < count; i++) {

@@ -3,6 +3,7 @@
 #include "cmd/common/cmd_screen.h"
 
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,10 +22,10 @@ const struct option_row screen_rows[] = {
     {0},
 };
 
-static unsigned terminal_width(void)
+unsigned screen_width(int file)
 {
     struct winsize size = {0};
-    if (!isatty(STDOUT_FILENO) || ioctl(STDOUT_FILENO, TIOCGWINSZ, &size))
+    if (!isatty(file) || ioctl(file, TIOCGWINSZ, &size))
         return SCREEN_WIDTH;
     return size.ws_col > SCREEN_WIDTH ? size.ws_col : SCREEN_WIDTH;
 }
@@ -39,7 +40,8 @@ static bool has_colours(unsigned color)
 
 struct screen screen_make(const struct screen_options *options)
 {
-    return (struct screen){terminal_width(), options->wide, has_colours(options->color)};
+    return (struct screen){screen_width(STDOUT_FILENO), options->wide, has_colours(options->color),
+                           isatty(STDOUT_FILENO) == 1};
 }
 
 void screen_paint(const struct screen *screen, enum paint paint)
@@ -49,8 +51,9 @@ void screen_paint(const struct screen *screen, enum paint paint)
         fputs(code[paint], stdout);
 }
 
-/* Prints a paragraph; words are never broken. */
-static void print_filled(const char *text, size_t width)
+/* Prints a paragraph; words are never broken. The first word has the colour. */
+static void print_filled(const struct screen *screen, const char *text, size_t width,
+                         enum paint paint)
 {
     size_t indent = strspn(text, " "), at = indent, next = indent ? indent + 2 : 4;
     printf("%*s", (int)indent, "");
@@ -63,7 +66,11 @@ static void print_filled(const char *text, size_t width)
             gap = 0;
             text += strspn(text, " ");
         }
+        if (first && paint)
+            screen_paint(screen, paint);
         printf("%.*s", (int)(gap + word), text);
+        if (first && paint)
+            screen_paint(screen, PAINT_PLAIN);
         at += gap + word;
         text += gap + word;
     }
@@ -80,7 +87,19 @@ void screen_text(const struct screen *screen, const char *format, ...)
     } else {
         vsnprintf(text, sizeof text, format, args);
         text[strcspn(text, "\n")] = '\0';
-        print_filled(text, screen->width);
+        print_filled(screen, text, screen->width, PAINT_PLAIN);
     }
     va_end(args);
+}
+
+void screen_record(const struct screen *screen, enum paint paint, const char *format, ...)
+{
+    char text[2048];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    text[strcspn(text, "\n")] = '\0';
+    bool fills = screen->terminal && !screen->wide;
+    print_filled(screen, text, fills ? screen->width : SIZE_MAX, paint);
 }

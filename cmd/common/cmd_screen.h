@@ -23,8 +23,12 @@ extern const struct option_row screen_rows[];
 
 struct screen {
     unsigned width;
-    bool wide, colour;
+    bool wide, colour, terminal;
 };
+
+/* The width of a terminal, at least SCREEN_WIDTH; of what is none, SCREEN_WIDTH. `file` is a file
+ * descriptor. */
+unsigned screen_width(int file);
 
 /* The standard output's width, if it is a terminal, else SCREEN_WIDTH. Colours are on with --color
  * always, or on a terminal unless --color never, NO_COLOR or TERM=dumb. */
@@ -40,6 +44,11 @@ void screen_paint(const struct screen *screen, enum paint paint);
  * newline. */
 void screen_text(const struct screen *screen, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+
+/* Prints a record, which other programs read by lines: as screen_text on a terminal, else as it is.
+ * The first word has the colour. At most 2047 bytes. */
+void screen_record(const struct screen *screen, enum paint paint, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /* A column of a table. */
 struct column {

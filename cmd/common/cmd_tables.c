@@ -1,4 +1,3 @@
-#define _POSIX_C_SOURCE 200809L
 #include "cmd/common/cmd_tables.h"
 
 #include "cmd/common/cmd_screen.h"
@@ -16,14 +15,8 @@
 #include "ref/store.h"
 
 #include <fnmatch.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
-
-#define PROGRESS_AFTER_NS 2000000000u
-#define PROGRESS_TTY_NS   200000000u
-#define PROGRESS_LOG_NS   10000000000u
 
 bool list_has(const struct list *list, size_t index)
 {
@@ -206,6 +199,15 @@ bool list_needs_trees(const struct list *list)
     return false;
 }
 
+size_t list_rows(const struct list_rows *rows)
+{
+    size_t packed = 0;
+    for (size_t e = 0; e < rows->engine->count; e++)
+        packed += engines[rows->engine->index[e]]->needs_packed;
+    return rows->tri->count * (packed * rows->trees * rows->storages * rows->box->count +
+                               rows->engine->count - packed);
+}
+
 void turnout_expect(struct turnout *turnout, const struct list *engine, const struct list *playing,
                     const struct list *layout)
 {
@@ -223,10 +225,7 @@ void turnout_print(const struct turnout *turnout, const struct screen *screen)
         if (!one->declines && !turnout_tells(one)) /* engines are always printed */
             continue;
         turnout_line(one, line, sizeof line);
-        if (screen)
-            screen_text(screen, "%s %s %s\n", one->kind, one->name, line);
-        else
-            printf("%s %s %s\n", one->kind, one->name, line);
+        screen_record(screen, PAINT_PLAIN, "%s %s %s\n", one->kind, one->name, line);
     }
 }
 
@@ -366,35 +365,4 @@ const char *stored_name(const struct layout *layout, const struct tri_store *sto
         return layout->name;
     snprintf(text, STORED_NAME_MOST, "%s:%s", layout->name, store->name);
     return text;
-}
-
-struct progress progress_make(const char *command)
-{
-    uint64_t now = time_ns();
-    return (struct progress){command, now, now, isatty(STDERR_FILENO) == 1, false};
-}
-
-void progress_step(struct progress *progress, const char *format, ...)
-{
-    uint64_t now = time_ns();
-    uint64_t pause = progress->terminal ? PROGRESS_TTY_NS : PROGRESS_LOG_NS;
-    if (now - progress->start_ns < PROGRESS_AFTER_NS || now - progress->last_ns < pause)
-        return;
-    progress->last_ns = now;
-    progress->shown = true;
-    fprintf(stderr, "%sraydiff %s: %.0f s: ", progress->terminal ? "\r\033[K" : "",
-            progress->command, (double)(now - progress->start_ns) * 1e-9);
-    va_list args;
-    va_start(args, format);
-    vfprintf(stderr, format, args);
-    va_end(args);
-    fputs(progress->terminal ? "" : "\n", stderr);
-    fflush(stderr);
-}
-
-void progress_end(struct progress *progress)
-{
-    if (progress->shown && progress->terminal)
-        fputs("\r\033[K", stderr);
-    progress->shown = false;
 }

@@ -1,5 +1,5 @@
 /* The tables of the product as a user names them: access to all by one switch, lists such as
- * "f32,rf16" or "all", and progress on the terminal. For commands only. */
+ * "f32,rf16" or "all". For commands only. */
 #ifndef CMD_TABLES_H
 #define CMD_TABLES_H
 
@@ -67,13 +67,21 @@ void list_expect(enum table table, const struct list *list, struct turnout *turn
 /* True if an engine of the list uses trees, so that layouts and builders can answer. */
 bool list_needs_trees(const struct list *engine);
 
+/* The number of rows that a run over all these members has at most, to know how far it has come.
+ * Engines without a tree have a row a triangle test. */
+struct list_rows {
+    const struct list *engine, *tri, *box;
+    size_t trees, storages; /* builders; layouts times storages */
+};
+size_t list_rows(const struct list_rows *rows);
+
 /* Enters the named engines and layouts (NULL: none was named). Layouts are entered only if an
  * engine of `playing` uses trees. */
 void turnout_expect(struct turnout *turnout, const struct list *engine, const struct list *playing,
                     const struct list *layout);
 
-/* Prints a line for each engine and for each other member that did not answer all. They fit
- * `screen` (NULL: are not broken). */
+/* Prints a record (screen_record) for each engine and for each other member that did not answer
+ * all. */
 struct screen;
 void turnout_print(const struct turnout *turnout, const struct screen *screen);
 
@@ -94,18 +102,5 @@ enum status table_parse_one(enum table table, const char *flag, const char *text
 #define STORED_NAME_MOST 160
 const char *stored_name(const struct layout *layout, const struct tri_store *store,
                         char text[STORED_NAME_MOST]);
-
-/* Prints progress on stderr once a command has run for 2 seconds: on a terminal one line that is
- * overwritten, else a line every 10 seconds. */
-struct progress {
-    const char *command;
-    uint64_t start_ns, last_ns;
-    bool terminal, shown;
-};
-
-struct progress progress_make(const char *command);
-void progress_step(struct progress *progress, const char *format, ...) PRINTF_LIKE(2, 3);
-/* Clears the line. */
-void progress_end(struct progress *progress);
 
 #endif

@@ -1,5 +1,6 @@
 /* raydiff conform: the conformance suite. Trial names are built from the tables. */
 #include "cmd/common/cmd_rows.h"
+#include "cmd/common/cmd_progress.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 #include "cmd/conform/cmd_conform_hard.h"
@@ -95,7 +96,7 @@ static const struct option_set set = {
         "A name is query.engine.layout.builder.box.tri.scene.rays.seed, with '-' where an engine "
         "has no tree; it is the reproduction.",
     .group = {GROUP(rows), GROUP_AT(displacement_rows, demands), GROUP_AT(engine_rows, engines),
-              GROUP_AT(outside_rows, engines)},
+              GROUP_AT(outside_rows, engines), GROUP_AT(screen_rows, screen)},
     .codes = "0 passed, 1 a trial failed, 2 usage or nothing matches, 3 engine failed, 77 "
              "everything was skipped",
     .example = "conform 'closest.vulkan.rf16.median.robust.woop.sphere.*'",
@@ -122,6 +123,7 @@ static void run_suite(const struct conform_options *o, const struct suite *suite
         struct reason reason = {""};
         const struct trial *trial = &suite->trial[i];
         trial_print(trial, name);
+        progress_done(&progress, i - first, suite->count - first, NULL);
         if (!o->tap)
             progress_step(&progress, "%zu of %zu: %s", i + 1, suite->count, name);
         uint64_t start = time_ns();
@@ -148,6 +150,19 @@ static int list_suite(const struct suite *suite)
     return EXIT_AGREE;
 }
 
+static void print_pairs(const struct conform_options *o, const struct conform_report *report,
+                        size_t pairs, size_t unmet, const char *example)
+{
+    static const char only[] = "of them only in trials that were refused or skipped";
+    const char *before = unmet ? ": " : "";
+    if (o->tap)
+        fprintf(stderr, "%zu pairs of members met, %zu %s%s%s\n", pairs, unmet, only, before,
+                example);
+    else
+        screen_record(&report->screen, PAINT_PLAIN, "%zu pairs of members met, %zu %s%s%s\n", pairs,
+                      unmet, only, before, example);
+}
+
 /* Pairs that met only in trials that did not run get another trial, with the other members that run
  * with most. Pairs still left after that cannot meet. */
 static enum status fill_and_print(const struct conform_options *o, struct suite *suite,
@@ -165,10 +180,7 @@ static enum status fill_and_print(const struct conform_options *o, struct suite 
     run_suite(o, suite, first, report, *ran, use);
     status = suite_pairs(suite, *ran, &pairs, &unmet, example, sizeof example, NULL);
     if (!status)
-        fprintf(o->tap ? stderr : stdout,
-                "%zu pairs of members met, %zu of them only in trials that were refused or "
-                "skipped%s%s\n",
-                pairs, unmet, unmet ? ": " : "", example);
+        print_pairs(o, report, pairs, unmet, example);
     return status;
 }
 
@@ -271,10 +283,11 @@ static int check_use(const struct conform_options *o, bool hard)
          .never =
              o->list_only
                  ? "count brute require displacement waivers verbose tap junit summary markdown "
-                   "html threads driver device workgroup peer-time peer-memory"
+                   "html threads driver device workgroup peer-time peer-memory wide color"
                  : ""},
         {.by = "a PATTERN, whose trials are all played", .never = o->pattern ? "all" : ""},
-        {.by = "--tap, which has a line per trial", .never = o->tap ? "verbose summary" : ""},
+        {.by = "--tap, which has a line per trial",
+         .never = o->tap ? "verbose summary wide color" : ""},
         {.engine = o->list[TABLE_ENGINES].count ? &o->list[TABLE_ENGINES] : &engine,
          .layout = o->list[TABLE_LAYOUTS].count ? &o->list[TABLE_LAYOUTS] : &layout},
     };

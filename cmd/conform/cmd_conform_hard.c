@@ -1,4 +1,5 @@
 #include "cmd/conform/cmd_conform_hard.h"
+#include "cmd/common/cmd_progress.h"
 
 #include "ref/base/command.h"
 #include "ref/files/file.h"
@@ -236,6 +237,7 @@ static enum status run_suite(struct hard_run *run, const struct hard_suite *suit
     for (size_t i = 0; i < suite->count && status == STATUS_OK; i++) {
         const struct one *one = &suite->one[i];
         struct hard_result result;
+        progress_done(&progress, i, suite->count, NULL);
         if (!tap)
             progress_step(&progress, "%zu of %zu: %02u-%s", i + 1, suite->count, one->hard->number,
                           one->hard->name);

@@ -39,6 +39,7 @@ enum status conform_report_open(struct conform_report *report, const struct conf
                                       .complete = complete,
                                       .verbose = o->verbose,
                                       .tap = o->tap,
+                                      .screen = screen_make(&o->screen),
                                       .options = o->engines,
                                       .start_ns = time_ns()};
     enum status status =
@@ -85,7 +86,8 @@ static void print_entry(const struct conform_report *report, const struct ci_cas
         ci_tap_case(stdout, report->done, one);
     } else if (outcome == OUTCOME_FAILED || report->verbose ||
                (outcome == OUTCOME_WAIVED && !report->quiet)) {
-        printf("%-7s %s: %s\n", words[outcome], one->name, why);
+        screen_record(&report->screen, outcome == OUTCOME_FAILED ? PAINT_BAD : PAINT_DIM,
+                      "%-7s %s: %s\n", words[outcome], one->name, why);
     }
 }
 
@@ -156,14 +158,14 @@ static enum matrix_outcome decide(enum status status, const struct row *row,
     return row->differences ? OUTCOME_FAILED : OUTCOME_PASSED;
 }
 
-static void print_findings(const struct row *row)
+static void print_findings(const struct screen *screen, const struct row *row)
 {
     for (size_t i = 0; i < row->finding_count; i++) {
         const struct finding *f = &row->finding[i];
         char line[512];
         finding_line(f, line, sizeof line);
-        printf("        ray %zu (%s) %s\n", f->ray_index,
-               f->bits ? "not cpu's bits" : wrong_name(f->judgement.wrong), line);
+        screen_record(screen, PAINT_PLAIN, "        ray %zu (%s) %s\n", f->ray_index,
+                      f->bits ? "not cpu's bits" : wrong_name(f->judgement.wrong), line);
     }
 }
 
@@ -203,7 +205,7 @@ void conform_report_add(struct conform_report *report, const char *name, enum st
     for (int v = 0; v < VERDICT_COUNT; v++)
         report->count[v] += row->count[v];
     if (outcome == OUTCOME_FAILED && !report->tap)
-        print_findings(row);
+        print_findings(&report->screen, row);
 }
 
 static void judge_waivers(struct conform_report *report)
@@ -217,14 +219,15 @@ static void judge_waivers(struct conform_report *report)
             continue;
         if (fault == WAIVER_GONE) {
             if (!report->tap && report->verbose)
-                printf("NOTE    %s:%zu: '%s' no longer occurs in a version other than %s\n",
-                       report->waivers.path, w->line, w->pattern, w->version);
+                screen_record(&report->screen, PAINT_PLAIN,
+                              "NOTE    %s:%zu: '%s' no longer occurs in a version other than %s\n",
+                              report->waivers.path, w->line, w->pattern, w->version);
             continue;
         }
-        printf("%s%s:%zu: waiver '%s' %s\n", report->tap ? "# " : "FAILED  ", report->waivers.path,
-               w->line, w->pattern,
-               fault == WAIVER_NOTHING ? "matches nothing: correct or remove it"
-                                       : "excused no failing trial: remove it");
+        screen_record(&report->screen, PAINT_BAD, "%s%s:%zu: waiver '%s' %s\n",
+                      report->tap ? "# " : "FAILED  ", report->waivers.path, w->line, w->pattern,
+                      fault == WAIVER_NOTHING ? "matches nothing: correct or remove it"
+                                              : "excused no failing trial: remove it");
         report->outcomes[OUTCOME_FAILED]++;
         report->code = exit_worse(report->code, EXIT_MISMATCH);
     }
@@ -235,7 +238,7 @@ static void judge_turnout(struct conform_report *report)
 {
     static const enum ci_state state[] = {[EXIT_AGREE] = CI_PASSED, [EXIT_MISMATCH] = CI_FAILED};
     if (!report->tap)
-        turnout_print(&report->turnout, NULL);
+        turnout_print(&report->turnout, &report->screen);
     for (size_t i = 0; i < report->turnout.count; i++) {
         const struct turnout_one *one = &report->turnout.one[i];
         char name[TURNOUT_NAME_MOST + 40], line[512];
@@ -273,19 +276,30 @@ static void judge_ran(struct conform_report *report)
 
 static void print_sums(const struct conform_report *report)
 {
-    printf("%zu rays judged:", report->rays);
+    const struct screen *screen = &report->screen;
+    char line[512];
+    snprintf(line, sizeof line, "%zu rays judged:", report->rays);
     for (enum verdict v = 0; v < VERDICT_COUNT; v++)
-        printf(" %s %zu", verdict_name(v), report->count[v]);
+        text_append(line, sizeof line, " %s %zu", verdict_name(v), report->count[v]);
+    screen_record(screen, PAINT_PLAIN, "%s\n", line);
     if (report->excused)
-        printf("\n%zu rays more in trials that are waived or show a known defect", report->excused);
-    printf("\n%zu trials in %.1f s, %zu waived", report->done - report->turnout.count,
+        screen_record(screen, PAINT_PLAIN,
+                      "%zu rays more in trials that are waived or show a known defect\n",
+                      report->excused);
+    printf("%zu trials in %.1f s, %zu waived", report->done - report->turnout.count,
            (double)(time_ns() - report->start_ns) * 1e-9, report->outcomes[OUTCOME_WAIVED]);
     if (report->outcomes[OUTCOME_KNOWN])
         printf(", %zu show a known defect", report->outcomes[OUTCOME_KNOWN]);
-    printf("\n%zu passed, %zu failed, %zu skipped\n",
+    putchar('\n');
+    screen_paint(screen, report->code == EXIT_AGREE     ? PAINT_GOOD
+                         : report->code == EXIT_SKIPPED ? PAINT_DIM
+                                                        : PAINT_BAD);
+    printf("%zu passed, %zu failed, %zu skipped",
            report->outcomes[OUTCOME_PASSED] + report->outcomes[OUTCOME_KNOWN],
            report->outcomes[OUTCOME_FAILED],
            report->outcomes[OUTCOME_SKIPPED] + report->outcomes[OUTCOME_REFUSED]);
+    screen_paint(screen, PAINT_PLAIN);
+    putchar('\n');
 }
 
 int conform_report_close(struct conform_report *report)

@@ -2,6 +2,7 @@
 #ifndef CMD_CONFORM_REPORT_H
 #define CMD_CONFORM_REPORT_H
 
+#include "cmd/common/cmd_screen.h"
 #include "cmd/common/cmd_tables.h"
 #include "ref/match/turnout.h"
 #include "tests/hard/matrix.h"
@@ -17,6 +18,7 @@ struct conform_options {
     struct match_demands demands;
     uint64_t count, brute;
     struct engine_options engines;
+    struct screen_options screen;
 };
 
 struct conform_report {
@@ -29,6 +31,7 @@ struct conform_report {
     bool quiet; /* do not print waived entries: a matrix shows them */
     int code;
     uint64_t start_ns;
+    struct screen screen;
     struct engine_options options; /* for the engines whose versions waivers name */
     struct turnout turnout;        /* of the named members */
     struct waivers waivers;

@@ -2,6 +2,7 @@
 #include "cmd/diff/cmd_diff.h"
 
 #include "cmd/common/cmd_use.h"
+#include "cmd/common/cmd_progress.h"
 #include "ref/base/command.h"
 #include "scenes/picture/image_diff.h"
 

@@ -4,6 +4,7 @@
 
 #include "cmd/fuzz/cmd_replay.h"
 #include "cmd/common/cmd_rows.h"
+#include "cmd/common/cmd_progress.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 

@@ -33,7 +33,8 @@ static const struct option_set set = {
              "and prints whether what a file expects is still there: its signature, or of a clean "
              "one anything wrong. Every engine runs in a child process; one that crashes or hangs "
              "is reported.",
-    .group = {GROUP(rows), GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines)},
+    .group = {GROUP(rows), GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines),
+              GROUP_AT(screen_rows, screen)},
     .codes = "0 no file fails any more, 1 one still fails, 2 bad input, 3 an engine crashed or "
              "hung where that was not expected, 77 the file's engine cannot run here",
     .example = "replay fuzz/corpus/rounded-inward.trial",
@@ -226,12 +227,13 @@ static int replay_all(const struct replay_options *options, struct replay_file *
                       struct turnout *turnout)
 {
     struct replay_worker worker = {.options = options, .files = files};
+    const struct screen screen = screen_make(&options->screen);
     int code = EXIT_AGREE;
     if (options->any_engine && !options->engine.all && !options->engine.every)
         list_expect(TABLE_ENGINES, &options->engine, turnout);
     for (size_t i = 0; i < count; i++) {
         play_file(&worker, i);
-        replay_print(options, &files[i]);
+        replay_print(&screen, options->brief, &files[i]);
         fflush(stdout); /* the child prints the page to the same stream */
         if (!options->brief)
             print_page(&worker, i);
@@ -240,7 +242,7 @@ static int replay_all(const struct replay_options *options, struct replay_file *
     }
     replay_end(&worker);
     if (!options->brief || turnout_exit(turnout))
-        turnout_print(turnout, NULL);
+        turnout_print(turnout, &screen);
     return exit_worse(code, turnout_exit(turnout));
 }
 

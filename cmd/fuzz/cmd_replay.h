@@ -2,6 +2,7 @@
 #ifndef FUZZ_CMD_REPLAY_H
 #define FUZZ_CMD_REPLAY_H
 
+#include "cmd/common/cmd_screen.h"
 #include "cmd/common/cmd_tables.h"
 #include "ref/outside/child.h"
 #include "fuzz/findings/finding_file.h"
@@ -50,6 +51,7 @@ struct replay_options {
     unsigned seconds;
     bool brief, as_expected;
     const char *json;
+    struct screen_options screen;
 };
 
 /* Finds the engine of the file's signature. Errors: STATUS_INPUT it is not available; *out is
@@ -95,8 +97,8 @@ void replay_versions(struct replay_worker *worker, size_t i);
 /* Ends the child, if one was started. */
 void replay_end(struct replay_worker *worker);
 
-/* Prints one file's results without pages. */
-void replay_print(const struct replay_options *options, const struct replay_file *file);
+/* Prints one file's results without pages; briefly if `brief`. */
+void replay_print(const struct screen *screen, bool brief, const struct replay_file *file);
 
 /* Errors: STATUS_INPUT the file cannot be written; STATUS_MEMORY. */
 enum status replay_write_json(const char *path, const struct replay_file *file, size_t count,

@@ -69,73 +69,90 @@ void replay_plugins(const struct findings *findings, char *text, size_t text_byt
     }
 }
 
-static void print_lines(const char *title, const char *lines)
+static void print_lines(const struct screen *screen, const char *title, const char *lines)
 {
     for (const char *at = lines; *at;) {
         size_t length = strcspn(at, "\n");
-        printf("  %-8s %.*s\n", at == lines ? title : "", (int)length, at);
+        screen_record(screen, PAINT_PLAIN, "  %-8s %.*s\n", at == lines ? title : "", (int)length,
+                      at);
         at += length + (at[length] == '\n');
     }
 }
 
-static void print_played(const struct replay_file *file, const struct replay_played *played)
+static void print_finding(const struct screen *screen, const struct replay_file *file,
+                          const struct replay_played *played, size_t i, const char *who)
 {
-    printf("  %-13s %-13s ", played->who.engine->name,
-           played->who.layout ? played->who.layout->name : "-");
-    if (played->fate != REPLAYED) {
-        printf("%s: %s%s\n", fate_name(played->fate), played->reason,
-               played->crashed_as_expected ? ", as expected" : "");
-        return;
-    }
-    if (played->finding_count == 0)
-        puts("nothing wrong");
-    for (size_t i = 0; i < played->finding_count; i++) {
-        const struct fuzz_finding *finding = &played->finding[i];
-        char text[512];
-        replay_finding_line(&file->file.trial, finding, text, sizeof text);
-        if (i > 0)
-            printf("  %-13s %-13s ", "", "");
-        printf("%s %s", fuzz_kind_name(finding->signature.kind),
-               cause_name(finding->signature.cause));
-        if (finding->said[0])
-            printf(", %s", finding->said);
-        else if (text[0])
-            printf(", ray %u %s", finding->ray, text);
-        puts(file->file.has_signature && i == played->expected ? " <- expected" : "");
+    const struct fuzz_finding *finding = &played->finding[i];
+    char text[512], what[600] = "";
+    replay_finding_line(&file->file.trial, finding, text, sizeof text);
+    if (finding->said[0])
+        snprintf(what, sizeof what, ", %s", finding->said);
+    else if (text[0])
+        snprintf(what, sizeof what, ", ray %u %s", finding->ray, text);
+    screen_record(screen, PAINT_PLAIN, "  %s %s %s%s%s\n", who,
+                  fuzz_kind_name(finding->signature.kind), cause_name(finding->signature.cause),
+                  what, file->file.has_signature && i == played->expected ? " <- expected" : "");
+}
+
+static void print_played(const struct screen *screen, const struct replay_file *file,
+                         const struct replay_played *played)
+{
+    char who[160];
+    snprintf(who, sizeof who, "%-13s %-13s", played->who.engine->name,
+             played->who.layout ? played->who.layout->name : "-");
+    if (played->fate != REPLAYED)
+        screen_record(screen, PAINT_PLAIN, "  %s %s: %s%s\n", who, fate_name(played->fate),
+                      played->reason, played->crashed_as_expected ? ", as expected" : "");
+    else if (played->finding_count == 0)
+        screen_record(screen, PAINT_PLAIN, "  %s nothing wrong\n", who);
+    for (size_t i = 0; i < played->finding_count && played->fate == REPLAYED; i++) {
+        print_finding(screen, file, played, i, who);
+        snprintf(who, sizeof who, "%-13s %-13s", "", "");
     }
 }
 
-void replay_print(const struct replay_options *options, const struct replay_file *file)
+static void print_head(const struct screen *screen, const struct replay_file *file)
+{
+    char text[FUZZ_SIGNATURE_MOST];
+    expectation(&file->file, text);
+    screen_record(screen,
+                  file->code == EXIT_AGREE     ? PAINT_GOOD
+                  : file->code == EXIT_SKIPPED ? PAINT_DIM
+                                               : PAINT_BAD,
+                  "%s: %s: %s\n", file->path, text, outcome(file));
+}
+
+void replay_print(const struct screen *screen, bool brief, const struct replay_file *file)
 {
     const struct fuzz_trial *trial = &file->file.trial;
     const struct fuzz_origin *origin = &trial->origin;
-    char text[FUZZ_SIGNATURE_MOST];
-    expectation(&file->file, text);
-    printf("%s: %s: %s\n", file->path, text, outcome(file));
-    if (options->brief) { /* unexpected results only */
+    print_head(screen, file);
+    if (brief) { /* unexpected results only */
         for (size_t i = 0; i < file->played_count; i++) {
             const struct replay_played *played = &file->played[i];
             if (played->fate >= REPLAY_CRASHED ||
                 (!file->file.has_signature && played->finding_count > 0))
-                print_played(file, played);
+                print_played(screen, file, played);
         }
         return;
     }
-    printf(
-        "  trial    %u triangle%s, %u ray%s, builder %s, leaf %u, box %s, triangle %s, query %s\n",
-        trial->scene.tri_count, plural(trial->scene.tri_count), trial->ray_count,
-        plural(trial->ray_count), trial->builder->name, trial->build.leaf, trial->box->name,
-        trial->tri->name, query_name(trial->query));
+    screen_record(screen, PAINT_PLAIN,
+                  "  trial    %u triangle%s, %u ray%s, builder %s, leaf %u, box %s, triangle %s, "
+                  "query %s\n",
+                  trial->scene.tri_count, plural(trial->scene.tri_count), trial->ray_count,
+                  plural(trial->ray_count), trial->builder->name, trial->build.leaf,
+                  trial->box->name, trial->tri->name, query_name(trial->query));
     if (origin->recipe[0])
-        printf("  made as  %s\n", origin->recipe);
+        screen_record(screen, PAINT_PLAIN, "  made as  %s\n", origin->recipe);
     if (origin->version > 0)
-        printf("  from     seed %llu, trial %llu of stream %s, generators %u\n",
-               (unsigned long long)origin->seed, (unsigned long long)origin->index,
-               origin->mutated ? "mut" : "gen", origin->version);
+        screen_record(screen, PAINT_PLAIN,
+                      "  from     seed %llu, trial %llu of stream %s, generators %u\n",
+                      (unsigned long long)origin->seed, (unsigned long long)origin->index,
+                      origin->mutated ? "mut" : "gen", origin->version);
     for (size_t i = 0; i < file->played_count; i++)
-        print_played(file, &file->played[i]);
-    print_lines("then", file->file.versions);
-    print_lines("now", file->now);
+        print_played(screen, file, &file->played[i]);
+    print_lines(screen, "then", file->file.versions);
+    print_lines(screen, "now", file->now);
 }
 
 static json_t *finding_json(const struct replay_file *file, const struct replay_played *played,

@@ -3,6 +3,7 @@
 #define CMD_LEAKS_H
 
 #include "cmd/common/cmd_screen.h"
+#include "cmd/common/cmd_progress.h"
 #include "ref/judge/leaks.h"
 #include "ref/match/turnout.h"
 #include "scenes/rays/rays_inside.h"

@@ -15,6 +15,7 @@ struct play {
     const struct leaks_options *options;
     struct pool *pool;
     struct progress *progress;
+    size_t rows; /* at most */
     struct leak_scene *result;
     struct scene scene;
     struct topology topology;
@@ -109,6 +110,7 @@ void leak_row_judge(struct leak_row *row, const struct leak_profile *profile)
 static enum status play_row(struct play *play, struct leak_row row, struct reason *reason)
 {
     char text[STORED_NAME_MOST];
+    progress_done(play->progress, play->result->row_count, play->rows, "this scene");
     progress_step(play->progress, "%s: %s %s %s", play->result->spec,
                   stored_name(row.layout, row.store, text), row.engine->name, row.tri->name);
     count_row(play, &row);
@@ -204,6 +206,9 @@ static enum status play_rows(struct play *play, struct reason *reason)
 {
     const struct leaks_options *o = play->options;
     struct leak_row row = {.builder = &tree_file_builder, .box = box_tests[o->box.index[0]]};
+    const struct list_rows rows = {&o->engine, &o->tri, &o->box, o->bvh ? 1 : o->builder.count,
+                                   o->layout.count * o->store.count};
+    play->rows = list_rows(&rows);
     if (o->bvh)
         return play_tree(play, NULL, row, true, reason);
     enum status status = STATUS_OK;

@@ -2,6 +2,7 @@
 #include "cmd/render/cmd_render.h"
 
 #include "cmd/common/cmd_use.h"
+#include "cmd/common/cmd_progress.h"
 #include "ref/base/command.h"
 #include "ref/base/text.h"
 #include "cmd/common/cmd_process.h"
@@ -126,9 +127,18 @@ static enum status canvas_make(const struct render *r, const struct render_stage
     return STATUS_OK;
 }
 
+/* How far a run has come. */
+struct drawing {
+    struct progress progress;
+    uint32_t done, of; /* pictures */
+};
+
 static void show_progress(void *user, double share)
 {
-    progress_step(user, "%.0f %% of a picture", 100 * share);
+    struct drawing *drawing = user;
+    progress_done(&drawing->progress, (uint64_t)(1000 * (drawing->done + share)),
+                  1000 * (uint64_t)drawing->of, NULL);
+    progress_step(&drawing->progress, "%.0f %% of a picture", 100 * share);
 }
 
 static enum status draw_one(const struct render *r, const struct render_stage *stage,
@@ -178,8 +188,9 @@ static enum status draw_all(const struct render *r, const struct render_stage *s
                             struct paths_out *paths, struct frame_record *record, uint32_t *done,
                             struct reason *reason)
 {
-    struct progress progress = progress_make("render");
-    renderer_watch(renderer, show_progress, &progress);
+    struct drawing drawing = {progress_make("render"), 0, r->frames};
+    struct progress *progress = &drawing.progress;
+    renderer_watch(renderer, show_progress, &drawing);
     enum status status = STATUS_OK;
     for (*done = 0; *done < r->frames && !caught && !status; ++*done) {
         struct frame_record *one = &record[*done];
@@ -189,12 +200,13 @@ static enum status draw_all(const struct render *r, const struct render_stage *s
         if (paths)
             paths_add(paths, *done + 1, stage, canvas->segment);
         if (r->frames == 1) {
-            progress_end(&progress);
+            progress_end(progress);
             print_one(stage, one);
         }
-        progress_step(&progress, "%u of %u pictures", *done + 1, r->frames);
+        drawing.done = *done + 1;
+        progress_step(progress, "%u of %u pictures", *done + 1, r->frames);
     }
-    progress_end(&progress);
+    progress_end(progress);
     process_signal_taken();
     if (!status && r->frames > 1) {
         uint64_t ns = 0;

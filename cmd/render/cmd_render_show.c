@@ -1,5 +1,6 @@
 /* raydiff render --show: shows what determines a picture in false colours. */
 #include "cmd/render/cmd_render_show.h"
+#include "cmd/common/cmd_progress.h"
 
 #include "ref/base/nearest_name.h"
 #include "ref/base/command.h"

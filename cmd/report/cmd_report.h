@@ -4,6 +4,7 @@
 
 #include "bench/report/report.h"
 #include "cmd/common/cmd_tables.h"
+#include "cmd/common/cmd_progress.h"
 
 #define LINE_WORDS      64
 #define LINE_TEXT_BYTES 4096

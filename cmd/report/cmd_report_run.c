@@ -143,16 +143,18 @@ static void obey(struct child *parent, void *user)
         _exit(EXIT_INTERNAL); /* no output is left to report the error */
 }
 
-/* Reads the child's standard error without progress lines such as "raydiff check: 10 s: ...". */
+/* Reads the child's standard error without progress lines such as "raydiff check: 10 s: ..."
+ * and "raydiff check: 10 s, about 5 s left: ...". */
 static void read_said(const char *path, struct run *run)
 {
     char line[RUN_SAID_MOST];
     FILE *file = fopen(path, "re");
     while (file && fgets(line, sizeof line, file)) {
         unsigned seconds;
-        char name[16];
+        char name[16], next;
         size_t used = strlen(run->said);
-        if (sscanf(line, "raydiff %15[a-z]: %u s: ", name, &seconds) == 2)
+        if (sscanf(line, "raydiff %15[a-z]: %u s%c", name, &seconds, &next) == 3 &&
+            (next == ':' || next == ','))
             continue;
         snprintf(run->said + used, sizeof run->said - used, "%s", line);
     }

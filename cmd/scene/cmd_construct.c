@@ -3,6 +3,7 @@
 #include "cmd/scene/cmd_construct.h"
 
 #include "cmd/common/cmd_rows.h"
+#include "cmd/common/cmd_progress.h"
 #include "ref/base/command.h"
 #include "scenes/scenes.h"
 

@@ -136,12 +136,12 @@ walk 'scene info soup:n=9' 'json seed=3'
 walk 'list builders' ''
 trial=fuzz/corpus/slot-not-read.trial
 walk "export $trial --form text" 'to=@ ~form=text engine=embree ~ray=0'
-walk "replay $trial --engine cpu" 'engine=brute layout=f32 ~time=9 brief as-expected json=@ ~threads=1'
+walk "replay $trial --engine cpu" 'engine=brute layout=f32 ~time=9 brief as-expected json=@ ~threads=1 ~wide color=always'
 walk "min $trial --asks 5 --out $files/m.trial" \
     'out=@ ~force asks=6 ~time=9 ~trial-time=9 ~memory=999 ~engine=cpu json=@ ~threads=1'
 # Suites, campaigns, measurements, pictures.
 walk 'conform closest.cpu.f32.median.robust.mt.soup.random.1' "list count=70 ~brute=300 ~waivers=$dir/waivers ~require=cpu verbose tap junit=@
-    ~threads=1"
+    ~threads=1 ~wide color=always"
 walk 'conform hard.01-* --list --engine cpu' 'engine=brute layout=rf16 builder=ploc box=watertight tri=woop ~list ~hard
     ~quick'
 walk 'bench builders --scene soup:n=40 --rounds 1 --threads 1' 'scene=soup:n=41 ~rounds=2 csv=@ json=@ threads=2'

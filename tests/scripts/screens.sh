@@ -21,7 +21,7 @@ on_terminal() {
 }
 plain() { sed 's/\x1b\[[0-9;]*[mK]//g' "$1"; }
 # Times differ from run to run, and with them the width of their columns.
-masked() { plain "$1" | awk '/^    / { sub(/^ */, " "); line = line $0; next } NR > 1 { print line } { line = $0 } END { print line }' | sed -E 's/[0-9]+\.[0-9]{3}(-[0-9]+\.[0-9]{3})?/#/g; s/[0-9]+\.[0-9]+ times (its|the) speed/# times/; s/ +/ /g; s/ $//'; }
+masked() { plain "$1" | awk '/^    / { sub(/^ */, " "); line = line $0; next } NR > 1 { print line } { line = $0 } END { print line }' | sed -E 's/ in [0-9.]+ s,/ in # s,/; s/[0-9]+\.[0-9]{3}(-[0-9]+\.[0-9]{3})?/#/g; s/[0-9]+\.[0-9]+ times (its|the) speed/# times/; s/ +/ /g; s/ $//'; }
 
 # name, arguments
 screen() {
@@ -37,13 +37,23 @@ screen() {
         masked "$page" >"$dir/wanted"
         masked "$dir/screen" >"$dir/got"
         cmp -s "$dir/wanted" "$dir/got" || { bad "$page is not what is printed"; diff "$dir/wanted" "$dir/got" | head -5; }
-        sed 's/agrees/Agrees/; s/kept/Kept/' "$dir/got" >"$dir/other"
+        sed 's/agrees/Agrees/; s/kept/Kept/; s/passed/Passed/; s/FAILS/Fails/' "$dir/got" >"$dir/other"
         cmp -s "$dir/wanted" "$dir/other" && bad "$page: a changed line is not noticed"
     done
 }
 few='--count 2000 --repeat 2 --threads 1'
 screen check check sphere --layout f32,rf16,cwbvh80,rtrs_rf --engine cpu,vulkan,fast "$few"
 screen leaks leaks sphere:n=8 --layout f32 --engine cpu,vulkan,embree,embree_robust --tri mt,woop --box watertight --count 2000 --threads 1
+screen conform conform "'*.f32.median.robust.mt.platonic.primary.1'" --engine cpu,fast --count 50 --threads 1
+screen replay replay fuzz/corpus/rounded-inward.trial --engine cpu,embree --threads 1 --brief
+
+# Progress fits the terminal, and says about how long the rest takes: as long as what is done took.
+TERM=xterm script -qec "stty cols 80; timeout 4 '$raydiff' conform --count 400 --threads 1" /dev/null </dev/null | tr '\r' '\n' | grep left | plain /dev/stdin >"$dir/progress"
+awk -F '[ ,:]+' '
+    length($0) > 79 { print "longer than the terminal: " $0; bad = 1 }
+    { rest = $3 * ($11 - $9 + 1) / ($9 - 1); lines++ }
+    $5 "" != "about" || $6 < rest * 0.7 - 2 || $6 > rest * 1.4 + 2 { print "not about " rest " s: " $0; bad = 1 }
+    END { exit bad || lines < 2 }' "$dir/progress" || bad 'progress'
 
 # Colours: on terminals, as --color and NO_COLOR tell; never in a pipe by itself.
 escape=$(printf '\033')

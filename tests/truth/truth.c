@@ -7,6 +7,7 @@
  * DIR. Exit: 0 nothing overturned and no WRONG of cpu or vulkan on f32 or rf16; 1 otherwise; 2 bad
  * input; 3 an engine failed; 4 no memory. */
 #include "cmd/common/cmd_rows.h"
+#include "cmd/common/cmd_progress.h"
 #include "ref/base/command.h"
 #include "ref/files/file.h"
 #include "scenes/rays/rays.h"
