@@ -53,6 +53,11 @@ $(B)/tests/test_adversaries: $(addprefix $(B)/obj/tests/adversaries/,cheats.o ou
 $(B)/tests/test_out_of_memory $(B)/tests/test_memory: TEST_LIBS += \
     -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 
+# A Vulkan within the program, which the loader of the library finds in it.
+FAKE_VULKAN_TESTS := $(addprefix $(B)/tests/test_vulkan_,faults)
+$(FAKE_VULKAN_TESTS): $(addprefix $(B)/obj/tests/gpu/,fake_vulkan.o fake_vulkan_device.o fake_vulkan_command.o)
+$(FAKE_VULKAN_TESTS): TEST_LIBS += -rdynamic
+
 # The campaign of truth. It needs GMP, so it is not part of the program.
 TRUTH_OBJ := $(patsubst %.c,$(B)/obj/%.o,$(wildcard tests/truth/*.c tests/exact/exact_gmp*.c) \
                $(wildcard cmd/common/cmd_rows*.c) $(addprefix cmd/common/cmd_,tables.c options.c progress.c screen.c))

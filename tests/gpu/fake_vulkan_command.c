@@ -1,0 +1,339 @@
+/* What is recorded, and what shaders are made of. Copies are made at once. */
+#include "tests/gpu/fake_vulkan.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define UNUSED (void)a, (void)fake_what(device, FAKE_DEVICE)
+#define NEW(type, kind)                                                                            \
+    VkResult result = fake_call(__func__);                                                         \
+    if (!result)                                                                                   \
+        *out = (type)fake_make(kind, NULL);                                                        \
+    return result
+
+/* What is bound to the command buffer. */
+static struct {
+    struct fake_object *pipeline, *set;
+    uint32_t push_bytes, push[32];
+} now;
+
+void fake_unbind(void)
+{
+    memset(&now, 0, sizeof now);
+}
+
+static VkResult vkCreateShaderModule(VkDevice device, const VkShaderModuleCreateInfo *info,
+                                     const VkAllocationCallbacks *a, VkShaderModule *out)
+{
+    UNUSED;
+    if (info->codeSize < 20 || info->codeSize % 4 || info->pCode[0] != 0x07230203)
+        fake_wrong("a module that is no SPIR-V");
+    NEW(VkShaderModule, FAKE_MODULE);
+}
+
+static void vkDestroyShaderModule(VkDevice device, VkShaderModule module,
+                                  const VkAllocationCallbacks *a)
+{
+    UNUSED;
+    fake_drop(module, FAKE_MODULE);
+}
+
+static VkResult vkCreateDescriptorSetLayout(VkDevice device,
+                                            const VkDescriptorSetLayoutCreateInfo *info,
+                                            const VkAllocationCallbacks *a,
+                                            VkDescriptorSetLayout *out)
+{
+    UNUSED;
+    VkResult result = fake_call(__func__);
+    if (result)
+        return result;
+    struct fake_object *layout = fake_make(FAKE_SET_LAYOUT, NULL);
+    for (uint32_t i = 0; i < info->bindingCount; i++) {
+        const VkDescriptorSetLayoutBinding *binding = &info->pBindings[i];
+        bool accel = binding->descriptorType == VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR;
+        if (binding->binding != i || binding->descriptorCount != 1 ||
+            binding->stageFlags != VK_SHADER_STAGE_COMPUTE_BIT ||
+            (accel && i + 1 != info->bindingCount))
+            fake_wrong("bindings of a set");
+        layout->count += !accel;
+        layout->bytes += accel;
+    }
+    *out = (VkDescriptorSetLayout)layout;
+    return result;
+}
+
+static void vkDestroyDescriptorSetLayout(VkDevice device, VkDescriptorSetLayout layout,
+                                         const VkAllocationCallbacks *a)
+{
+    UNUSED;
+    fake_drop(layout, FAKE_SET_LAYOUT);
+}
+
+static VkResult vkCreatePipelineLayout(VkDevice device, const VkPipelineLayoutCreateInfo *info,
+                                       const VkAllocationCallbacks *a, VkPipelineLayout *out)
+{
+    UNUSED;
+    VkResult result = fake_call(__func__);
+    if (result)
+        return result;
+    struct fake_object *layout = fake_make(FAKE_LAYOUT, NULL);
+    const VkPushConstantRange *push = info->pPushConstantRanges;
+    if (info->setLayoutCount != 1 || info->pushConstantRangeCount > 1 ||
+        (info->pushConstantRangeCount &&
+         (push->offset || !push->size || push->stageFlags != VK_SHADER_STAGE_COMPUTE_BIT)))
+        fake_wrong("the layout of a pipeline");
+    (void)fake_what(info->pSetLayouts[0], FAKE_SET_LAYOUT);
+    layout->bytes = info->pushConstantRangeCount ? push->size : 0;
+    *out = (VkPipelineLayout)layout;
+    return result;
+}
+
+static void vkDestroyPipelineLayout(VkDevice device, VkPipelineLayout layout,
+                                    const VkAllocationCallbacks *a)
+{
+    UNUSED;
+    fake_drop(layout, FAKE_LAYOUT);
+}
+
+/* Keeps its constants, by their numbers. */
+static VkResult vkCreateComputePipelines(VkDevice device, VkPipelineCache cache, uint32_t count,
+                                         const VkComputePipelineCreateInfo *info,
+                                         const VkAllocationCallbacks *a, VkPipeline *out)
+{
+    UNUSED;
+    (void)cache;
+    VkResult result = fake_call(__func__);
+    if (result)
+        return result;
+    struct fake_object *pipeline = fake_make(FAKE_PIPELINE, NULL);
+    const VkSpecializationInfo *constants = info->stage.pSpecializationInfo;
+    pipeline->count = constants->mapEntryCount;
+    for (uint32_t i = 0; i < pipeline->count; i++) {
+        const VkSpecializationMapEntry *entry = &constants->pMapEntries[i];
+        if (entry->size != 4 || entry->constantID >= 16 || entry->offset + 4 > constants->dataSize)
+            fake_wrong("constants of a pipeline");
+        else
+            memcpy(&pipeline->constant[entry->constantID],
+                   (const uint8_t *)constants->pData + entry->offset, 4);
+    }
+    if (count != 1 || info->stage.stage != VK_SHADER_STAGE_COMPUTE_BIT ||
+        strcmp(info->stage.pName, "main") != 0)
+        fake_wrong("the stage of a pipeline");
+    (void)fake_what(info->stage.module, FAKE_MODULE);
+    (void)fake_what(info->layout, FAKE_LAYOUT);
+    *out = (VkPipeline)pipeline;
+    return result;
+}
+
+static void vkDestroyPipeline(VkDevice device, VkPipeline pipeline, const VkAllocationCallbacks *a)
+{
+    UNUSED;
+    fake_drop(pipeline, FAKE_PIPELINE);
+}
+
+/* Counts down what it has room for. */
+static VkResult vkCreateDescriptorPool(VkDevice device, const VkDescriptorPoolCreateInfo *info,
+                                       const VkAllocationCallbacks *a, VkDescriptorPool *out)
+{
+    UNUSED;
+    VkResult result = fake_call(__func__);
+    if (result)
+        return result;
+    struct fake_object *pool = fake_make(FAKE_POOL, NULL);
+    for (uint32_t i = 0; i < info->poolSizeCount; i++)
+        if (info->pPoolSizes[i].type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER)
+            pool->constant[0] += info->pPoolSizes[i].descriptorCount;
+        else
+            pool->constant[1] += info->pPoolSizes[i].descriptorCount;
+    pool->count = info->maxSets;
+    *out = (VkDescriptorPool)pool;
+    return result;
+}
+
+static void vkDestroyDescriptorPool(VkDevice device, VkDescriptorPool pool,
+                                    const VkAllocationCallbacks *a)
+{
+    UNUSED;
+    if (!pool)
+        return;
+    for (struct fake_object *set = fake_what(pool, FAKE_POOL)->of, *next; set; set = next) {
+        next = set->of;
+        fake_drop(set, FAKE_SET);
+    }
+    fake_drop(pool, FAKE_POOL);
+}
+
+static VkResult vkAllocateDescriptorSets(VkDevice device, const VkDescriptorSetAllocateInfo *info,
+                                         VkDescriptorSet *out)
+{
+    (void)fake_what(device, FAKE_DEVICE);
+    struct fake_object *pool = fake_what(info->descriptorPool, FAKE_POOL);
+    const struct fake_object *layout = fake_what(info->pSetLayouts[0], FAKE_SET_LAYOUT);
+    VkResult result = fake_call(__func__);
+    if (result)
+        return result;
+    if (info->descriptorSetCount != 1 || pool->count < 1 || pool->constant[0] < layout->count ||
+        pool->constant[1] < layout->bytes)
+        fake_wrong("a set that the pool has no room for");
+    pool->count--;
+    pool->constant[0] -= layout->count;
+    pool->constant[1] -= (uint32_t)layout->bytes;
+    struct fake_object *set = fake_make(FAKE_SET, pool->of);
+    set->count = layout->count;
+    pool->of = set;
+    *out = (VkDescriptorSet)set;
+    return result;
+}
+
+static void vkUpdateDescriptorSets(VkDevice device, uint32_t count, const VkWriteDescriptorSet *w,
+                                   uint32_t copies, const VkCopyDescriptorSet *copy)
+{
+    (void)fake_what(device, FAKE_DEVICE);
+    (void)copy;
+    struct fake_object *set = fake_what(w->dstSet, FAKE_SET);
+    if (count != 1 || copies)
+        fake_wrong("several updates of sets");
+    if (w->descriptorType == VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR) {
+        const VkWriteDescriptorSetAccelerationStructureKHR *structure = w->pNext;
+        (void)fake_what(*structure->pAccelerationStructures, FAKE_ACCEL);
+        if (w->dstBinding != set->count)
+            fake_wrong("the binding of an acceleration structure");
+        return;
+    }
+    if (w->dstBinding + w->descriptorCount > set->count)
+        fake_wrong("a binding that the set has not");
+    for (uint32_t i = 0; i < w->descriptorCount && i < FAKE_BINDINGS; i++) {
+        const VkDescriptorBufferInfo *info = &w->pBufferInfo[i];
+        const struct fake_object *buffer = fake_what(info->buffer, FAKE_BUFFER);
+        uint64_t bytes = info->range == VK_WHOLE_SIZE ? buffer->bytes - info->offset : info->range;
+        if (info->offset + bytes > buffer->bytes)
+            fake_wrong("a part beyond its buffer");
+        set->part[w->dstBinding + i] = (struct fake_part){buffer->of->byte, info->offset, bytes};
+    }
+}
+
+static void vkCmdBindPipeline(VkCommandBuffer command, VkPipelineBindPoint point, VkPipeline bound)
+{
+    (void)fake_what(command, FAKE_COMMAND);
+    if (point != VK_PIPELINE_BIND_POINT_COMPUTE)
+        fake_wrong("no pipeline for compute");
+    now.pipeline = fake_what(bound, FAKE_PIPELINE);
+}
+
+static void vkCmdBindDescriptorSets(VkCommandBuffer command, VkPipelineBindPoint point,
+                                    VkPipelineLayout layout, uint32_t first, uint32_t count,
+                                    const VkDescriptorSet *set, uint32_t offsets,
+                                    const uint32_t *offset)
+{
+    (void)fake_what(command, FAKE_COMMAND);
+    (void)fake_what(layout, FAKE_LAYOUT);
+    (void)offset;
+    if (point != VK_PIPELINE_BIND_POINT_COMPUTE || first || count != 1 || offsets)
+        fake_wrong("how a set is bound");
+    now.set = fake_what(*set, FAKE_SET);
+}
+
+static void vkCmdPushConstants(VkCommandBuffer command, VkPipelineLayout layout,
+                               VkShaderStageFlags stages, uint32_t offset, uint32_t bytes,
+                               const void *from)
+{
+    (void)fake_what(command, FAKE_COMMAND);
+    if (stages != VK_SHADER_STAGE_COMPUTE_BIT || offset ||
+        bytes != fake_what(layout, FAKE_LAYOUT)->bytes || bytes > sizeof now.push)
+        fake_wrong("push constants");
+    memcpy(now.push, from, bytes);
+    now.push_bytes = bytes;
+}
+
+static void dispatch(uint32_t groups, uint64_t at)
+{
+    struct fake_dispatch *it = &fake.log[fake.dispatches++ % FAKE_LOG];
+    if (!now.pipeline || !now.set) {
+        fake_wrong("a dispatch without a pipeline or a set");
+        return;
+    }
+    *it = (struct fake_dispatch){
+        .groups = groups, .at = at, .push_bytes = now.push_bytes, .constants = now.pipeline->count};
+    memcpy(it->push, now.push, sizeof now.push);
+    memcpy(it->constant, now.pipeline->constant, sizeof it->constant);
+    memcpy(it->part, now.set->part, sizeof it->part);
+    if (fake.run)
+        fake.run(it);
+}
+
+static void vkCmdDispatch(VkCommandBuffer command, uint32_t x, uint32_t y, uint32_t z)
+{
+    (void)fake_what(command, FAKE_COMMAND);
+    if (y != 1 || z != 1)
+        fake_wrong("a dispatch in several dimensions");
+    dispatch(x, 0);
+}
+
+static void vkCmdDispatchIndirect(VkCommandBuffer command, VkBuffer buffer, VkDeviceSize at)
+{
+    (void)fake_what(command, FAKE_COMMAND);
+    if (at + 12 > fake_what(buffer, FAKE_BUFFER)->bytes)
+        fake_wrong("counts of groups beyond their buffer");
+    dispatch(UINT32_MAX, at);
+}
+
+static void vkCmdUpdateBuffer(VkCommandBuffer command, VkBuffer buffer, VkDeviceSize at,
+                              VkDeviceSize bytes, const void *from)
+{
+    (void)fake_what(command, FAKE_COMMAND);
+    struct fake_object *it = fake_what(buffer, FAKE_BUFFER);
+    if (at + bytes > it->bytes)
+        fake_wrong("an update beyond its buffer");
+    memcpy(it->of->byte + at, from, bytes);
+    fake.updates++;
+}
+
+static void vkCmdCopyBuffer(VkCommandBuffer command, VkBuffer from, VkBuffer to, uint32_t count,
+                            const VkBufferCopy *region)
+{
+    (void)fake_what(command, FAKE_COMMAND);
+    struct fake_object *a = fake_what(from, FAKE_BUFFER), *b = fake_what(to, FAKE_BUFFER);
+    if (count != 1 || region->srcOffset + region->size > a->bytes ||
+        region->dstOffset + region->size > b->bytes)
+        fake_wrong("a copy beyond a buffer");
+    else
+        memcpy(b->of->byte + region->dstOffset, a->of->byte + region->srcOffset, region->size);
+}
+
+static void vkCmdPipelineBarrier(VkCommandBuffer command, VkPipelineStageFlags from,
+                                 VkPipelineStageFlags to, VkDependencyFlags flags, uint32_t count,
+                                 const VkMemoryBarrier *barrier, uint32_t buffers,
+                                 const VkBufferMemoryBarrier *buffer, uint32_t images,
+                                 const VkImageMemoryBarrier *image)
+{
+    (void)fake_what(command, FAKE_COMMAND);
+    (void)buffer;
+    (void)image;
+    if (!from || !to || flags || count != 1 || buffers || images || !barrier->srcAccessMask ||
+        !barrier->dstAccessMask)
+        fake_wrong("a barrier");
+}
+
+const struct fake_entry fake_command_entry[] = {
+    FAKE_ENTRY(vkCreateShaderModule),
+    FAKE_ENTRY(vkDestroyShaderModule),
+    FAKE_ENTRY(vkCreateDescriptorSetLayout),
+    FAKE_ENTRY(vkDestroyDescriptorSetLayout),
+    FAKE_ENTRY(vkCreatePipelineLayout),
+    FAKE_ENTRY(vkDestroyPipelineLayout),
+    FAKE_ENTRY(vkCreateComputePipelines),
+    FAKE_ENTRY(vkDestroyPipeline),
+    FAKE_ENTRY(vkCreateDescriptorPool),
+    FAKE_ENTRY(vkDestroyDescriptorPool),
+    FAKE_ENTRY(vkAllocateDescriptorSets),
+    FAKE_ENTRY(vkUpdateDescriptorSets),
+    FAKE_ENTRY(vkCmdBindPipeline),
+    FAKE_ENTRY(vkCmdBindDescriptorSets),
+    FAKE_ENTRY(vkCmdPushConstants),
+    FAKE_ENTRY(vkCmdDispatch),
+    FAKE_ENTRY(vkCmdDispatchIndirect),
+    FAKE_ENTRY(vkCmdUpdateBuffer),
+    FAKE_ENTRY(vkCmdCopyBuffer),
+    FAKE_ENTRY(vkCmdPipelineBarrier),
+};
+const size_t fake_command_entries = sizeof fake_command_entry / sizeof *fake_command_entry;
