@@ -64,7 +64,8 @@ static const struct option_set set = {
              "what must not be fails. Woop takes an edge function of zero for inside, so it hits "
              "both triangles of an edge and fails under dxr.",
     .codes =
-        "0 kept, 1 broken or vacuous, 2 bad input or an open mesh, 3 engine failed, 77 skipped",
+        "0 kept, 1 broken or vacuous, 2 bad input, an open mesh, a named layout that refuses the "
+        "scene, or nothing but layouts that do, 3 engine failed, 77 skipped",
     .example = "leaks sphere scenes/fetched/bunny.obj --tri woop --count 1e6",
 };
 

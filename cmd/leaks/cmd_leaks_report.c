@@ -4,6 +4,7 @@
 #include "ref/store.h"
 
 #include <stdio.h>
+#include <string.h>
 
 static void print_finding(const struct leak_row *row, const struct leak_finding *f)
 {
@@ -30,6 +31,33 @@ const char *leak_row_ended(const struct leak_row *row)
     return row->status == STATUS_LIMIT || row->status == STATUS_REFUSED ? "refused"
            : row->status == STATUS_UNSUPPORTED                          ? "skipped"
                                                                         : "failed";
+}
+
+/* True if trees were wanted and every layout refused: nothing ran on any. */
+static bool all_refused(const struct leak_scene *scene)
+{
+    size_t refused = 0, on_layouts = 0;
+    for (size_t i = 0; i < scene->row_count; i++) {
+        const struct leak_row *row = &scene->row[i];
+        on_layouts += row->layout != NULL;
+        refused += row->status == STATUS_LIMIT && !row->engine;
+    }
+    return refused > 0 && refused == on_layouts;
+}
+
+/* Prints each reason of a layout or an engine once. */
+static void print_reasons(const struct leak_scene *scene, const struct screen *screen)
+{
+    for (size_t i = 0; i < scene->row_count; i++) {
+        const struct leak_row *row = &scene->row[i], *other = scene->row;
+        const char *name = row->engine ? row->engine->name : row->layout->name;
+        while (other < row && strcmp(other->reason.text, row->reason.text) != 0)
+            other++;
+        if (row->status != STATUS_OK && other == row)
+            screen_text(screen, "  %s %s: %s\n", name, leak_row_ended(row), row->reason.text);
+    }
+    if (all_refused(scene))
+        screen_text(screen, "  nothing ran on a layout: every one refuses\n");
 }
 
 void leaks_print(const struct leak_scene *scene, const struct screen *screen)
@@ -59,6 +87,7 @@ void leaks_print(const struct leak_scene *scene, const struct screen *screen)
                 "  %zu of %zu rows promise a closed mesh to be closed (tri woop; on a tree "
                 "also box watertight; none as published), the others are counted\n",
                 promising, scene->row_count);
+    print_reasons(scene, screen);
     if (scene->vacuous[0])
         screen_text(screen, "  vacuous: %s\n", scene->vacuous);
     putchar('\n');
@@ -67,18 +96,15 @@ void leaks_print(const struct leak_scene *scene, const struct screen *screen)
 int leaks_exit(const struct leak_scene *scene, bool layout_named, bool engine_named)
 {
     int code = scene->vacuous[0] ? EXIT_MISMATCH : EXIT_AGREE;
-    size_t refused = 0, on_layouts = 0;
     for (size_t i = 0; i < scene->row_count; i++) {
         const struct leak_row *row = &scene->row[i];
         bool is_layouts = row->status == STATUS_LIMIT && !row->engine;
-        on_layouts += row->layout != NULL;
-        refused += is_layouts;
         if (row->status == STATUS_OK)
             code = exit_worse(code, row->broken[0] ? EXIT_MISMATCH : EXIT_AGREE);
         else if (is_layouts ? layout_named : engine_named || row->status != STATUS_UNSUPPORTED)
             code = exit_worse(code, exit_of_status(row->status));
     }
-    if (refused > 0 && refused == on_layouts) /* nothing ran on any layout */
+    if (all_refused(scene))
         code = exit_worse(code, exit_of_status(STATUS_LIMIT));
     return code;
 }
