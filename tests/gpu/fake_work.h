@@ -97,4 +97,18 @@ static inline void must_be_clean(const char *what)
         fail_msg("%s: %ld objects are left", what, fake.alive);
 }
 
+static inline struct vk *must_open(const struct vk_options *options)
+{
+    struct reason reason = {""};
+    struct vk *vk;
+    gpu_must(vk_open(options, &vk, &reason), &reason);
+    return vk;
+}
+
+static inline void must_close(struct vk *vk)
+{
+    assert_int_equal(vk_close(vk, NULL), 0);
+    must_be_clean("a device");
+}
+
 #endif
