@@ -70,6 +70,7 @@ plain)
     suite exits sh tests/values/exits.sh "$build/raydiff" judging
     suite exits_findings sh tests/values/exits.sh "$build/raydiff" findings
     suite exits_files sh tests/values/exits.sh "$build/raydiff" files
+    suite exits_unwritable sh tests/values/exits.sh "$build/raydiff" unwritable
     suite fields sh tests/values/fields.sh
     suite shipped sh tests/scripts/shipped.sh "$build/raydiff"
     suite hard_lists sh tests/scripts/hard_lists.sh "$build/raydiff"

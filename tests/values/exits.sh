@@ -1,7 +1,7 @@
 #!/bin/sh
 # The exit codes of every command, each in the situations that its help tells: all is well, something is wrong, bad
 # input, an engine that fails, a driver that is not there, nothing that was run though it was wanted.
-#   sh tests/values/exits.sh RAYDIFF [PART...]     PART: judging, findings, files
+#   sh tests/values/exits.sh RAYDIFF [PART...]     PART: judging, findings, files, unwritable
 set -u
 raydiff=$1
 shift
@@ -198,6 +198,92 @@ files() {
     for command in report doctor list scene render diff bench construct precompute; do ends 2 $command --frobnicate; done
 }
 
-for part in ${*:-judging findings files}; do "$part"; done
+# Arguments of raydiff with TO in place of a file that cannot be written: exit code 2, one line on standard error that
+# names it, and nothing that was not there before.
+unwritten() {
+    case $* in
+    *TO.*) targets="$gone/file $dir/one.obj/file" ;; # an ending or several files
+    *TO*) targets="$gone/file $dir/one.obj/file $dir/taken $full" ;;
+    esac
+    for target in $targets; do
+        told=$(echo "$*" | sed "s|TO|$target|")
+        find "$dir" | sort >"$lists/before"
+        # shellcheck disable=SC2086 # words of a command
+        $as timeout 20 "$program" $told >"$lists/text" 2>"$dir/err" </dev/null
+        code=$?
+        find "$dir" | sort >"$lists/after"
+        tried=$((tried + 1))
+        [ "$code" -eq 2 ] || bad "raydiff $told: exit $code, not 2"
+        [ "$(wc -l <"$dir/err")" -eq 1 ] && grep -qF "$target" "$dir/err" || bad "raydiff $told: not one line that names the file"
+        cmp -s "$lists/before" "$lists/after" || bad "raydiff $told: $(diff "$lists/before" "$lists/after" | head -n 2)"
+    done
+}
+unwritable() {
+    lists=$(mktemp -d) || exit 4
+    trap 'rm -rf "$dir" "$lists"' EXIT
+    full=/dev/full as= program=$raydiff
+    [ -w /dev/full ] || full=
+    found=$dir/campaign trial=fuzz/corpus/wrong-item.trial
+    "$raydiff" fuzz --trials 64 --engine cpu --layout rtrs_rf --faithful --no-shrink --dir "$found" --rays 40 --jobs 1 \
+        --corpus none >"$dir/text" 2>&1
+    mkdir "$dir/taken"
+    : >"$dir/taken/file"
+    : >"$dir/err"
+    name=closest.cpu.f32.median.robust.mt.soup.random.1
+    one='sphere:n=4 --engine cpu --layout f32 --count 50'
+    unwritten check soup:n=50 --engine cpu --layout f32 --repeat 1 --count 100 --json TO
+    unwritten leaks sphere:n=4 --engine cpu --layout f32 --tri woop --box watertight --count 1000 --json TO
+    unwritten conform $name --count 100 --junit TO
+    for out in markdown html junit; do unwritten conform hard.01-axis.closest.cpu.f32.median.robust.mt --$out TO; done
+    for out in json csv svg; do unwritten bench matrix --scene $one --rounds 1 --threads 1 --$out TO; done
+    unwritten bench frames --scene sphere:n=4 --frames 2 --size 16x16 --engine cpu --layout f32 --out TO.x
+    for out in json junit tap jsonl; do unwritten fuzz --trials 64 --dir "$found" --corpus none --no-shrink --$out TO; done
+    unwritten fuzz --trials 2 --engine cpu --layout f32 --corpus none --jobs 1 --rays 40 --dir TO.x
+    unwritten merge "$found" --to TO
+    unwritten min $trial --out TO
+    unwritten min $trial --out "$lists/small.trial" --json TO
+    unwritten replay fuzz/corpus/bad-rays.trial --engine cpu --json TO
+    unwritten export fuzz/corpus/bad-rays.trial --engine vulkan --to TO
+    for out in json html svg; do unwritten explain soup:n=50 --index 0 --engine cpu --layout f32 --$out TO; done
+    unwritten report soup:n=50 --parts check --quick --engine cpu --layout f32 --count 100 --out TO
+    unwritten report soup:n=50 --parts check --quick --engine cpu --layout f32 --count 100 --out "$lists/r.html" --json TO
+    unwritten doctor --json TO
+    for end in obj ply json; do unwritten scene convert sphere:n=4 TO.$end; done
+    picture='sphere:n=4 --camera-light-strength 1 --width 16 --height 16'
+    unwritten render $picture --engine cpu --out TO
+    unwritten render $picture --engine cpu --out "$lists/r.png" --json TO
+    unwritten render $picture --engine cpu --out "$lists/r.png" --paths TO.csv
+    unwritten render sphere:n=4 --width 16 --height 16 --engine cpu --out "$lists/r.png" --show t --csv TO
+    unwritten diff $picture --engine cpu,fast --out TO
+    unwritten diff $picture --engine cpu,fast --json TO
+    unwritten precompute --scene soup:n=20 --builder median --out TO
+    unwritten gen sphere:n=4 --count 20 --out TO
+    locked
+}
+# A folder of findings that may only be read: to whom it is, who is not root.
+locked() {
+    cp -r "$found" "$dir/locked"
+    find "$dir/locked" -type f -exec cksum {} + | sort >"$lists/sums"
+    chmod -R a-w "$dir/locked" && chmod 755 "$dir"
+    if [ "$(id -u)" -eq 0 ]; then
+        as='setpriv --reuid 65534 --regid 65534 --clear-groups' program=$lists/raydiff
+        cp "$raydiff" "$program" && chmod 755 "$lists"
+        $as true 2>"$dir/err" || { echo "SKIP a folder that may only be read: no setpriv here"; return; }
+    fi
+    for command in "min $dir/locked" "fuzz --dir $dir/locked --trials 100 --no-shrink" "merge $found --to $dir/locked/all" \
+        "check soup:n=20 --engine cpu --layout f32 --count 100 --repeat 1 --json $dir/locked/x.json" \
+        "min $dir/locked/$(ls "$dir/locked" | sed -n 1p)/smallest.trial"; do
+        tried=$((tried + 1))
+        # shellcheck disable=SC2086 # words of a command
+        $as timeout 20 "$program" $command >"$lists/text" 2>"$dir/err" </dev/null
+        code=$?
+        [ "$code" -eq 2 ] || bad "raydiff $command: exit $code, not 2"
+        [ "$(wc -l <"$dir/err")" -eq 1 ] && grep -qF "$dir/locked" "$dir/err" || bad "raydiff $command: not one line that names it"
+    done
+    find "$dir/locked" -type f -exec cksum {} + | sort | cmp -s - "$lists/sums" || bad 'a folder that may only be read has changed'
+    chmod -R u+w "$dir/locked"
+}
+
+for part in ${*:-judging findings files unwritable}; do "$part"; done
 echo "exits: $tried runs, $failed failed"
 [ "$failed" -eq 0 ]
