@@ -20,11 +20,20 @@ enum canvas_anchor { CANVAS_START, CANVAS_MIDDLE, CANVAS_END, CANVAS_UP /* turne
 void canvas_text(const struct canvas *canvas, double x, double y, enum canvas_anchor anchor,
                  uint32_t colour, const char *text);
 
+#define CANVAS_DASHES 8u /* 0 is a solid line */
+
+/* How a line is drawn; `dash` is taken modulo CANVAS_DASHES. */
+struct canvas_pen {
+    double width;
+    unsigned dash;
+    uint32_t colour;
+};
+
 void canvas_line(const struct canvas *canvas, double x1, double y1, double x2, double y2,
-                 double width, uint32_t colour);
+                 const struct canvas_pen *pen);
 
 /* Draws a line through the points; a single point is a dot. */
-void canvas_lines(const struct canvas *canvas, const double (*point)[2], size_t count, double width,
-                  uint32_t colour);
+void canvas_lines(const struct canvas *canvas, const double (*point)[2], size_t count,
+                  const struct canvas_pen *pen);
 
 #endif

@@ -21,7 +21,7 @@
 #define GAP          18 /* between plot and legend */
 #define LEGEND_LEAST 160
 #define LEGEND_MOST  460
-#define SAMPLE       22 /* the line beside a name in the legend */
+#define SAMPLE       40 /* the line beside a name in the legend */
 #define ENTRY        34 /* height of a series in the legend */
 
 #define INK  image_rgb(0, 0, 0)
@@ -67,6 +67,7 @@ static void put_axes(const struct canvas *canvas, const struct chart *chart,
                      const struct axes *axes)
 {
     const double bottom = TOP + PLOT_H, right = LEFT + PLOT_W;
+    const struct canvas_pen grid = {.width = 1, .colour = GRID}, ink = {.width = 1, .colour = INK};
     double tick[TICKS_MOST], step;
     char text[40];
     size_t count = ticks_linear(axes->x_lo, axes->x_hi, 8, tick, &step);
@@ -74,20 +75,20 @@ static void put_axes(const struct canvas *canvas, const struct chart *chart,
         if (tick[i] != floor(tick[i])) /* frames are whole numbers */
             continue;
         double at = x_of(axes, tick[i]);
-        canvas_line(canvas, at, bottom, at, TOP, 1.0, GRID);
+        canvas_line(canvas, at, bottom, at, TOP, &grid);
         snprintf(text, sizeof text, "%.0f", tick[i]);
         canvas_text(canvas, at, bottom + 15, CANVAS_MIDDLE, INK, text);
     }
     count = ticks_linear(axes->y_lo, axes->y_hi, 7, tick, &step);
     for (size_t i = 0; i < count; i++) {
         double at = y_of(axes, tick[i]);
-        canvas_line(canvas, LEFT, at, right, at, 1.0, GRID);
+        canvas_line(canvas, LEFT, at, right, at, &grid);
         tick_text(tick[i], step, text, sizeof text);
         canvas_text(canvas, LEFT - 6, at + 4, CANVAS_END, INK, text);
     }
     const double corner[5][2] = {
         {LEFT, TOP}, {right, TOP}, {right, bottom}, {LEFT, bottom}, {LEFT, TOP}};
-    canvas_lines(canvas, corner, 5, 1.0, INK);
+    canvas_lines(canvas, corner, 5, &ink);
     canvas_text(canvas, LEFT + PLOT_W / 2, bottom + 36, CANVAS_MIDDLE, INK, chart->x_label);
     canvas_text(canvas, 16, TOP + PLOT_H / 2, CANVAS_UP, INK, chart->y_label);
     if (chart->title)
@@ -102,8 +103,7 @@ struct chart_run {
     const struct canvas *canvas;
     const struct axes *axes;
     const double *value;
-    double width;
-    uint32_t colour;
+    struct canvas_pen pen;
     double point[POINTS_MOST][2];
     size_t count;
     bool begun; /* the pixel below has values */
@@ -131,14 +131,16 @@ static void end_pixel(struct chart_run *run)
 static void end_run(struct chart_run *run)
 {
     end_pixel(run);
-    canvas_lines(run->canvas, run->point, run->count, run->width, run->colour);
+    canvas_lines(run->canvas, run->point, run->count, &run->pen);
     run->count = 0;
 }
 
-/* There are eight colours. From the ninth series on the lines are thicker. */
-static double width_of(size_t series)
+/* There are eight colours, and as many dashes. From the ninth series on the lines are thicker. */
+static struct canvas_pen pen_of(size_t series)
 {
-    return 1.4 + 1.2 * (double)(series / COLOUR_CLASS_COUNT);
+    return (struct canvas_pen){.width = 1.4 + 1.2 * (double)(series / COLOUR_CLASS_COUNT),
+                               .dash = (unsigned)series,
+                               .colour = colour_of_class(series)};
 }
 
 static void put_series(const struct canvas *canvas, const struct chart *chart, size_t index,
@@ -146,11 +148,8 @@ static void put_series(const struct canvas *canvas, const struct chart *chart, s
 {
     const struct chart_series *series = &chart->series[index];
     const size_t frames = (size_t)axes->x_hi + 1;
-    struct chart_run run = {.canvas = canvas,
-                            .axes = axes,
-                            .value = series->value,
-                            .width = width_of(index),
-                            .colour = colour_of_class(index)};
+    struct chart_run run = {
+        .canvas = canvas, .axes = axes, .value = series->value, .pen = pen_of(index)};
     for (size_t i = 0; i < series->count; i++) {
         if (!isfinite(series->value[i])) {
             end_run(&run);
@@ -191,7 +190,8 @@ static void put_legend(const struct canvas *canvas, const struct chart *chart)
         const double y = TOP + 10.0 + ENTRY * (double)i;
         char words[160];
         words_of(chart, series, words, sizeof words);
-        canvas_line(canvas, left, y - 3.5, left + SAMPLE, y - 3.5, width_of(i), colour_of_class(i));
+        const struct canvas_pen pen = pen_of(i);
+        canvas_line(canvas, left, y - 3.5, left + SAMPLE, y - 3.5, &pen);
         canvas_text(canvas, left + SAMPLE + 6, y, CANVAS_START, INK, series->name);
         canvas_text(canvas, left + SAMPLE + 6, y + 13, CANVAS_START, GRAY, words);
     }

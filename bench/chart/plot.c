@@ -6,6 +6,7 @@
 #include "scenes/picture/ticks.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Sizes in SVG units. */
 #define PANEL_W  290.0
@@ -16,8 +17,6 @@
 #define HEAD     62.0
 #define FOOT     58.0
 #define LINE     18.0
-
-enum { SHAPES = 4, FILLS = 3 };
 
 /* A logarithmic axis from lo to hi, drawn from `from` to `to`. */
 struct axis {
@@ -39,20 +38,42 @@ static void series_colour(const struct plot_series *series, char text[8])
 
 static void put_marker(FILE *stream, const struct plot_series *series, double x, double y)
 {
-    static const char *const path[SHAPES] = {NULL, "M-4.4,-4.4h8.8v8.8h-8.8z",
-                                             "M0,-6.2L6.2,0L0,6.2L-6.2,0z", "M0,-6L5.6,4.6H-5.6z"};
+    static const char *const path[PLOT_SHAPES] = {
+        NULL,
+        "M-4.4,-4.4h8.8v8.8h-8.8z",
+        "M0,-6.2L6.2,0L0,6.2L-6.2,0z",
+        "M0,-6L5.6,4.6H-5.6z",
+        "M0,6L5.6,-4.6H-5.6z",
+        "M-2,-6h4v4h4v4h-4v4h-4v-4h-4v-4h4z",
+        "M0,-7L1.9,-1.9L7,0L1.9,1.9L0,7L-1.9,1.9L-7,0L-1.9,-1.9z",
+        "M-5,-5H5L-5,5H5z"};
     char colour[8];
     series_colour(series, colour);
-    unsigned fill = series->fill % FILLS;
+    unsigned fill = series->fill % PLOT_FILLS;
     char paint[96];
     snprintf(paint, sizeof paint,
              "fill=\"%s\" fill-opacity=\"%s\" stroke=\"%s\" stroke-width=\"1.6\"",
              fill == 1 ? "#ffffff" : colour, fill == 2 ? "0.35" : "1", colour);
-    if (series->shape % SHAPES == 0)
+    if (series->shape % PLOT_SHAPES == 0)
         fprintf(stream, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4.9\" %s/>\n", x, y, paint);
     else
         fprintf(stream, "<path transform=\"translate(%.1f,%.1f)\" d=\"%s\" %s/>\n", x, y,
-                path[series->shape % SHAPES], paint);
+                path[series->shape % PLOT_SHAPES], paint);
+}
+
+void plot_tell_apart(struct plot_series *series, size_t count)
+{
+    bool used[PLOT_SHAPES * PLOT_FILLS] = {false};
+    for (size_t i = 0; i < count; i++) {
+        unsigned shape = series[i].shape % PLOT_SHAPES, fill = series[i].fill % PLOT_FILLS;
+        unsigned first = shape * PLOT_FILLS + fill, step = 0;
+        while (step < ARRAY_COUNT(used) && used[(first + step) % ARRAY_COUNT(used)])
+            step++;
+        unsigned mark = (unsigned)((first + step) % ARRAY_COUNT(used));
+        series[i].shape = mark / PLOT_FILLS;
+        series[i].fill = mark % PLOT_FILLS;
+        used[mark] = true;
+    }
 }
 
 /* Widens [*lo, *hi] to contain `value`, if a logarithmic axis can show it. */
@@ -99,6 +120,12 @@ static void make_axes(const struct plot_panel *panel, struct axis *x, struct axi
         y->lo /= 10.0;
 }
 
+/* About how wide a text is, rather too wide: fonts are the reader's. */
+static double text_width(const char *text, double size)
+{
+    return 0.66 * size * (double)strlen(text);
+}
+
 static void put_axes(FILE *stream, const struct plot_panel *panel, const struct axis *x,
                      const struct axis *y)
 {
@@ -125,8 +152,10 @@ static void put_axes(FILE *stream, const struct plot_panel *panel, const struct 
             x->from, y->to, x->to - x->from, y->from - y->to);
     double middle = 0.5 * (x->from + x->to);
     svg_label(stream, middle, y->from + 33.0, "text-anchor=\"middle\"", panel->x_label);
-    svg_label(stream, middle, y->to - 7.0, "text-anchor=\"middle\" font-weight=\"bold\"",
-              panel->title);
+    char look[96] = "text-anchor=\"middle\" font-weight=\"bold\"";
+    if (text_width(panel->title, 10.5) > PANEL_W) /* is squeezed, so that it stays in its panel */
+        strcat(look, " textLength=\"290\" lengthAdjust=\"spacingAndGlyphs\"");
+    svg_label(stream, middle, y->to - 7.0, look, panel->title);
     svg_label_up(stream, x->from - 52.0, 0.5 * (y->from + y->to), panel->y_label);
 }
 
@@ -167,9 +196,19 @@ static double height_of(const struct plot_figure *figure)
     return fmax(HEAD + PANEL_H + FOOT, legend);
 }
 
+static double legend_of(const struct plot_figure *figure)
+{
+    double width = LEGEND_W;
+    for (size_t i = 0; i < figure->series_count; i++)
+        width = fmax(width, 41.0 + text_width(figure->series[i].name, 11.0));
+    return width;
+}
+
 static double width_of(const struct plot_figure *figure)
 {
-    return (double)figure->panel_count * (LEFT + PANEL_W + GAP) + LEGEND_W;
+    double width = (double)figure->panel_count * (LEFT + PANEL_W + GAP) + legend_of(figure);
+    width = fmax(width, 28.0 + text_width(figure->title, 17.0)); /* bold, of size 15 */
+    return fmax(width, 28.0 + text_width(figure->subtitle, 11.0));
 }
 
 static void put_figure(FILE *stream, const struct plot_figure *figure, double top)
@@ -179,7 +218,7 @@ static void put_figure(FILE *stream, const struct plot_figure *figure, double to
     for (size_t i = 0; i < figure->panel_count; i++)
         put_panel(stream, figure, &figure->panel[i], (double)i * (LEFT + PANEL_W + GAP),
                   top + HEAD);
-    double left = width_of(figure) - LEGEND_W + 14.0;
+    double left = (double)figure->panel_count * (LEFT + PANEL_W + GAP) + 14.0;
     for (size_t i = 0; i < figure->series_count; i++) {
         double at = top + HEAD + 6.0 + LINE * (double)i;
         put_marker(stream, &figure->series[i], left, at);

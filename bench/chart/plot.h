@@ -9,6 +9,9 @@
 
 #define PLOT_PANELS 3
 
+#define PLOT_SHAPES 8u
+#define PLOT_FILLS  3u
+
 /* The look of a series. Values are taken modulo the number of colours, shapes and fills. */
 struct plot_series {
     const char *name;
@@ -38,6 +41,10 @@ struct plot_figure {
     struct plot_panel panel[PLOT_PANELS];
     size_t panel_count; /* 1 to PLOT_PANELS */
 };
+
+/* Gives series that share shape and fill with an earlier one another pair, as long as there are
+ * free ones: no two of the first PLOT_SHAPES * PLOT_FILLS differ by colour alone. */
+void plot_tell_apart(struct plot_series *series, size_t count);
 
 /* Writes `count` figures, 1 or more, as one SVG document. All text is escaped. Write errors stay in
  * the stream for its owner. */

@@ -102,6 +102,7 @@ static enum status make(const json_t *rows, const struct row_kind *kind, const c
             if (kind->same_figure(first, row) && (!kind->fits || kind->fits(row, kind->memory)))
                 kind->draw(row, page, figure);
         }
+        plot_tell_apart(page->series, figure->series_count);
     }
     if (status)
         row_plots_free(out);

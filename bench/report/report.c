@@ -14,6 +14,7 @@ static void free_part(struct report_part *part)
     free(part->command);
     free(part->why);
     free(part->text);
+    free(part->drawing);
     free(part->known);
     json_decref(part->json);
 }
@@ -51,7 +52,9 @@ enum status report_add(struct report *report, const struct report_part *part, st
     mine.why = copy(part->why);
     mine.known = copy(part->known);
     mine.text = part->text ? strdup(part->text) : NULL;
-    bool all = mine.name && mine.command && mine.why && mine.known && (mine.text || !part->text);
+    mine.drawing = part->drawing ? strdup(part->drawing) : NULL;
+    bool all = mine.name && mine.command && mine.why && mine.known && (mine.text || !part->text) &&
+               (mine.drawing || !part->drawing);
     if (!all ||
         array_reserve(&array, &report->part_capacity, report->part_count + 1, sizeof mine)) {
         free_part(&mine);

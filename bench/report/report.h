@@ -34,6 +34,7 @@ struct report_part {
     char *command;  /* the command that makes it again, or the file it was read from */
     char *why;      /* the command's complaints, or why there is no result; "" if none */
     char *text;     /* for a finding: the output of replay; else NULL */
+    char *drawing;  /* for a finding: its picture, an SVG element of raydiff explain; NULL: none */
     char *known;    /* for a finding: why the baseline excuses it; NULL or "": not excused */
     json_t *json;   /* NULL: none */
     int code;       /* exit code of the command */
@@ -62,8 +63,8 @@ struct report {
 
 void report_free(struct report *report);
 
-/* Adds a part with copies of the texts (NULL is stored as ""; text may be NULL). Takes ownership of
- * `json`, also on error. Errors: STATUS_MEMORY. */
+/* Adds a part with copies of the texts (NULL is stored as ""; text and drawing may be NULL). Takes
+ * ownership of `json`, also on error. Errors: STATUS_MEMORY. */
 enum status report_add(struct report *report, const struct report_part *part,
                        struct reason *reason) MUST_USE;
 

@@ -40,17 +40,32 @@ static void put_facts(struct html *html, const struct report_part *part)
     html_end(html, "p");
 }
 
-static void put_finding(struct html *html, const struct report_part *part, bool open)
+static void put_drawing(struct html *html, const struct report_part *part)
 {
-    char cause[320];
+    html_begin(html, "figure", NULL);
+    fputs(part->drawing, html->out);
+    html_element(html, "figcaption", NULL,
+                 "What raydiff explain --html shows in a page where it can be turned.");
+    html_end(html, "figure");
+}
+
+static void put_finding(struct html *html, const struct report *report, size_t p, bool open)
+{
+    const struct report_part *part = &report->part[p];
+    char cause[320], id[REPORT_ID];
     cause_of(part->text, cause, sizeof cause);
-    html_element(html, "h3", NULL, part->name);
+    report_part_id(report, p, id);
+    html_begin(html, "h3", "id", id, NULL);
+    html_text(html, part->name);
+    html_end(html, "h3");
     if (part->json)
         put_facts(html, part);
     else
         html_element(html, "p", "note bad", part->why[0] ? part->why : "it could not be played");
     if (cause[0])
         html_element(html, "p", NULL, cause);
+    if (part->drawing)
+        put_drawing(html, part);
     html_element(html, "pre", "line", part->command);
     if (part->text && part->text[0]) {
         html_begin(html, "details", "open", open ? "open" : NULL, NULL);
@@ -66,7 +81,7 @@ static size_t put_findings(struct html *html, const struct report *report)
     for (size_t p = 0; p < report->part_count; p++) {
         if (report->part[p].kind != REPORT_FINDING || !report->part[p].name[0])
             continue;
-        put_finding(html, &report->part[p], count == 0);
+        put_finding(html, report, p, count == 0);
         count++;
     }
     if (report->findings_left_out > 0)

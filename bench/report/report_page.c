@@ -1,6 +1,8 @@
 /* The page around the sections. */
 #include "bench/report/report_inner.h"
 
+#include <string.h>
+
 void section_begin(struct html *html, const char *id, const char *title)
 {
     html_begin(html, "section", "id", id, NULL);
@@ -47,19 +49,73 @@ static void put_head(struct html *html, const struct report *report)
     html_end(html, "head");
 }
 
+static const char *const sections[][2] = {
+    {"summary", "1 Verdict"},   {"agreement", "2 Agreement"}, {"speed", "3 Speed and size"},
+    {"pictures", "4 Pictures"}, {"findings", "5 Findings"},   {"machine", "6 Machine"},
+    {"commands", "7 Commands"}};
+
+void report_part_id(const struct report *report, size_t p, char id[REPORT_ID])
+{
+    static const char *const of_kind[REPORT_KINDS] = {[REPORT_CHECK] = "agreement",
+                                                      [REPORT_BENCH] = "speed",
+                                                      [REPORT_PICTURES] = "pictures",
+                                                      [REPORT_MACHINE] = "machine"};
+    const struct report_part *part = &report->part[p];
+    if (part->kind != REPORT_FINDING)
+        snprintf(id, REPORT_ID, "%s", of_kind[part->kind]);
+    else if (part->name[0])
+        snprintf(id, REPORT_ID, "finding-%zu", p + 1);
+    else
+        snprintf(id, REPORT_ID, "findings");
+}
+
+static void put_link(struct html *html, const char *id, const char *text)
+{
+    char to[REPORT_ID + 1];
+    snprintf(to, sizeof to, "#%s", id);
+    html_begin(html, "a", "href", to, NULL);
+    html_text(html, text);
+    html_end(html, "a");
+}
+
 static void put_navigation(struct html *html)
 {
-    static const char *const to[][2] = {
-        {"#summary", "1 Verdict"},   {"#agreement", "2 Agreement"}, {"#speed", "3 Speed and size"},
-        {"#pictures", "4 Pictures"}, {"#findings", "5 Findings"},   {"#machine", "6 Machine"},
-        {"#commands", "7 Commands"}};
     html_begin(html, "nav", NULL);
-    for (size_t i = 0; i < ARRAY_COUNT(to); i++) {
-        html_begin(html, "a", "href", to[i][0], NULL);
-        html_text(html, to[i][1]);
-        html_end(html, "a");
-    }
+    for (size_t i = 0; i < ARRAY_COUNT(sections); i++)
+        put_link(html, sections[i][0], sections[i][1]);
     html_end(html, "nav");
+}
+
+static void put_finding_links(struct html *html, const struct report *report)
+{
+    bool any = false;
+    for (size_t p = 0; p < report->part_count; p++) {
+        char id[REPORT_ID];
+        if (report->part[p].kind != REPORT_FINDING || !report->part[p].name[0])
+            continue;
+        if (!any)
+            html_begin(html, "ul", NULL);
+        any = true;
+        report_part_id(report, p, id);
+        html_begin(html, "li", NULL);
+        put_link(html, id, report->part[p].name);
+        html_end(html, "li");
+    }
+    if (any)
+        html_end(html, "ul");
+}
+
+void report_contents(struct html *html, const struct report *report)
+{
+    html_begin(html, "ul", "class", "contents", NULL);
+    for (size_t i = 0; i < ARRAY_COUNT(sections); i++) {
+        html_begin(html, "li", NULL);
+        put_link(html, sections[i][0], sections[i][1]);
+        if (strcmp(sections[i][0], "findings") == 0)
+            put_finding_links(html, report);
+        html_end(html, "li");
+    }
+    html_end(html, "ul");
 }
 
 enum status report_write(const struct report *report, FILE *out, struct reason *reason)

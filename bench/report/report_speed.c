@@ -157,6 +157,7 @@ size_t report_figures(const struct report *report)
     size_t figures = report->picture_count;
     for (size_t p = 0; p < report->part_count; p++) {
         const struct report_part *part = &report->part[p];
+        figures += part->drawing != NULL;
         if (part->kind != REPORT_BENCH)
             continue;
         figures += report_charts(part->json);

@@ -128,6 +128,8 @@ void report_summary(struct html *html, const struct report *report)
                         report->when, RAYDIFF_VERSION, sum.figures);
     put_verdict(html, report, &sum);
     put_sums(html, &sum);
+    html_element(html, "h2", NULL, "Contents");
+    report_contents(html, report);
     put_parts(html, report);
     section_end(html);
 }

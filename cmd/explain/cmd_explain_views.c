@@ -144,14 +144,15 @@ static void write_both(FILE *out, const struct picture_view view[2], const char 
         shown += view_has(&view[0], role) || view_has(&view[1], role);
     unsigned rows = (shown + 1) / 2, height = PIXELS + 44 + rows * LINE;
     fprintf(out,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%u\" height=\"%u\" "
-            "viewBox=\"0 0 %u %u\">\n<title>",
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"explained\" width=\"%u\" "
+            "height=\"%u\" viewBox=\"0 0 %u %u\">\n<title>",
             2 * PIXELS, height, 2 * PIXELS, height);
     ci_xml(out, cause);
-    fprintf(out,
-            "</title>\n<style>%stext{font:14px system-ui,sans-serif;fill:#1c2127}</style>\n"
-            "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
-            picture_style);
+    fprintf(
+        out,
+        "</title>\n<style>%s.explained text{font:14px system-ui,sans-serif;fill:#1c2127}</style>\n"
+        "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
+        picture_style);
     for (unsigned i = 0; i < 2; i++) {
         view_write_svg(out, &view[i], i * PIXELS, PIXELS);
         fprintf(out, "<text x=\"%u\" y=\"%u\">%s: a cube of %.6g</text>\n", i * PIXELS + 12,

@@ -15,7 +15,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#define PRINTED_MOST 40000u /* bytes of an explanation */
+#define PRINTED_MOST 40000u  /* bytes of an explanation */
+#define DRAWING_MOST 100000u /* of its picture; larger ones are left out */
 
 void report_pass_on(struct line *line, const struct report_options *options, unsigned to)
 {
@@ -197,6 +198,40 @@ static enum status ask_baseline(const struct report_options *options,
     return status;
 }
 
+/* Draws a finding in a child, as raydiff explain --svg does. *out is NULL if there is nothing to
+ * draw: explain says why, and the report has its text. */
+static enum status draw_finding(const struct report_options *options, struct runner *runner,
+                                const char *path, const char *layout, char **out,
+                                struct reason *reason)
+{
+    char svg[4096];
+    struct run run;
+    struct line line;
+    struct reason unread;
+    size_t size;
+    *out = NULL;
+    line_begin(&line, "explain");
+    line_word(&line, path);
+    if (layout)
+        report_layout(&line, layout);
+    report_pass_on(&line, options, TO_OTHERS);
+    line_word(&line, "--svg");
+    line_file(&line, runner, "finding.svg");
+    runner_path(runner, "finding.svg", svg, sizeof svg);
+    remove(svg);
+    enum status status = runner_run(runner, cmd_explain, &line, &run, reason);
+    line_free(&line);
+    if (status || run.dead || run.stopped || run.code != EXIT_MISMATCH)
+        return status;
+    if (file_read_most(svg, DRAWING_MOST, out, &size, &unread))
+        *out = NULL;
+    if (*out && strncmp(*out, "<svg ", 5) != 0) {
+        free(*out);
+        *out = NULL;
+    }
+    return STATUS_OK;
+}
+
 static enum status make_finding(const struct report_options *options, struct runner *runner,
                                 const struct findings *findings, size_t i, struct report *report,
                                 struct reason *reason)
@@ -225,6 +260,9 @@ static enum status make_finding(const struct report_options *options, struct run
     if (status || run.stopped)
         return status;
     status = printed(runner, &part.text, reason);
+    if (!status && run.code == EXIT_MISMATCH)
+        status = draw_finding(options, runner, path, plugin_path(entry->signature.layout),
+                              &part.drawing, reason);
     if (answer.state == BASELINE_KNOWN)
         part.known = answer.text;
     if (status)
@@ -232,6 +270,7 @@ static enum status make_finding(const struct report_options *options, struct run
     else
         status = report_add(report, &part, reason);
     free(part.text);
+    free(part.drawing);
     return status;
 }
 

@@ -235,6 +235,61 @@ static void many_series_have_room(void **state)
     assert_null(image.pixel);
 }
 
+/* A pixel of the column, in this row or beside it, has nearly this colour. */
+static bool is_inked(const struct image *image, size_t x, size_t row, uint32_t colour)
+{
+    for (size_t y = row - 1; y <= row + 1; y++) {
+        int off = 0;
+        for (int shift = 0; shift < 24; shift += 8)
+            off += abs((int)(image->pixel[y * image->width + x] >> shift & 255) -
+                       (int)(colour >> shift & 255));
+        if (off < 240)
+            return true;
+    }
+    return false;
+}
+
+/* Each of 16 series has dashes or a width of its own; in a picture gaps are white. */
+static void lines_differ_without_their_colours(void **state)
+{
+    (void)state;
+    enum { COUNT = 16 };
+    const double value[] = {1, 1};
+    struct chart_series series[COUNT];
+    char look[COUNT][80] = {""};
+    for (size_t i = 0; i < COUNT; i++)
+        series[i] = series_of("x", value, 2);
+    struct chart chart = chart_of(series, COUNT);
+    char *text = drawn(&chart);
+    const char *at = strstr(text, "<polyline ") + 1; /* the first one frames the plot */
+    for (size_t i = 0; i < COUNT; i++) {
+        at = strstr(at, "<polyline ") + 1;
+        const char *width = strstr(at, "stroke-width"), *end = strstr(at, " points");
+        snprintf(look[i], sizeof look[i], "%.*s", (int)(end - width), width);
+        assert_true((strstr(look[i], "dasharray") != NULL) == (i % 8 != 0));
+        for (size_t k = 0; k < i; k++)
+            assert_string_not_equal(look[i], look[k]);
+    }
+    free(text);
+    for (size_t i = 0; i < 2;
+         i++) { /* the first and second line alone, at the middle of the plot */
+        chart = chart_of(series, i + 1);
+        struct image image;
+        struct reason reason;
+        assert_int_equal(chart_image(&chart, &image, &reason), STATUS_OK);
+        text = drawn(&chart);
+        double point[2][2];
+        assert_int_equal(points_of(text, colour_of_class(i), 0, point, 2), 2);
+        size_t row = (size_t)point[0][1], ink = 0;
+        for (size_t x = 100; x < 220; x++) /* dashes of 8 with round ends, gaps of 4 */
+            ink += is_inked(&image, x, row, colour_of_class(i));
+        if (i == 0 ? ink != 120 : ink < 70 || ink > 105)
+            fail_msg("line %zu has ink in %zu of 120 columns", i, ink);
+        free(text);
+        image_free(&image);
+    }
+}
+
 static void files_are_written_whole(void **state)
 {
     (void)state;
@@ -273,6 +328,7 @@ int main(void)
         cmocka_unit_test(any_number_of_values_has_a_chart),
         cmocka_unit_test(no_outlier_is_lost),
         cmocka_unit_test(many_series_have_room),
+        cmocka_unit_test(lines_differ_without_their_colours),
         cmocka_unit_test(files_are_written_whole),
     };
     return cmocka_run_group_tests_name("chart", tests, make_root, remove_root) ? 1 : 0;

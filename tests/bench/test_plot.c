@@ -40,7 +40,8 @@ static struct plot_figure figure_of(const struct plot_point *point, size_t count
 }
 
 /* The document; the caller frees it. */
-static char *drawn(const struct plot_figure *figure, size_t count)
+/* noinline: gcc 12 takes the text for a local of open_memstream. */
+__attribute__((noinline)) static char *drawn(const struct plot_figure *figure, size_t count)
 {
     char *text = NULL;
     size_t size = 0;
@@ -135,6 +136,77 @@ static void an_upper_limit_has_an_arrow(void **state)
     free(with);
 }
 
+/* No two of 24 series differ by their colour alone; a pair that nothing else has stays. */
+static void series_differ_without_their_colours(void **state)
+{
+    (void)state;
+    enum { MOST = PLOT_SHAPES * PLOT_FILLS };
+    struct plot_series many[MOST + 1];
+    for (unsigned i = 0; i <= MOST; i++)
+        many[i] = (struct plot_series){"name", i, i < 2 ? 5 + PLOT_SHAPES * i : 3, i % 2 ? 1 : 2};
+    plot_tell_apart(many, MOST + 1);
+    assert_true(many[0].shape == 5 && many[0].fill == 2 && many[1].shape == 5 && many[1].fill == 1);
+    assert_true(many[2].shape == 3 && many[2].fill == 2 && many[3].shape == 3 && many[3].fill == 1);
+    for (size_t i = 0; i < MOST; i++)
+        for (size_t k = 0; k < i; k++)
+            if (many[i].shape == many[k].shape && many[i].fill == many[k].fill)
+                fail_msg("%zu and %zu look the same", i, k);
+    /* Each shape and fill is drawn in a way of its own. */
+    char *text[MOST];
+    for (size_t i = 0; i < MOST; i++) {
+        many[i].colour = 0;
+        struct plot_figure figure = {
+            .title = "t", .subtitle = "s", .series = &many[i], .series_count = 1, .panel_count = 1};
+        figure.panel[0] = (struct plot_panel){"panel", "x", "y", NULL, 0};
+        text[i] = drawn(&figure, 1);
+        for (size_t k = 0; k < i; k++)
+            assert_string_not_equal(text[i], text[k]);
+    }
+    for (size_t i = 0; i < MOST; i++)
+        free(text[i]);
+}
+
+static double width_of(const char *document)
+{
+    static const char box[] = "viewBox=\"0 0 ";
+    return strtod(strstr(document, box) + strlen(box), NULL);
+}
+
+/* Where a text begins; -1 if there is none. */
+static double left_of(const char *document, const char *wanted)
+{
+    double x;
+    for (const char *at = document; (at = strstr(at, "<text x=\"")); at++)
+        if (strncmp(strchr(at, '>') + 1, wanted, strlen(wanted)) == 0 &&
+            sscanf(at, "<text x=\"%lf", &x) == 1)
+            return x;
+    return -1;
+}
+
+/* Nothing ends beyond the right edge: a character takes at most 0.66 of the letters' height. */
+static void texts_end_within_the_document(void **state)
+{
+    (void)state;
+    char name[90], long_title[140];
+    memset(name, 'm', sizeof name - 1);
+    memset(long_title, 'm', sizeof long_title - 1);
+    name[sizeof name - 1] = long_title[sizeof long_title - 1] = '\0';
+    const struct plot_series named[] = {{"short", 0, 0, 0}, {name, 1, 1, 1}};
+    for (int which = 0; which < 3; which++) {
+        struct plot_figure figure = figure_of(NULL, 0);
+        figure.series = which == 0 ? named : series;
+        figure.title = which == 1 ? long_title : "title";
+        figure.subtitle = which == 2 ? long_title : "sub";
+        char *text = drawn(&figure, 1);
+        const char *wide = which == 0 ? name : long_title;
+        double width = width_of(text), x = left_of(text, wide);
+        assert_true(x > 0);
+        if (!(x + 0.66 * (which == 1 ? 15 : 11) * (double)strlen(wide) <= width))
+            fail_msg("%g wide, a text from %g on is cut", width, x);
+        free(text);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -143,6 +215,8 @@ int main(void)
         cmocka_unit_test(points_stand_where_their_logarithms_say),
         cmocka_unit_test(what_cannot_be_drawn_is_left_out),
         cmocka_unit_test(an_upper_limit_has_an_arrow),
+        cmocka_unit_test(series_differ_without_their_colours),
+        cmocka_unit_test(texts_end_within_the_document),
     };
     return cmocka_run_group_tests_name("plot", tests, NULL, NULL) ? 1 : 0;
 }

@@ -112,6 +112,28 @@ static void sizes_are_bytes_per_triangle(void **state)
     json_decref(rows);
 }
 
+/* Engines that test the same triangles in the same layout have marks of their own. */
+static void engines_have_marks_of_their_own(void **state)
+{
+    (void)state;
+    static const char *const engine[] = {"cpu", "vulkan", "fast", "cpu_stackless",
+                                         "vulkan_stackless"};
+    struct row_plots plots;
+    struct reason reason;
+    json_t *rows = json_array();
+    for (size_t i = 0; i < ARRAY_COUNT(engine); i++)
+        json_array_append_new(rows, row_of("one", "random", engine[i], "f32"));
+    assert_int_equal(row_plots_size(rows, true, &plots, &reason), STATUS_OK);
+    const struct plot_figure *figure = &plots.figure[0];
+    assert_int_equal(figure->series_count, ARRAY_COUNT(engine));
+    for (size_t i = 0; i < figure->series_count; i++)
+        for (size_t k = 0; k < i; k++)
+            assert_false(figure->series[i].shape == figure->series[k].shape &&
+                         figure->series[i].fill == figure->series[k].fill);
+    row_plots_free(&plots);
+    json_decref(rows);
+}
+
 /* More scenes than there are figures, more ray sets than panels: the first ones, and it is said. */
 static void too_many_are_left_out(void **state)
 {
@@ -170,9 +192,12 @@ static void strange_rows_can_be_drawn(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(errors_stand_where_the_row_says), cmocka_unit_test(no_leaks_no_panel),
-        cmocka_unit_test(sizes_are_bytes_per_triangle),    cmocka_unit_test(too_many_are_left_out),
+        cmocka_unit_test(errors_stand_where_the_row_says),
+        cmocka_unit_test(no_leaks_no_panel),
+        cmocka_unit_test(sizes_are_bytes_per_triangle),
+        cmocka_unit_test(too_many_are_left_out),
         cmocka_unit_test(strange_rows_can_be_drawn),
+        cmocka_unit_test(engines_have_marks_of_their_own),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
