@@ -194,13 +194,13 @@ static json_t *pair_json(const struct diff_run *run, const struct diff_member *m
     for (enum verdict i = VERDICT_TIE; i < VERDICT_WRONG; i++)
         json_add(verdicts, "%s=%zu", verdict_name(i), pair->verdict[i]);
     json_t *out =
-        json_record("engine=%s reference=%s same_bits_demanded=%i agrees=%i paths=%zu "
+        json_record("engine=%s reference=%s same_bits_demanded=%i agrees=%i vacuous=%i paths=%zu "
                     "paths_different=%zu segments=%zu triangle=%zu t=%zu asked=%zu shadowed=%zu "
                     "values_different=%zu largest=%u at_a_border=%zu beyond_the_bound=%zu "
                     "to_explain=%zu why=%p allowed=%p err_over_bound=%g borders=%p",
                     member->engine->name, run->member[run->reference].engine->name, pair->same_bits,
-                    pair_agrees(pair) && !diff_is_vacuous(pair), diff->paths, diff->paths_apart,
-                    diff->segments, diff->field[PATH_PRIM], diff->field[PATH_T],
+                    pair_agrees(pair) && !diff_is_vacuous(pair), diff_is_vacuous(pair), diff->paths,
+                    diff->paths_apart, diff->segments, diff->field[PATH_PRIM], diff->field[PATH_T],
                     diff->field[PATH_ASKED], diff->field[PATH_SHADOWED], diff->colours,
                     diff->largest, diff->allowed, pair->bounded ? diff->excess : 0, pair->asked,
                     why, verdicts, pair->over, borders_json(run, pair));

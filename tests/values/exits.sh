@@ -122,6 +122,12 @@ findings() {
     sed 's/^expect cpu\.[^.]*/expect vulkan.f32/' "$trial" >"$dir/gpu.trial"
     ends 77 min "$dir/gpu.trial" --driver no-such-driver --out "$dir/gpu.out"
     ends 1 replay "$trial"
+    ends 0 replay "$trial" --as-expected
+    ends 0 replay "$dir/cured.trial"
+    ends 1 replay "$dir/cured.trial" --as-expected # it is gone
+    ends 0 replay fuzz/corpus/rounded-outward.trial --engine cpu --as-expected
+    ends 1 replay fuzz/corpus/rounded-outward.trial --engine cpu --layout rtrs_rf_paper --as-expected
+    ends 1 replay "$trial" "$dir/cured.trial" --as-expected # one of two
     ends 1 replay fuzz/corpus/bad-rays.trial "$trial" # one of two
     ends 1 replay "$trial" fuzz/corpus/bad-rays.trial
     ends 0 replay fuzz/corpus/bad-rays.trial --engine cpu

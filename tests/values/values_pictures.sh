@@ -113,6 +113,11 @@ play_engines() {
 
 # Faults: of a tracer with a bug, where it was built.
 play_faults() {
+    # Nothing to hit, and nothing asked: no evidence.
+    for nothing in 'soup:n=0' 'rtrs --bounces 0'; do
+        run diff $nothing $small --engine cpu,brute --json "$dir/json" && values diff_engines 20 engine=none "$dir/text"
+        grep -q '"vacuous": true' "$dir/json" || bad "diff $nothing: not vacuous in JSON"
+    done
     for bug in "$(dirname "$raydiff")/samples/tracer_bug1" build/samples/tracer_bug1; do
         [ -x "$bug" ] || continue
         run diff sphere:n=6 --camera-light-strength 1 $small --engine "cpu,pipe:$bug" --json "$dir/json" &&

@@ -28,7 +28,9 @@ function laws(p,  k, sum, allowed) {
     }
     equal("reasons in all", sum, v[p ".to_explain"])
     equal("allowed in all", allowed + 0, v[p ".why.allowed"])
-    equal("agrees", v[p ".agrees"], v[p ".why.wrong"] + v[p ".why.renderer"] + v[p ".why.unexplained"] == 0 ? "true" : "false")
+    faults = v[p ".why.wrong"] + v[p ".why.renderer"] + v[p ".why.unexplained"]
+    equal("agrees", v[p ".agrees"], faults == 0 && v[p ".vacuous"] == "false" ? "true" : "false")
+    truth("vacuous", v[p ".vacuous"] == "false" || (faults == 0 && v[p ".paths_different"] == 0))
     truth("values differ, but by nothing", (v[p ".values_different"] > 0) == (v[p ".largest"] > 0))
     truth("to explain", v[p ".to_explain"] >= v[p ".paths_different"] && v[p ".to_explain"] <= v[p ".paths"])
     split("same rounding allowed drift published renderer wrong unexplained", kind, " ")
@@ -144,6 +146,8 @@ FNR == 1 {
 /^  (as it should be|DIFFERS|vacuous: .*)$/ {
     ends++
     equal("it agrees", $1 == "as" ? "true" : "false", v[p ".agrees"])
+    equal("it is vacuous", $1 == "vacuous:" ? "true" : "false", v[p ".vacuous"])
+    if (v[p ".vacuous"] == "true") equal("exit code of what is vacuous", v["exit"], 1)
 }
 $1 ~ /^(paths|segments|values|explained|faults)$/ { lines++ }
 $1 == "paths" { equal("paths", $2 " " $4, v[p ".paths_different"] " " v[p ".paths"]) }
