@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs the Debian packages that a purpose needs and that are missing, saying what and why.
-#   .ci/deps.sh run|check|deep|report|parallel|slurm
+#   .ci/deps.sh run|check|deep|report|parallel|slurm|site
 # Does nothing, without network, once they are there. Uses sudo when not root.
 set -u
 
@@ -17,6 +17,7 @@ deep="$check clang:second_compiler,_TSan libomp-dev:OpenMP_that_TSan_understands
 clang-format:make_format zsh:reads_its_completion"
 parallel="$run parallel:shards_on_many_machines"
 report="$check chromium:opens_the_report"
+site=pandoc:the_pages_as_HTML
 slurm="$run slurm-wlm:shards_as_a_job_array munge:which_Slurm_needs"
 case $purpose in
 run) wanted=$run ;;
@@ -25,8 +26,9 @@ deep) wanted=$deep ;;
 report) wanted=$report ;;
 parallel) wanted=$parallel ;;
 slurm) wanted=$slurm ;;
+site) wanted=$site ;;
 *)
-    echo "usage: .ci/deps.sh run|check|deep|report|parallel|slurm" >&2
+    echo "usage: .ci/deps.sh run|check|deep|report|parallel|slurm|site" >&2
     exit 2
     ;;
 esac

@@ -89,6 +89,12 @@ hardware: all
 	@sh bench/hardware.sh $(B)/raydiff $(or $(FOLDER),$(OUT)/hardware) $(or $(DRIVER),hardware) $(SECONDS)
 
 # Draws docs/rooms.txt. Exit code 77: Graphviz is not installed.
+.PHONY: site
+# The pages as HTML, to read without network.
+site:
+	@sh .ci/deps.sh site || { echo "SKIPPED $@: pandoc cannot be had"; exit 77; }
+	@sh docs/site/site.sh build/site
+
 rooms-graph:
 	@command -v dot >/dev/null || { echo "SKIPPED $@: apt-get install graphviz"; exit 77; }
 	@sh docs/rooms_graph.sh | dot -Tsvg >docs/rooms.svg

@@ -96,6 +96,7 @@ plain)
     suite complete sh tests/docs/complete.sh "$build/raydiff"
     suite wrong_inputs sh tests/docs/wrong_inputs.sh "$build/raydiff"
     suite links perl tests/docs/links.pl README.md CONTRIBUTING.md CHANGELOG.md SECURITY.md docs/*.md
+    suite site sh tests/docs/site.sh
     suite schemas sh tests/docs/schemas.sh "$build/raydiff"
     suite ci_outputs sh tests/scripts/ci_outputs.sh "$build/raydiff"
     suite report sh tests/scripts/report.sh "$build/raydiff"
