@@ -11,19 +11,19 @@
 #include <math.h>
 #include <stdio.h>
 
-void print_float(float x)
+void print_float(FILE *out, float x)
 {
     char text[32];
     float_text_write(x, text);
-    printf("%s (%.9g)", text, (double)x);
+    fprintf(out, "%s (%.9g)", text, (double)x);
 }
 
-void print_floats(int indent, const char *title, const float *x, int count)
+void print_floats(FILE *out, int indent, const char *title, const float *x, int count)
 {
-    printf("%*s%-9s ", indent, "", title);
+    fprintf(out, "%*s%-9s ", indent, "", title);
     for (int k = 0; k < count; k++) {
-        print_float(x[k]);
-        fputs(k + 1 < count ? "  " : "\n", stdout);
+        print_float(out, x[k]);
+        fputs(k + 1 < count ? "  " : "\n", out);
     }
 }
 

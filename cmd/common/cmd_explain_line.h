@@ -4,12 +4,14 @@
 
 #include "ref/match/match.h"
 
+#include <stdio.h>
+
 #define EXPLAIN_COMMAND_MOST 768
 
 /* print_float prints "0x1.8p+1 (3)". print_floats prints a line "TITLE X Y ...", indented by
  * `indent` blanks. */
-void print_float(float x);
-void print_floats(int indent, const char *title, const float *x, int count);
+void print_float(FILE *out, float x);
+void print_floats(FILE *out, int indent, const char *title, const float *x, int count);
 
 /* What to explain, as a user names it. */
 struct explain_of {

@@ -51,11 +51,30 @@ void screen_paint(const struct screen *screen, enum paint paint)
         fputs(code[paint], stdout);
 }
 
-/* Prints a paragraph; words are never broken. The first word has the colour. */
-static void print_filled(const struct screen *screen, const char *text, size_t width,
+/* Where the lines of a paragraph after the first begin. */
+static size_t next_of(const char *text)
+{
+    size_t indent = strspn(text, " ");
+    return indent ? indent + 2 : 4;
+}
+
+/* The same behind a title: one of nine letters, or one that two blanks end. */
+static size_t next_of_titled(const char *text)
+{
+    size_t indent = strspn(text, " ");
+    const char *gap = strstr(text + indent, "  ");
+    size_t behind = gap ? (size_t)(gap - text) + strspn(gap, " ") : 0;
+    if (behind > 0 && behind <= 12)
+        return behind;
+    return strcspn(text, " ") == 9 ? 10 : next_of(text);
+}
+
+/* Prints a paragraph; words are never broken. The first word has the colour. Lines after the first
+ * begin at column `next`. */
+static void print_filled(const struct screen *screen, const char *text, size_t width, size_t next,
                          enum paint paint)
 {
-    size_t indent = strspn(text, " "), at = indent, next = indent ? indent + 2 : 4;
+    size_t indent = strspn(text, " "), at = indent;
     printf("%*s", (int)indent, "");
     text += indent;
     for (bool first = true; *text; first = false) {
@@ -87,7 +106,7 @@ void screen_text(const struct screen *screen, const char *format, ...)
     } else {
         vsnprintf(text, sizeof text, format, args);
         text[strcspn(text, "\n")] = '\0';
-        print_filled(screen, text, screen->width, PAINT_PLAIN);
+        print_filled(screen, text, screen->width, next_of(text), PAINT_PLAIN);
     }
     va_end(args);
 }
@@ -101,5 +120,20 @@ void screen_record(const struct screen *screen, enum paint paint, const char *fo
     va_end(args);
     text[strcspn(text, "\n")] = '\0';
     bool fills = screen->terminal && !screen->wide;
-    print_filled(screen, text, fills ? screen->width : SIZE_MAX, paint);
+    print_filled(screen, text, fills ? screen->width : SIZE_MAX, next_of(text), paint);
+}
+
+void screen_page(const struct screen *screen, const char *text, const char *whole)
+{
+    char line[2048];
+    for (const char *at = text; *at;) {
+        size_t length = strcspn(at, "\n");
+        if (screen->wide || length >= sizeof line || strncmp(at, whole, strlen(whole)) == 0) {
+            printf("%.*s\n", (int)length, at);
+        } else {
+            snprintf(line, sizeof line, "%.*s", (int)length, at);
+            print_filled(screen, line, screen->width, next_of_titled(line), PAINT_PLAIN);
+        }
+        at += length + (at[length] == '\n');
+    }
 }

@@ -50,6 +50,10 @@ void screen_text(const struct screen *screen, const char *format, ...)
 void screen_record(const struct screen *screen, enum paint paint, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* Prints lines as screen_text does; those that begin with `whole` are not broken. A line with a
+ * title continues behind it. */
+void screen_page(const struct screen *screen, const char *text, const char *whole);
+
 /* A column of a table. */
 struct column {
     const char *title;

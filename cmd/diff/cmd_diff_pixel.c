@@ -59,7 +59,7 @@ static void print_hit(const struct hit *hit)
         return;
     }
     printf("triangle %u at t ", hit->prim);
-    print_float(hit->t);
+    print_float(stdout, hit->t);
     printf(" = 0x%08x, u %.9g, v %.9g", float_bits(hit->t), (double)hit->u, (double)hit->v);
 }
 
@@ -105,7 +105,7 @@ static enum status print_light(struct page *page, const struct diff_member *memb
         return STATUS_OK;
     }
     printf("at distance ");
-    print_float(light->far);
+    print_float(stdout, light->far);
     printf(light->shadowed ? ": in the shadow\n" : ": reached\n");
     enum status status = judge_ray(page, member, true, &light->ray, &light->hit, &answer, reason);
     if (status)
@@ -126,15 +126,15 @@ static enum status print_step(struct page *page, const struct diff_member *membe
     enum status status = judge_ray(page, member, false, &step->ray, &step->hit, &answer, reason);
     if (status)
         return status;
-    print_floats(4, "origin", step->ray.org, 3);
-    print_floats(4, "direction", step->ray.dir, 3);
+    print_floats(stdout, 4, "origin", step->ray.org, 3);
+    print_floats(stdout, 4, "direction", step->ray.dir, 3);
     print_answer("hit", &answer);
     print_explain(page, member, false, &step->ray);
     if (step->hit.prim != ABI_NO_PRIM) {
-        print_floats(4, "point", p, 3);
-        print_floats(4, "normal", n, 3);
+        print_floats(stdout, 4, "point", p, 3);
+        print_floats(stdout, 4, "normal", n, 3);
         if (page->run->stage.job.look.profile == PROFILE_REPAIRED)
-            print_floats(4, "plane", g, 3);
+            print_floats(stdout, 4, "plane", g, 3);
     }
     for (uint32_t light = 0; light < member->walk.lights && step->hit.prim != ABI_NO_PRIM;
          light++) {
@@ -151,7 +151,7 @@ static enum status print_step(struct page *page, const struct diff_member *membe
 static void print_value(const struct first_bit *first, int side)
 {
     if (first->is_float) {
-        print_float(float_from_bits(first->bits[side]));
+        print_float(stdout, float_from_bits(first->bits[side]));
         putchar(' ');
     }
     printf("0x%08x", first->bits[side]);

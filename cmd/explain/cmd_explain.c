@@ -69,7 +69,8 @@ static const struct option_set set = {
              "which node turned the ray away, its bounds in the triangles, in the tree and in the "
              "bytes, and the one thing that, made right, makes the answer right.",
     .group = {GROUP(rows), GROUP_AT(leaf_rows, of.build), GROUP_AT(build_rows, of.build),
-              GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines)},
+              GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines),
+              GROUP_AT(screen_rows, screen)},
     .notes = "Of a layout from outside with --shader it also compares what its C and its GLSL "
              "decode, record by record, and names the first that differs. A finding about a tree "
              "is explained by the record. Members as published are held to what their repaired "
@@ -187,6 +188,7 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
                                struct reason *reason)
 {
     const struct explain_options *o = e->options;
+    const struct screen screen = screen_make(&o->screen);
     struct judged_ray ray;
     size_t index;
     enum status status = choose(e, judged, &ray, &index, reason);
@@ -197,11 +199,12 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
         if (!o->has_file)
             snprintf(from, sizeof from, " of set %s, seed %llu", o->rays->name,
                      (unsigned long long)o->of.seed);
-        printf("%s: %zu ray%s%s: no answer of %s is wrong%s%s\n", o->of.spec, e->ray_count,
-               plural(e->ray_count), from, o->of.engine->name, o->has_cause ? " with cause " : "",
-               o->has_cause ? cause_name(o->cause) : "");
+        screen_text(&screen, "%s: %zu ray%s%s: no answer of %s is wrong%s%s\n", o->of.spec,
+                    e->ray_count, plural(e->ray_count), from, o->of.engine->name,
+                    o->has_cause ? " with cause " : "", o->has_cause ? cause_name(o->cause) : "");
         if (o->html || o->svg)
-            printf("%s is not written: there is nothing to draw\n", o->html ? o->html : o->svg);
+            screen_text(&screen, "%s is not written: there is nothing to draw\n",
+                        o->html ? o->html : o->svg);
         return explain_write_none(o, e->ray_count, &e->decode, *code, reason);
     }
     char again[EXPLAIN_COMMAND_MOST];
@@ -213,6 +216,7 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
                                 .index = index,
                                 .count = e->ray_count,
                                 .decode = &e->decode,
+                                .screen = screen,
                                 .again = explain_again(o, index, again)};
     *code = exit_worse(*code, !ray.answer.finished     ? EXIT_ENGINE
                               : explain_is_wrong(&ray) ? EXIT_MISMATCH
@@ -231,6 +235,7 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
 static enum status explain(struct explaining *e, int *code, struct reason *reason)
 {
     const struct explain_of *of = &e->options->of;
+    const struct screen screen = screen_make(&e->options->screen);
     struct judged judged = {0};
     struct job job = {.scene = &e->scene,
                       .packed = of->engine->needs_packed ? &e->packed : NULL,
@@ -264,7 +269,7 @@ static enum status explain(struct explaining *e, int *code, struct reason *reaso
     if (!status)
         status = explain_one(e, &judged, code, reason);
     if (!status)
-        explain_decode_print(&e->decode);
+        explain_decode_print(&e->decode, &screen);
     judged_free(&judged);
     return status;
 }

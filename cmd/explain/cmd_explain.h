@@ -3,6 +3,7 @@
 #define CMD_EXPLAIN_H
 
 #include "cmd/common/cmd_explain_line.h"
+#include "cmd/common/cmd_screen.h"
 #include "ref/explain/judged.h"
 
 struct explain_decode; /* cmd/explain/cmd_explain_inner.h */
@@ -17,9 +18,10 @@ struct explain_page {
     size_t index, count;
     const char *again; /* command that shows the page again; NULL: raydiff explain */
     const struct explain_decode *decode; /* or NULL */
+    struct screen screen;
 };
 
-/* Prints the page as text. */
+/* Prints the page as text. Commands are in one line. */
 void explain_print(const struct explain_page *page);
 
 /* Writes the page as JSON. Errors: STATUS_INPUT cannot write, STATUS_MEMORY. */

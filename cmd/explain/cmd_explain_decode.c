@@ -28,23 +28,23 @@ int explain_decode_code(const struct explain_decode *decode)
     return !decode->compared ? EXIT_SKIPPED : decode->decoded.differ ? EXIT_MISMATCH : EXIT_AGREE;
 }
 
-void explain_decode_print(const struct explain_decode *decode)
+void explain_decode_print(const struct explain_decode *decode, const struct screen *screen)
 {
     const struct decoded *decoded = &decode->decoded;
     if (!decode->asked)
         return;
     if (!decode->compared) {
-        printf("decode    C and GLSL are not compared: %s\n", decode->why.text);
+        screen_text(screen, "decode    C and GLSL are not compared: %s\n", decode->why.text);
         return;
     }
     if (decoded->differ == 0) {
-        printf("decode    C and GLSL decode the same of %u records, %u slots\n", decoded->records,
-               decoded->slots);
+        screen_text(screen, "decode    C and GLSL decode the same of %u records, %u slots\n",
+                    decoded->records, decoded->slots);
         return;
     }
-    printf("decode    DIFFERS: %s\n", decoded->first);
-    printf("          %u of %u records decode otherwise in GLSL than in C\n", decoded->differ,
-           decoded->records);
+    screen_text(screen, "decode    DIFFERS: %s\n", decoded->first);
+    screen_text(screen, "          %u of %u records decode otherwise in GLSL than in C\n",
+                decoded->differ, decoded->records);
 }
 
 json_t *explain_decode_json(const struct explain_decode *decode)

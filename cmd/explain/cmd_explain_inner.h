@@ -21,6 +21,7 @@ struct explain_options {
     bool has_trial;   /* all of them come from a trial's name */
     enum cause cause; /* the requested cause, if has_cause */
     struct engine_options engines;
+    struct screen_options screen;
 };
 
 /* Reads the subject: a scene, the name of a trial of raydiff conform, or a finding's file, which is
@@ -45,7 +46,10 @@ enum status explain_decode(const struct explain_options *o, const struct packed 
 int explain_decode_code(const struct explain_decode *decode);
 
 /* Prints the result if `asked`. */
-void explain_decode_print(const struct explain_decode *decode);
+void explain_decode_print(const struct explain_decode *decode, const struct screen *screen);
+
+/* Prints the node where a traversal ended: words, bounds, slabs; in 80 columns, unless `wide`. */
+void explain_node_print(FILE *out, const struct explain_step *step, bool wide);
 
 /* The result as JSON; null unless `asked`. The caller owns it. */
 json_t *explain_decode_json(const struct explain_decode *decode);

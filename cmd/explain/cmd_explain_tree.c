@@ -65,18 +65,21 @@ static enum status write_json(const struct explain_options *o, const struct fuzz
 }
 
 static void print_page(const struct explain_options *o, const struct fuzz_trial *trial,
-                       const struct fuzz_finding *finding, const char *again)
+                       const struct fuzz_finding *finding, const char *again,
+                       const struct screen *screen)
 {
     char text[STORED_NAME_MOST];
     enum cause cause = finding->signature.cause;
-    printf("scene     %s: %u triangles\n", o->of.spec, trial->scene.tri_count);
-    printf("tree      layout %s, builder %s, leaf %u\n",
-           stored_name(o->of.layout, o->of.store, text), o->of.builder->name, o->of.build.leaf);
+    screen_text(screen, "scene     %s: %u triangle%s\n", o->of.spec, trial->scene.tri_count,
+                plural(trial->scene.tri_count));
+    screen_text(screen, "tree      layout %s, builder %s, leaf %u\n",
+                stored_name(o->of.layout, o->of.store, text), o->of.builder->name,
+                o->of.build.leaf);
     if (finding->signature.kind == FUZZ_KIND_COUNT) {
-        puts("verdict   its bytes are the tree that was built");
+        screen_text(screen, "verdict   its bytes are the tree that was built\n");
     } else {
-        printf("verdict   WRONG: %s\n", finding->said);
-        printf("cause     %s: %s\n", cause_name(cause), cause_text(cause));
+        screen_text(screen, "verdict   WRONG: %s\n", finding->said);
+        screen_text(screen, "cause     %s: %s\n", cause_name(cause), cause_text(cause));
     }
     printf("again     %s\n", again);
 }
@@ -96,7 +99,8 @@ enum status explain_tree_finding(const struct explain_options *o, const struct f
     plugin_command(again, sizeof again, o->of.layout);
     *code =
         finding.signature.kind == FUZZ_KIND_COUNT ? explain_decode_code(&decode) : EXIT_MISMATCH;
-    print_page(o, &file->trial, &finding, again);
-    explain_decode_print(&decode);
+    const struct screen screen = screen_make(&o->screen);
+    print_page(o, &file->trial, &finding, again, &screen);
+    explain_decode_print(&decode, &screen);
     return o->json ? write_json(o, &finding, &decode, again, *code, reason) : STATUS_OK;
 }

@@ -308,7 +308,7 @@ expect 2 "--index: 1 of 1 rays" explain $inward --index 1
 expect 2 "none.trial" explain "$dir/none.trial"
 # A cause that says that it did not show again is not looked for.
 sed 's/^expect .*/expect cpu.rtrs_rf_paper.missed.not_repeatable/' fuzz/corpus/sentinel.trial >"$dir/once.trial"
-expect 1 . explain "$dir/once.trial"
+expect 1 . explain "$dir/once.trial" --wide
 grep -q '^cause     sentinel' "$dir/out" || bad "explain names the cause of what was not repeatable"
 grep -q '^engine  *cpu, layout rtrs_rf_paper, .*, query any$' "$dir/out" || bad "explain asks what the file asks"
 expect 1 . explain closest.cpu.rtrs_rf_paper.median.robust.mt.soup.vertices.1 --count 5000

@@ -120,7 +120,7 @@ walk 'check soup:n=40 --count 64 --repeat 1 --engine brute' \
     ~require=watertight json=@ ~threads=1 wide color=always'
 walk 'explain soup:n=40 --index 3 --engine cpu --builder ploc --layout f32' \
     'rays=random count=70 index=4 seed=3 engine=fast layout=rf16 store=compact builder=lbvh leaf=1 ~radius=1
-    optimize=reinsert box=watertight tri=woop query=any json=@ html=@ svg=@ ~threads=1'
+    optimize=reinsert box=watertight tri=woop query=any json=@ html=@ svg=@ ~threads=1 ~wide ~color=always'
 walk 'leaks sphere:n=4 --count 100 --engine cpu --builder sah_binned' \
     'layout=f32 store=compact engine=fast ~bins=2 ~leaf=1 ~optimize=reinsert ~builder=sah_binned box=robust tri=mt count=70
     ~seed=3 profile=dxr json=@ ~threads=1 wide color=always'

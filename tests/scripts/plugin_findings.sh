@@ -50,12 +50,12 @@ if plays records; then
     told out replay
     expect 1 . fuzz --trials 2 --jobs 1 --corpus none --engine cpu --no-shrink --dir again --layout ./liar.so
     told again/findings.jsonl 'the log of fuzz'
-    expect 1 . explain "$first" --layout ./liar.so --json t.json
+    expect 1 . explain --wide "$first" --layout ./liar.so --json t.json
     told out explain
     told t.json 'explain --json'
     grep -q '^cause     bound_too_small: ' out || bad "explain names no cause"
     grep -q '"cause": "bound_too_small"' t.json || bad "explain --json names no cause"
-    expect 1 . $(sed -n 's/^again     raydiff //p' out)
+    expect 1 . $(sed -n 's/^again     raydiff //p' out) --wide
     told out 'explain again'
     expect 1 . explain "$first" --layout ./liar.so --engine fast
     expect 2 'it is about a tree, and engine embree takes none' explain "$first" --layout ./liar.so --engine embree
@@ -68,7 +68,7 @@ if plays records; then
         rm -rf lies
         expect 1 . fuzz --trials 3 --jobs 1 --corpus none --engine cpu --no-shrink --dir lies --layout ./liar.so
         [ -f lies/cpu.*.tree."$2"/first.trial ] || bad "fuzz calls $1 $(ls lies)"
-        expect 1 . explain lies/*.tree."$2"/first.trial --layout ./liar.so
+        expect 1 . explain --wide lies/*.tree."$2"/first.trial --layout ./liar.so
         grep -qE "^verdict   WRONG: liar4?: .*$3" out || bad "explain does not say $3 of $1"
     }
     named CHILD child_reference 'record [0-9]+: child [01] is reference' plugin_liar.c
@@ -82,7 +82,7 @@ fi
 sample mine4.so "$root/fuzz/samples/layout/mine4.c"
 cp "$root/fuzz/samples/layout/mine4.glsl" .
 decoded() { # code, what is said, layout, shader
-    expect "$1" . explain sphere:n=8 --rays mixed --count 50 --index 0 --layout "./$3.so" --shader "$4" --json d.json
+    expect "$1" . explain --wide sphere:n=8 --rays mixed --count 50 --index 0 --layout "./$3.so" --shader "$4" --json d.json
     grep -qE "^decode    $2" out || bad "explain --shader $4 does not say '$2'"
 }
 lie() { # file, what of it, what instead, then as decoded
@@ -113,7 +113,7 @@ if plays decode; then
         lie mine4.glsl 'NODE_LEAF | high.w' 'NODE_LEAF | (at == 674u ? high.w - 1u : high.w)' 'record 84, slot 1: items: C decodes 2, GLSL 1'
         # Of a finding, too: of one about a tree that is sound with this layout.
         sed "s/$box/high.y = low.w; $box/" mine.glsl >bad.glsl
-        expect 1 . explain sound.trial --layout ./mine.so --shader bad.glsl
+        expect 1 . explain --wide sound.trial --layout ./mine.so --shader bad.glsl
         grep -q '^decode    DIFFERS: record 0: z hi: ' out || bad "explain of a finding compares nothing"
     fi
 fi

@@ -67,8 +67,8 @@ command=$(sed -n 's/^  explain: raydiff //p' "$dir/out" | head -n 1)
 eval "\"\$raydiff\" $command" >"$dir/out" 2>"$dir/err"
 [ $? -eq 1 ] && grep -q '^cause     cut_box' "$dir/out" || bad "raydiff $command: no cut box"
 # The same from a packed file, in the layout that it is in.
-"$raydiff" explain $scene --bvh "$dir/tree.rdpk" --rays random --index 3 >"$dir/packed.out" 2>&1
-"$raydiff" explain $scene --builder median --layout rf16 --rays random --index 3 >"$dir/built.out" 2>&1
+"$raydiff" explain --wide $scene --bvh "$dir/tree.rdpk" --rays random --index 3 >"$dir/packed.out" 2>&1
+"$raydiff" explain --wide $scene --builder median --layout rf16 --rays random --index 3 >"$dir/built.out" 2>&1
 for page in packed built; do
     grep -vE '^(engine|again)' "$dir/$page.out" >"$dir/$page.page"
 done

@@ -23,12 +23,23 @@ try() {
     awk -f tests/values/flat.awk "$dir/json" >"$dir/flat"
     [ "$(sed -n 's/^exit=//p' "$dir/flat")" = "$code" ] || bad "$ran: the JSON tells another exit code"
 }
+# The last run in 80 columns: the same words, those of the tables of a node in another order. Lines of a file and of a
+# command, and paths, are not broken.
+fits() {
+    "$raydiff" "$@" >"$dir/narrow" 2>/dev/null
+    grep -vE '^again |^ *[^ ]{40,}$' "$dir/narrow" | grep -E '.{81}' && bad "raydiff $*: a line is longer than 80 columns"
+    for page in narrow text; do
+        sed -E 's/^  (side|bound) +of its/  of its/' "$dir/$page" | tr -s ' \n' '\n' | LC_ALL=C sort >"$dir/$page.words"
+    done
+    [ "$(grep '^again ' "$dir/narrow")" = "$(grep '^again ' "$dir/text")" ] || bad "raydiff $*: the command is not one line"
+    cmp -s "$dir/narrow.words" "$dir/text.words" || { bad "raydiff $*: other words in 80 columns"; diff "$dir/text.words" "$dir/narrow.words" | head -5; }
+}
 # Runs the last command of the page, which prints the same page but for itself.
 again() {
     cp "$dir/text" "$dir/before"
     printed=$(sed -n 's/^again     raydiff //p' "$dir/text")
     [ -n "$printed" ] || { bad "$ran: nothing shows how to get it again"; return; }
-    eval "\"\$raydiff\" $printed" >"$dir/text" 2>"$dir/err"
+    eval "\"\$raydiff\" $printed --wide" >"$dir/text" 2>"$dir/err"
     for page in before text; do sed '/^scene  /,$!d; /^again  /d; /^engine .* answered [0-9]/d' "$dir/$page" >"$dir/$page.page"; done
     [ -s "$dir/text.page" ] && cmp -s "$dir/before.page" "$dir/text.page" || bad "$ran: $printed prints another page"
 }
@@ -36,7 +47,8 @@ again() {
 explained() {
     file=$1 lost=$2
     shift 2
-    try 1 explain "$file" "$@"
+    try 1 explain "$file" --wide "$@"
+    fits explain "$file" "$@"
     laws explain 120 -v "triangles=$(sed -n 's/^triangles //p' "$file")" -v "lost=$lost"
     again
 }
@@ -44,7 +56,7 @@ explained() {
 replayed() {
     file=$1 wanted=$2 status=$3
     shift 3
-    try "$wanted" replay "$file" "$@"
+    try "$wanted" replay "$file" --wide "$@"
     laws replay 20 -v "trial=$file" -v "status=$status"
 }
 
@@ -116,7 +128,7 @@ for tracer in sees blind; do
         blind1) hints=0 code=1 ;;
         *) hints=0 code=0 ;;
         esac
-        try $code explain "$dir/edge.trial" --index $index --engine "pipe:$dir/$tracer"
+        try $code explain "$dir/edge.trial" --wide --index $index --engine "pipe:$dir/$tracer"
         laws explain 30 -v triangles=1 -v "lost=$hints"
         again
     done
@@ -135,7 +147,7 @@ explained "$dir/two words/wrong-item.trial" 0
 # The driver that is asked belongs to what gets the page again.
 for command in replay explain; do
     ran="raydiff $command --driver stock"
-    "$raydiff" $command fuzz/corpus/wrong-item.trial --engine vulkan --driver stock >"$dir/text" 2>"$dir/err"
+    "$raydiff" $command fuzz/corpus/wrong-item.trial --wide --engine vulkan --driver stock >"$dir/text" 2>"$dir/err"
     code=$?
     if [ "$code" -eq 77 ]; then
         echo "SKIP $ran: $(tail -n 1 "$dir/err")"

@@ -88,7 +88,7 @@ BEGIN {
     tried = hints = 0
     classes = " miss inside edge vertex in_plane zero_area "
 }
-FNR == 1 { equal("scene", $0, "scene     " v["subject.scene"] ": " triangles " triangles"); next }
+FNR == 1 { equal("scene", $0, "scene     " v["subject.scene"] ": " triangles " triangle" (triangles == 1 ? "" : "s")); next }
 /^origin    / { floats_are("origin", substr($0, 11), 3, "origin.0 origin.1 origin.2"); next }
 /^direction / { floats_are("direction", substr($0, 11), 3, "direction.0 direction.1 direction.2"); next }
 /^range     / { floats_are("range", substr($0, 11), 2, "tmin tmax"); next }
