@@ -1,6 +1,6 @@
 /* How much memory building takes, and that what is too large for the memory left is refused before
  * it is begun. */
-#include "tests/base/allocations.h"
+#include "tests/support/allocations.h"
 
 #include "ref/build/room.h"
 #include "ref/base/memory.h"

@@ -1,7 +1,7 @@
 /* Memory that runs out anywhere between a scene and its hits: each allocation in turn fails, of
  * every builder, layout, storage and engine on the processor. It must be said in one line, with
  * nothing made and nothing kept. */
-#include "tests/base/allocations.h"
+#include "tests/support/allocations.h"
 
 #include "ref/build/links.h"
 #include "ref/builders/reinsert.h"
@@ -14,6 +14,7 @@
 #include "ref/packed/refit.h"
 #include "ref/tree/tree_quality.h"
 #include "ref/packed/packed_check.h"
+#include "scenes/scenes.h"
 #include "tests/support/built.h"
 #include "ref/store.h"
 
@@ -213,9 +214,11 @@ static enum status do_engine(const struct memory_work *work, struct reason *reas
 /* --- all of them -------------------------------------------------------------------------------
  */
 
+/* Builder sbvh splits it. */
 static struct bvh tree_of(const struct scene *scene, const char *builder)
 {
-    const struct build_options options = {.leaf = 3, .eps = BUILD_EPS_DEFAULT};
+    const struct build_options options = {
+        .leaf = 3, .eps = BUILD_EPS_DEFAULT, .split_budget = 2, .split_alpha = -1};
     struct bvh bvh;
     assert_int_equal(bvh_build(builder_find(builder), scene, &options, &bvh, NULL), STATUS_OK);
     return bvh;
@@ -295,19 +298,33 @@ static void every_storage(void **state)
     scene_free(&scene);
 }
 
+/* Thin triangles, whose boxes are mostly empty. */
+static struct scene needles(void)
+{
+    struct scene scene;
+    assert_int_equal(scene_open("needles:n=80", 1, &scene, NULL), STATUS_OK);
+    return scene;
+}
+
 /* Of a tree, and of a split one. */
 static void what_looks_at_trees(void **state)
 {
     static const char *const name[] = {"median", "sbvh"};
     (void)state;
-    struct scene scene = built_soup(60, 5);
+    struct scene scene = needles();
     for (size_t b = 0; b < ARRAY_COUNT(name); b++) {
         struct bvh bvh = tree_of(&scene, name[b]);
         struct memory_work work = {.name = name[b], .scene = &scene, .bvh = &bvh};
         assert_true(fail_each(do_tree_check, &work, 1) > 0);
         assert_true(fail_each(do_fast, &work, 1) > 4);
-        if (!bvh_is_split(&bvh))
+        assert_int_equal(bvh_is_split(&bvh), b == 1);
+        if (b == 0)
             assert_true(fail_each(do_tree_refit, &work, 1) > 0);
+        struct packed packed;
+        assert_int_equal(packed_make(layouts[0], &bvh, &scene, &packed, NULL), STATUS_OK);
+        work.packed = &packed;
+        assert_true(fail_each(do_check, &work, 1) > 1);
+        packed_free(&packed);
         work.silent = true;
         assert_true(fail_each(do_overlap, &work, 1) > 0);
         bvh_free(&bvh);

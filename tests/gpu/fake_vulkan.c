@@ -68,11 +68,26 @@ VkResult fake_call(const char *name)
     return fake.result;
 }
 
+static void *(*take)(size_t, size_t) = calloc;
+static void (*give_back)(void *) = free;
+
+void fake_memory(void *(*own_calloc)(size_t, size_t), void (*own_free)(void *))
+{
+    take = own_calloc;
+    give_back = own_free;
+}
+
+void *fake_bytes(size_t bytes)
+{
+    void *made = take(1, bytes);
+    if (!made)
+        abort();
+    return made;
+}
+
 struct fake_object *fake_make(enum fake_kind kind, struct fake_object *of)
 {
-    struct fake_object *object = calloc(1, sizeof *object);
-    if (!object)
-        abort();
+    struct fake_object *object = fake_bytes(sizeof *object);
     object->kind = kind;
     object->of = of;
     fake.alive++;
@@ -95,8 +110,8 @@ void fake_drop(void *object, enum fake_kind kind)
     it->kind = 0;
     fake.alive--;
     fake.destroyed++;
-    free(it->byte);
-    free(it);
+    give_back(it->byte);
+    give_back(it);
 }
 
 static const struct fake_device *device_of(VkPhysicalDevice which)

@@ -92,6 +92,9 @@ extern struct fake fake;
 /* Makes it one healthy device, on which nothing was done; what was alive is forgotten. */
 void fake_reset(void);
 
+/* Its own memory comes from these, where allocations of the program are made to fail. */
+void fake_memory(void *(*own_calloc)(size_t, size_t), void (*own_free)(void *));
+
 /* --- between its files ------------------------------------------------------------------------ */
 
 enum fake_kind {
@@ -129,6 +132,9 @@ struct fake_object {
 struct fake_object *fake_make(enum fake_kind kind, struct fake_object *of);
 void fake_drop(void *object, enum fake_kind kind);
 struct fake_object *fake_what(void *object, enum fake_kind kind);
+
+/* Zeroed. */
+void *fake_bytes(size_t bytes);
 
 /* The result of the call that is being made. */
 VkResult fake_call(const char *name);

@@ -1,10 +1,7 @@
 /* Limits of dispatches and pipelines, clocks, messages of the layer, and the engines on a device
  * that fails: by value (tests/gpu/fake_vulkan.h). */
 #define _POSIX_C_SOURCE 200809L /* setenv */
-#include "tests/gpu/fake_work.h"
-
-#include "ref/trace/trace.h"
-#include "tests/support/trace_fixture.h"
+#include "tests/gpu/fake_engines.h"
 
 /* Of limits the number itself is allowed, one more is not. */
 static void limits_of_pipelines_are_exact(void **state)
@@ -201,80 +198,6 @@ static void messages_are_counted_but_for_remarks(void **state)
     fake.layer = "VK_LAYER_KHRONOS_validatio";
     assert_int_equal(vk_open(&options, &vk, &reason), STATUS_UNSUPPORTED);
 }
-
-/* Every ray is done. */
-static void all_done(const struct fake_dispatch *dispatch)
-{
-    const struct fake_part *flags = &dispatch->part[ABI_BIND_FLAGS];
-    for (uint64_t i = 0; i + 4 <= flags->bytes; i += 4)
-        memcpy(flags->byte + flags->offset + i, &(uint32_t){ABI_FLAG_DONE}, 4);
-}
-
-#define RAYS 5u
-
-/* A scene, its tree, and rays. */
-struct fake_stage {
-    struct scene scene;
-    struct bvh bvh;
-    struct packed packed;
-    struct ray ray[RAYS];
-};
-
-static struct fake_stage stage_make(void)
-{
-    struct fake_stage s = {.scene = generated("soup:n=20")};
-    s.bvh = median(&s.scene, 2);
-    s.packed = pack("f32", &s.bvh, &s.scene);
-    for (uint32_t i = 0; i < RAYS; i++)
-        s.ray[i] = (struct ray){{0, 0, 0}, 0, {1, (float)i, 0}, 1};
-    return s;
-}
-
-static void stage_free(struct fake_stage *s)
-{
-    packed_free(&s->packed);
-    bvh_free(&s->bvh);
-    scene_free(&s->scene);
-}
-
-/* Everything that the engine does with rays, until something fails. */
-static enum status engine_play(const struct engine *engine, const struct fake_stage *s,
-                               struct reason *reason)
-{
-    const struct engine_options options = {.device = -1};
-    struct job job = {.scene = &s->scene,
-                      .packed = engine->needs_packed ? &s->packed : NULL,
-                      .box = box_test_find("robust"),
-                      .tri = tri_test_find("mt"),
-                      .query = QUERY_CLOSEST};
-    struct hit hit[2 * RAYS];
-    uint32_t count[RAYS], flag[2][RAYS];
-    struct trace_report report;
-    struct engine_task task[2];
-    void *self = NULL;
-    *reason = (struct reason){""};
-    enum status status = engine->open(&options, &self, reason);
-    if (!status)
-        status = engine->prepare(self, &job, reason);
-    if (!status)
-        status = engine->trace(self, s->ray, RAYS, hit, &report, reason);
-    job.query = QUERY_ALL;
-    if (!status && engine->trace_all)
-        status = engine->prepare(self, &job, reason);
-    if (!status && engine->trace_all)
-        status = engine->trace_all(self, s->ray, RAYS, 2, hit, count, reason);
-    job.query = QUERY_ANY;
-    for (int i = 0; i < 2; i++)
-        task[i] = (struct engine_task){
-            .job = job, .ray = s->ray, .ray_count = RAYS, .hit = hit, .flag = flag[i]};
-    if (!status && engine->trace_tasks)
-        status = engine->trace_tasks(self, task, 2, reason);
-    engine->close(self);
-    return status;
-}
-
-static const char *const engine_names[] = {"vulkan", "vulkan_stackless", "vulkan_brute",
-                                           "rayquery"};
 
 static void fail_each_call(const struct engine *engine, const struct fake_stage *s)
 {
