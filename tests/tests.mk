@@ -54,7 +54,7 @@ $(B)/tests/test_out_of_memory $(B)/tests/test_memory $(B)/tests/test_vulkan_memo
     -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 
 # A Vulkan within the program, which the loader of the library finds in it.
-FAKE_VULKAN_TESTS := $(addprefix $(B)/tests/,test_card $(addprefix test_vulkan_,faults answers refusals frame_faults memory))
+FAKE_VULKAN_TESTS := $(addprefix $(B)/tests/,test_card $(addprefix test_vulkan_,faults answers refusals frame_faults memory parts))
 $(FAKE_VULKAN_TESTS): $(addprefix $(B)/obj/tests/gpu/,fake_vulkan.o fake_vulkan_device.o fake_vulkan_command.o)
 $(FAKE_VULKAN_TESTS): TEST_LIBS += -rdynamic
 
