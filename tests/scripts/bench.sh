@@ -178,6 +178,17 @@ awk -F, '
     }
     END { if (told < 15) { print "FAILED  bench fast has " told + 0 " rows"; bad = 1 } exit bad }
 ' "$dir/f.csv" "$dir/out" || failed=$((failed + 1))
+# What both engines hit is as much by either: what one hits and what it misses.
+wall=$dir/wall.obj
+"$raydiff" scene convert grid:n=4,height=0 "$wall" >"$dir/out" 2>"$dir/err" || bad "no wall"
+expect 0 . bench fast --scene "$wall" --rounds 1 --count 500 --csv "$dir/f.csv"
+for engine in embree embree_robust; do
+    "$raydiff" check "$wall" --engine $engine --rays bounce --count 500 --repeat 1 --json "$dir/$engine.json" >"$dir/out" 2>"$dir/err"
+done
+rows "$dir/f.csv" '$c["rays"] == "bounce" && $c["engine"] == "embree" { few = $c["missed"] }
+    $c["rays"] == "bounce" && $c["engine"] == "embree robust" { robust = $c["missed"] }
+    END { if (few + hits != robust + more || few <= robust) wrong("missed: " few " and " robust ", hits: " hits " and " more) }' \
+    -v hits="$(json hits "$dir/embree.json")" -v more="$(json hits "$dir/embree_robust.json")"
 expect 0 . bench fast --scene $scene --rounds 1 --count 500 --csv "$dir/f.csv"
 rows "$dir/f.csv" '$c["engine"] == "fast" { if (!near($c["bytes_per_triangle"], bytes, 1e-6)) wrong("bytes per triangle") }' \
     -v bytes="$(awk -F, '$5 == "fast sah_sweep" { print ($34 + $35 + $36) / $3 }' "$dir/m.csv")"

@@ -94,6 +94,7 @@ play_fuzz() {
     for rounds in 1 2; do
         known='trials=3' bench fuzz 40 "$rounds" --count 3 --engine cpu,embree_robust
     done
+    known='trials=5 alone=1' bench fuzz 40 1 --count 5 --engine cpu --layout f32
 }
 play_frames() {
     other check sphere:n=6 --layout f32,rf16 --engine cpu --count 50 --repeat 1 --brute 0 --threads 1

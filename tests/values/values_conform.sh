@@ -47,6 +47,28 @@ grep -q "^<testsuite .*$cases" "$dir/xml" || bad "JUnit has not $cases"
 [ "$(grep -c '<testcase ' "$dir/xml")" -eq $((trials + named)) ] && [ "$(grep -c '<failure' "$dir/xml")" -eq "$wrong" ] &&
     [ "$(grep -c '<skipped' "$dir/xml")" -eq $((skipped + waived)) ] || bad "JUnit has other cases than sums"
 
+# No case takes longer than all of them.
+awk '/^<testsuite / { sub(/.* time="/, ""); all = $0 + 0 }
+    /^<testcase / { sub(/.* time="/, ""); sum += $0 }
+    END { exit !(all > 0 && sum > 0 && sum <= 1.01 * all + 0.0005 * NR) }' "$dir/xml" || bad 'JUnit: times of cases against that of all'
+
+# What is told of a trial is what raydiff check tells of the same rays.
+for told in 'cornell edges' 'sphere mixed' 'terrain corners'; do
+    scene=${told% *} set=${told#* }
+    "$raydiff" conform "closest.cpu.f32.median.robust.mt.$scene.$set.1" --count 100 --verbose >"$dir/one" 2>&1
+    "$raydiff" check "$scene" --builder median --layout f32 --engine cpu --rays "$set" --count 100 --seed 1 --repeat 1 --json "$dir/json" >"$dir/check" 2>&1
+    awk -f tests/values/flat.awk "$dir/json" | awk -F= '
+        { v[$1] = $2 }
+        END {
+            p = "rows.0."
+            text = v[p "rays"] " rays, " v[p "hits"] " hits;"
+            n = split("right tie near_tie boundary border in_plane slab noise out_of_contract wrong", kind, " ")
+            for (i = 1; i <= n; i++) text = text " " kind[i] " " v[p "counts." kind[i]]
+            print text sprintf("; err/E %.2f; bits %d", v[p "err_over_bound"], v[p "bit_differences"])
+        }' >"$dir/line"
+    grep -qF ": $(cat "$dir/line")" "$dir/one" || { bad "conform $told: not as check tells: $(cat "$dir/line")"; head -n 2 "$dir/one"; }
+done
+
 # Pairs: fields 1 to 8 of a name are members of as many tables; '-' is none.
 pairs=$(awk '
     /^<testcase / && !/\.answered"/ {

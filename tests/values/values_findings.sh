@@ -83,6 +83,27 @@ for file in cut-box sentinel; do
     rm "$dir/small.trial"
 done
 
+# Asks count more than trials where rays or triangles are many.
+try 1 fuzz --rays 400 --jobs 1 --corpus none --faithful --seed 9 --engine cpu --layout rtrs_rf --trials 64 --no-shrink --dir "$dir/many"
+try 0 min "$(ls -d "$dir"/many/*.missed.* | head -n 1)/first.trial" --out "$dir/small.trial"
+laws min 14
+grep -qx "findings.0.asks=$(sed -n 's/^findings.0.tried=//p' "$dir/flat")" "$dir/flat" && bad "$ran: asks are trials"
+
+# Merges: what each folder has, and what of it lies in the new one.
+folder() { # what, folder
+    set -- "$1" "$2" "$(find "$2" -mindepth 1 -maxdepth 1 -type d | wc -l)" "$(cat "$2"/*/count | awk '{ sum += $1 } END { print sum }')"
+    grep -qx "$1  *$2: $3 distinct, $4 in all" "$dir/text" || bad "merge: not '$1 $2: $3 distinct, $4 in all'"
+}
+"$raydiff" merge --to "$dir/merged" "$dir/a" "$dir/many" >"$dir/text" 2>"$dir/err" || bad 'merge fails'
+folder from "$dir/a" && folder from "$dir/many" && folder to "$dir/merged"
+[ "$(cat "$dir/merged"/*/count | awk '{ sum += $1 } END { print sum }')" -eq \
+    "$(cat "$dir/a"/*/count "$dir/many"/*/count | awk '{ sum += $1 } END { print sum }')" ] || bad 'merge loses findings'
+for folder in "$dir"/merged/*/; do
+    size=$(awk '/^triangles / { t = $2 } /^rays / { r = $2 } END { print t " triangle" (t == 1 ? "" : "s") ", " r " ray" (r == 1 ? "" : "s") }' \
+        "$folder/smallest.trial")
+    grep -qx " *$(cat "$folder/count")  $(basename "$folder")  smallest: $size" "$dir/text" || bad "merge: $folder: not '$size'"
+done
+
 missed=0
 for file in "$dir"/a/*/smallest.trial fuzz/corpus/wrong-item.trial fuzz/corpus/slot-not-read.trial; do
     replayed "$file" 1 skipped --engine cpu,brute,vulkan --driver no-such-driver

@@ -48,6 +48,9 @@
     if ($1 != "judge_us") next
     # What stands last: all parts are there.
     if (rounds == 1) near(name "harness to engines", v[p ".harness_to_engines"], harness / engines)
+    # Times of parts are of the wall: other work on the machine lengthens them, twentyfold at most.
+    truth(name "core time of parts", v[p ".core_us_per_trial"] >= 0.05 * (harness + engines))
+    if (alone) equal(name "f32 refuses nothing", v[p ".refused"], 0)
 }
 END {
     equal("rows", r, v["rows.count"])

@@ -47,6 +47,7 @@
     same(name "tree", text, "%.3f", v[p ".tree_us"])
     # No unit is another: all rays by the tree took less than the command, and more than no time.
     truth(name "tree, in us", v[p ".tree_us"] * 1e-6 * v[p ".rays"] <= took * 1e-9 && v[p ".tree_us"] > 0.01)
+    truth(name "tree, not brute force", v[p ".tree_us"] * 1e-6 * v[p ".rays"] / v[p ".brute_s"] - 1 > 1e-6 || v[p ".tree_us"] * 1e-6 * v[p ".rays"] / v[p ".brute_s"] - 1 < -1e-6)
     truth(name "brute, in s", v[p ".brute_s"] <= took * 1e-9)
     truth(name "ns of pairs", v[p ".scalar_ns"] * 1e-9 * v[p ".pairs"] <= took * 1e-9 && v[p ".scalar_ns"] > 0.1)
 }
