@@ -31,6 +31,11 @@ warnings-check:
 deb-check:
 	@sh .ci/deb.sh tests/fresh.txt $(RELEASE)
 
+# An image for containers of those packages and debootstrap's system alone, tried by buildah without network.
+.PHONY: image-check
+image-check:
+	@sh .ci/image.sh tests/fresh.txt $(RELEASE)
+
 # Compares all engines with each other, 300,000 rays per scene; the result is committed. Slow.
 RESULTS ?= bench/results/lavapipe-22.3.6
 agree: all

@@ -120,6 +120,7 @@ plain)
     suite stubs sh tests/house/stubs.sh "$build"
     suite other sh tests/house/other.sh
     suite deb sh tests/house/deb.sh
+    suite image sh tests/house/image.sh
     suite hardware sh tests/house/hardware_steps.sh
     alone mutants make -s mutants PART=4
     suite planted sh tests/planted/selftest.sh "$build"
