@@ -16,7 +16,7 @@
 #include <unistd.h>
 
 #define PRINTED_MOST 40000u  /* bytes of an explanation */
-#define DRAWING_MOST 100000u /* of its picture; larger ones are left out */
+#define DRAWING_MOST 400000u /* of its picture, more than explain draws */
 
 void report_pass_on(struct line *line, const struct report_options *options, unsigned to)
 {
@@ -207,7 +207,6 @@ static enum status draw_finding(const struct report_options *options, struct run
     char svg[4096];
     struct run run;
     struct line line;
-    struct reason unread;
     size_t size;
     *out = NULL;
     line_begin(&line, "explain");
@@ -223,13 +222,7 @@ static enum status draw_finding(const struct report_options *options, struct run
     line_free(&line);
     if (status || run.dead || run.stopped || run.code != EXIT_MISMATCH)
         return status;
-    if (file_read_most(svg, DRAWING_MOST, out, &size, &unread))
-        *out = NULL;
-    if (*out && strncmp(*out, "<svg ", 5) != 0) {
-        free(*out);
-        *out = NULL;
-    }
-    return STATUS_OK;
+    return file_read_most(svg, DRAWING_MOST, out, &size, reason);
 }
 
 static enum status make_finding(const struct report_options *options, struct runner *runner,
