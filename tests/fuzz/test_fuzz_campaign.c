@@ -367,11 +367,22 @@ static void options_are_kept_in_the_state(void **state)
     assert_false(campaign_state_get("", "seed", value, sizeof value));
 }
 
+/* Of 4 trials the second. */
+static void medians_of_triangles_are_nearest_ranks(void **state)
+{
+    static struct campaign_view view = {.trials = 4, .histogram[3] = 2, .histogram[9] = 2};
+    (void)state;
+    assert_int_equal(campaign_triangles_median(&view), 3);
+    view.histogram[9] = ++view.trials - 2;
+    assert_int_equal(campaign_triangles_median(&view), 9);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_number_of_workers_finds_the_same),
         cmocka_unit_test(shards_merged_are_one_run),
+        cmocka_unit_test(medians_of_triangles_are_nearest_ranks),
         cmocka_unit_test(more_trials_go_on_where_it_was),
         cmocka_unit_test(kills_lose_nothing),
         cmocka_unit_test(enough_findings_end_it),
