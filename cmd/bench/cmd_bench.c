@@ -133,7 +133,8 @@ static const struct option_set set = {
     .group = {GROUP(all_rows),
               {.row = own_rows, .title = "and where the benchmark takes them:"},
               GROUP_AT(engine_rows, engines),
-              GROUP_AT(outside_rows, engines)},
+              GROUP_AT(outside_rows, engines),
+              GROUP_AT(screen_rows, screen)},
     .codes = "0 measured, 1 an answer was not allowed or a run proved nothing, 2 bad input, 3 "
              "engine failed, 77 a named engine cannot run here; 128 + the signal that ended a run "
              "of frames: its files hold the frames measured until then",
@@ -257,6 +258,7 @@ int cmd_bench(int argc, char **argv)
     int first, code = options_read(&set, &bench, argc, argv, &first);
     if (code >= 0)
         return code;
+    bench.screen_is = screen_make(&bench.screen);
     if (argc - first > 1)
         return usage_error("bench",
                            "one benchmark at a time, and '%.60s' is a second (a scene: --scene)",

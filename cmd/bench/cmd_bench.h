@@ -3,6 +3,7 @@
 #define CMD_BENCH_H
 
 #include "bench/chart/spread.h"
+#include "cmd/common/cmd_grid.h"
 #include "cmd/common/cmd_tree.h"
 #include "cmd/common/cmd_progress.h"
 #include "ref/frame.h"
@@ -18,6 +19,7 @@
 /* Parts of benchmark.takes: options of CPUs and Vulkan drivers, and of outside engines and
  * layouts. */
 #define BENCH_MACHINE " threads driver device workgroup"
+#define BENCH_SCREEN  " wide color"
 #define BENCH_OUTSIDE " peer-time peer-memory shader"
 
 /* Settings of a run, and its outputs. */
@@ -27,6 +29,8 @@ struct bench {
     uint64_t ray_count, rounds, seed;                  /* ray_count 0: the benchmark's default */
     struct list engine, layout, store, tri, box, rays; /* count 0: the benchmark's default */
     struct engine_options engines;
+    struct screen_options screen;
+    struct screen screen_is; /* made of them; benchmarks that print one table for all ignore it */
     struct progress progress;
     const char *csv_path, *json_path, *svg_path;
     struct {

@@ -71,23 +71,29 @@ static enum status build_once(struct builders_contestant *c, const struct scene 
 }
 
 static void print_row(struct bench *bench, const char *spec, const struct scene *scene,
-                      struct builders_contestant *c)
+                      struct builders_contestant *c, struct row_grid *grid)
 {
     char name[64];
     int used = snprintf(name, sizeof name, "%s", c->builder->name);
     if (c->passes)
         snprintf(name + used, sizeof name - (size_t)used, " reinsert=%u", c->passes);
     if (c->refused.text[0]) {
-        printf("  %-24s %s\n", name, c->refused.text);
+        screen_text(&bench->screen_is, "  %-24s %s\n", name, c->refused.text);
         return;
     }
     struct spread spread = spread_of(c->ns, (size_t)bench->rounds);
     const struct tree_quality *q = &c->quality;
     double tris = scene->tri_count ? (double)scene->tri_count : 1.0;
-    printf("  %-24s %7u %9.1f (%.1f-%.1f) %8.2f %8.2f %6u %9u %6.2f %7u %6u\n", name, c->threads,
-           spread.median / tris, spread.least / tris, spread.most / tris, q->sah, c->overlap,
-           q->stats.depth, q->stats.node_count, q->leaf_fill, q->stats.largest_leaf,
-           q->stats.loose_count);
+    if (!bench->screen_is.wide)
+        grid_add(grid, PAINT_PLAIN, "%s\t%u\t%.1f\t%.1f-%.1f\t%.2f\t%.2f\t%u\t%u\t%.2f\t%u\t%u",
+                 name, c->threads, spread.median / tris, spread.least / tris, spread.most / tris,
+                 q->sah, c->overlap, q->stats.depth, q->stats.node_count, q->leaf_fill,
+                 q->stats.largest_leaf, q->stats.loose_count);
+    else
+        printf("  %-24s %7u %9.1f (%.1f-%.1f) %8.2f %8.2f %6u %9u %6.2f %7u %6u\n", name,
+               c->threads, spread.median / tris, spread.least / tris, spread.most / tris, q->sah,
+               c->overlap, q->stats.depth, q->stats.node_count, q->leaf_fill, q->stats.largest_leaf,
+               q->stats.loose_count);
     json_t *row = json_record(
         "scene=%s builder=%s reinsert=%u threads=%u triangles=%u rounds=%zu ns_per_tri_median=%g "
         "ns_per_tri_min=%g ns_per_tri_max=%g sah=%g overlap=%g overlap_exact=%i nodes=%u leaves=%u "
@@ -117,19 +123,29 @@ static enum status build_all(struct bench *bench, const char *spec, const struct
                 return status;
         }
     progress_end(&bench->progress);
+    static const struct column columns[] = {
+        {"builder", .left = true}, {.title = "threads"}, {.title = "ns/tri"},
+        {"least-most", .rank = 4}, {.title = "SAH"},     {.title = "overlap"},
+        {"depth", .rank = 1},      {.title = "nodes"},   {.title = "fill"},
+        {"largest", .rank = 2},    {"loose", .rank = 3}};
+    struct row_grid grid = {.column = columns, .column_count = ARRAY_COUNT(columns)};
     printf("%s: %u triangles%s\n", spec, scene->tri_count,
            scene->tri_count > OVERLAP_MOST ? "; overlap is estimated" : "");
-    puts("  builder                  threads    ns/tri (least-most)       SAH  overlap  depth     "
-         "nodes   fill largest  loose");
+    if (bench->screen_is.wide)
+        puts("  builder                  threads    ns/tri (least-most)       SAH  overlap  depth  "
+             "   "
+             "nodes   fill largest  loose");
     for (size_t i = 0; i < count; i++)
-        print_row(bench, spec, scene, &list[i]);
+        print_row(bench, spec, scene, &list[i], &grid);
+    if (!bench->screen_is.wide)
+        grid_print(&grid, &bench->screen_is);
     return STATUS_OK;
 }
 
 const struct benchmark bench_builders = {
     .name = "builders",
     .summary = "time per triangle, with one thread and with two, and the tree's quality",
-    .takes = "scene rounds csv json threads",
+    .takes = "scene rounds csv json threads" BENCH_SCREEN,
     .about = "leaf size 4. SAH: expected cost of a line through the scene's box, 1 for a node or "
              "a triangle; overlap: what a ray pays that ends on a surface in boxes of triangles "
              "elsewhere, likewise (of 50,000 triangles, if there are more); fill: triangles per "

@@ -262,7 +262,7 @@ const struct benchmark bench_error = {
     .name = "error",
     .summary = "engines, layouts and triangle tests: speed against error, exactly measured",
     .takes = "scene count rounds csv json seed engine layout tri box rays svg bvh" BENCH_MACHINE
-        BENCH_OUTSIDE,
+        BENCH_OUTSIDE BENCH_SCREEN,
     .about = about,
     .scenes = "sphere:n=32;scenes/fetched/dragon-11k.ply.gz;needles",
     .play = play_scene,

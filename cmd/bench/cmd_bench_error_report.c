@@ -76,6 +76,59 @@ static void print_accuracy(const struct error_page *page)
     }
 }
 
+/* --- tables that fit the screen ------------------------------------------------------------ */
+
+static const struct column error_columns[] = {
+    {"verdict", .left = true},
+    {"engine", .left = true},
+    {"layout", .left = true},
+    {"box", .left = true, .varies = true, .rank = 1},
+    {"tri", .left = true, .varies = true, .rank = 2},
+    {.title = "WRONG"},
+    {"allowed", .rank = 7},
+    {.title = "lost"},
+    {.title = "phantom"},
+    {"wrong-id", .rank = 6},
+    {"edge", .rank = 3},
+    {"vertex", .rank = 4},
+    {"Mray/s", .rank = 5},
+    {"ratio", .rank = 8},
+    {"of", .left = true, .rank = 8},
+    {"err/E", .rank = 9},
+};
+
+static void print_errors(const struct error_page *page, const struct screen *screen)
+{
+    struct row_grid grid = {.column = error_columns, .column_count = ARRAY_COUNT(error_columns)};
+    for (size_t i = 0; i < page->row_count; i++) {
+        const struct error_row *row = &page->row[i];
+        const bool wrong = row->verdicts.wrong > 0;
+        const size_t kind[] = {row->sum.kind[ERROR_LOST], row->sum.kind[ERROR_PHANTOM],
+                               row->sum.kind[ERROR_WRONG]};
+        char rate[3 + LEAK_TARGETS][32];
+        for (int k = 0; k < 3; k++)
+            error_rate_text(kind[k], row->sum.rays, rate[k], sizeof rate[k]);
+        for (int k = 0; k < LEAK_TARGETS; k++)
+            error_rate_text(row->leak[k], page->leak_rays[k], rate[3 + k], sizeof rate[3 + k]);
+        grid_add(&grid,
+                 !row->judged ? PAINT_DIM
+                 : wrong      ? PAINT_BAD
+                              : PAINT_GOOD,
+                 "%s\t%s\t%s\t%s\t%s\t%zu\t%zu\t%s\t%s\t%s\t%s\t%s\t%.3f\t%.2f\t%s\t%.3f",
+                 !row->judged ? "counted"
+                 : wrong      ? "WRONG"
+                              : "agrees",
+                 row->engine->name, row->layout ? row->layout->name : "-",
+                 row->box ? row->box->name : "-", row->tri ? row->tri->name : "own",
+                 row->verdicts.wrong, row->verdicts.allowed, rate[0], rate[1], rate[2],
+                 rate[3 + LEAK_EDGE], rate[3 + LEAK_VERTEX], row->mrays.median, row->ratio.median,
+                 row->base, row->verdicts.over);
+    }
+    screen_text(screen, "lost, phantom, wrong triangle, and leaks at edges and vertices: per "
+                        "million\n");
+    grid_print(&grid, screen);
+}
+
 static json_t *row_json(const struct bench *bench, const struct error_page *page,
                         const struct error_row *row)
 {
@@ -109,18 +162,24 @@ static json_t *row_json(const struct bench *bench, const struct error_page *page
 void error_print(struct bench *bench, const struct error_page *page)
 {
     char name[BENCH_TREE_NAME];
-    printf("\n%s: %u triangles; %zu %s rays, seed %llu, of which exactly %zu hit; %s; %llu rounds "
-           "interleaved\n",
-           page->scene, page->tri_count, page->ray_count, page->rays,
-           (unsigned long long)bench->seed, page->exact_hits, bench_tree_name(bench, name),
-           (unsigned long long)bench->rounds);
+    putchar('\n');
+    screen_text(
+        &bench->screen_is,
+        "%s: %u triangles; %zu %s rays, seed %llu, of which exactly %zu hit; %s; %llu rounds "
+        "interleaved\n",
+        page->scene, page->tri_count, page->ray_count, page->rays, (unsigned long long)bench->seed,
+        page->exact_hits, bench_tree_name(bench, name), (unsigned long long)bench->rounds);
     if (page->leak_rays[LEAK_VERTEX])
         printf("closed: %zu rays from inside aimed at edges, %zu at vertices\n",
                page->leak_rays[LEAK_EDGE], page->leak_rays[LEAK_VERTEX]);
     else
-        printf("no leaks counted: %s\n", page->no_leaks.text);
-    print_speeds(page);
-    print_accuracy(page);
+        screen_text(&bench->screen_is, "no leaks counted: %s\n", page->no_leaks.text);
+    if (bench->screen_is.wide) {
+        print_speeds(page);
+        print_accuracy(page);
+    } else {
+        print_errors(page, &bench->screen_is);
+    }
     for (size_t i = 0; i < page->row_count; i++)
         bench_row(bench, &bench_error, row_json(bench, page, &page->row[i]));
 }

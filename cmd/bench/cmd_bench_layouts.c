@@ -22,6 +22,24 @@ struct layouts_field {
     struct match match;
     struct race race;
     struct row row[CONTESTANTS]; /* errors, from an untimed run */
+    struct row_grid *grid;
+    bool told; /* what is left out, of other rays */
+};
+
+static const struct column columns[] = {
+    {"verdict", .left = true},
+    {"layout", .left = true},
+    {"engine", .left = true},
+    {"rays", .left = true},
+    {.title = "wrong"},
+    {"allowed", .rank = 3},
+    {"B/tri", .rank = 2},
+    {"mem/tri", .rank = 4},
+    {.title = "Mray/s"},
+    {"ratio", .rank = 1},
+    {"of", .left = true, .rank = 1},
+    {"least-most", .rank = 5},
+    {"+items", .rank = 6},
 };
 
 /* Enters every engine on every layout that can run here and hold the scene. */
@@ -39,9 +57,9 @@ static void enter_all(struct layouts_field *field)
                                            .layout = tree ? layouts[l] : NULL,
                                            .box = field->match.options.box,
                                            .tri = field->match.options.tri};
-            if (race_add(&field->race, &who, &field->bench->engines, &reason))
-                printf("%-14s %-12s left out: %s\n", engines[e]->name,
-                       tree ? layouts[l]->name : "-", reason.text);
+            if (race_add(&field->race, &who, &field->bench->engines, &reason) && !field->told)
+                screen_text(&field->bench->screen_is, "%-14s %-12s left out: %s\n",
+                            engines[e]->name, tree ? layouts[l]->name : "-", reason.text);
         }
     }
 }
@@ -82,6 +100,27 @@ static void write_row(struct layouts_field *field, size_t i, const struct spread
     bench_row(field->bench, &bench_layouts, out);
 }
 
+/* The row of a table that fits the screen. */
+static void add_contestant(struct layouts_field *field, size_t i, const struct spread *speed,
+                           const struct spread *ratio, size_t allowed)
+{
+    const struct row *row = &field->row[i];
+    struct contestant *c = &field->race.contestant[i];
+    const bool wrong = row->differences > 0;
+    double tris = field->scene->tri_count ? (double)field->scene->tri_count : 1.0;
+    char nodes[32] = "-", all[32] = "-";
+    if (c->layout) {
+        snprintf(nodes, sizeof nodes, "%.1f", (double)row->node_bytes / tris);
+        snprintf(all, sizeof all, "%.1f", (double)(row->node_bytes + row->item_bytes) / tris);
+    }
+    grid_add(field->grid, wrong ? PAINT_BAD : PAINT_GOOD,
+             "%s\t%s\t%s\t%s\t%zu\t%zu\t%s\t%.1f\t%.3f\t%.2f\t%s\t%.3f-%.3f\t%s",
+             wrong ? "WRONG" : "agrees", c->layout ? c->layout->name : "-", c->engine->name,
+             field->rays, row->differences, allowed, nodes, (double)c->memory_bytes / tris,
+             speed->median, ratio->median, race_base_name(&field->race, c), speed->least,
+             speed->most, all);
+}
+
 static void print_contestant(struct layouts_field *field, size_t i)
 {
     size_t rounds = (size_t)field->bench->rounds;
@@ -90,6 +129,11 @@ static void print_contestant(struct layouts_field *field, size_t i)
     double tris = field->scene->tri_count ? (double)field->scene->tri_count : 1.0;
     struct spread speed = spread_of(c->mrays, rounds), ratio = spread_of(c->ratio, rounds);
     size_t allowed = row->rays - row->count[VERDICT_RIGHT] - row->count[VERDICT_WRONG];
+    if (!field->bench->screen_is.wide) {
+        add_contestant(field, i, &speed, &ratio, allowed);
+        write_row(field, i, &speed, &ratio, allowed);
+        return;
+    }
     double node = (double)row->node_bytes / tris;
     double nodes = (double)(row->node_bytes + row->item_bytes) / tris;
     printf("%-8s %-13s %-5s %7.3f (%.3f-%.3f) %5.2f (%.2f-%.2f) of %-8s ", field->rays,
@@ -154,22 +198,32 @@ static enum status play_scene(struct bench *bench, const char *spec, const struc
     static struct layouts_field field;
     struct tree_file tree;
     char name[BENCH_TREE_NAME];
+    struct row_grid grid = {.column = columns, .column_count = ARRAY_COUNT(columns)};
     enum status status = bench_tree_open(bench, scene, &tree, reason);
     if (status)
         return status;
-    printf("\n%s: %u triangles; %s, box %s, triangle %s; %llu rays, %llu "
-           "rounds interleaved\n",
-           spec, scene->tri_count, bench_tree_name(bench, name), box_tests[0]->name,
-           tri_tests[0]->name, (unsigned long long)bench_rays_count(bench, OWN_RAYS),
-           (unsigned long long)bench->rounds);
-    puts("rays     engine        nodes Mray/s (least-most)   ratio (least-most)           B/tri "
-         "+items  mem/tri   wrong  named");
+    putchar('\n');
+    screen_text(&bench->screen_is,
+                "%s: %u triangles; %s, box %s, triangle %s; %llu rays, %llu rounds interleaved\n",
+                spec, scene->tri_count, bench_tree_name(bench, name), box_tests[0]->name,
+                tri_tests[0]->name, (unsigned long long)bench_rays_count(bench, OWN_RAYS),
+                (unsigned long long)bench->rounds);
+    if (bench->screen_is.wide)
+        puts(
+            "rays     engine        nodes Mray/s (least-most)   ratio (least-most)           B/tri "
+            "+items  mem/tri   wrong  named");
     for (size_t s = 0; s < ARRAY_COUNT(sets); s++) {
         struct reason why = {""};
-        field = (struct layouts_field){
-            .bench = bench, .spec = spec, .scene = scene, .tree = bench->bvh ? &tree : NULL};
+        field = (struct layouts_field){.bench = bench,
+                                       .spec = spec,
+                                       .scene = scene,
+                                       .tree = bench->bvh ? &tree : NULL,
+                                       .grid = &grid,
+                                       .told = s > 0};
         bench_failed(bench, spec, bench_rays(&field, ray_set_find(sets[s]), &why), &why);
     }
+    if (!bench->screen_is.wide)
+        grid_print(&grid, &bench->screen_is);
     tree_file_free(&tree);
     return STATUS_OK;
 }
@@ -177,7 +231,7 @@ static enum status play_scene(struct bench *bench, const char *spec, const struc
 const struct benchmark bench_layouts = {
     .name = "layouts",
     .summary = "engines and layouts: speed, bytes, memory, errors on the same tree",
-    .takes = "scene count rounds csv json seed bvh" BENCH_MACHINE,
+    .takes = "scene count rounds csv json seed bvh" BENCH_MACHINE BENCH_SCREEN,
     .scenes = "sphere:n=50;terrain:k=6;scenes/fetched/dragon-11k.ply.gz",
     .play = play_scene,
 };

@@ -13,7 +13,7 @@
 #define OWN_RAYS     65536
 #define OWN_RAYS_GPU 8192
 #define FEW          8 /* engine cpu traces every eighth ray */
-#define GROUP        8 /* GPU contestants at a time: each opens a device */
+#define GPU_GROUP    8 /* GPU contestants at a time: each opens a device */
 
 const char *const matrix_kinds[MATRIX_KINDS] = {"prim", "rand", "diff", "o-shad", "o-rand"};
 
@@ -224,7 +224,7 @@ static enum status play_threads(struct matrix *m, unsigned threads, const struct
 {
     enum status status = STATUS_OK;
     bool gpu = matrix_entry_is_gpu(&m->entries.entry[0]);
-    size_t step = gpu ? GROUP : m->entries.count;
+    size_t step = gpu ? GPU_GROUP : m->entries.count;
     m->row_count = 0;
     for (size_t first = 0; first < m->entries.count && !status; first += step) {
         size_t last = first + step < m->entries.count ? first + step : m->entries.count;
@@ -344,7 +344,8 @@ static int run(struct bench *bench)
 const struct benchmark bench_matrix = {
     .name = "matrix",
     .summary = "builders, layouts, storages, engines: speed, size, lines read, errors",
-    .takes = "scene count rounds csv json svg seed engine layout store" BENCH_MACHINE BENCH_OUTSIDE,
+    .takes = "scene count rounds csv json svg seed engine layout store" BENCH_MACHINE BENCH_OUTSIDE
+        BENCH_SCREEN,
     .about = "rays: prim from a pinhole, rand random, diff bounced off what prim rays hit; "
              "o-shad from what they hit to a light and o-rand ask for any hit. Speeds are "
              "multiples of Embree's by default (of engine vulkan: of its layout f32), 1 thread "

@@ -4,6 +4,7 @@
 #include "bench/chart/pareto.h"
 #include "bench/chart/row_plot.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 #include "ref/store.h"
 
 #include <math.h>
@@ -70,21 +71,25 @@ static void mark_front(struct matrix *m, bool gpu)
 
 static void print_front(const struct matrix *m)
 {
+    char text[2000] = "";
     const char *before = "  front of size, speed and lost hits: ";
     for (size_t i = 0; i < m->row_count; i++)
         if (m->row[i].on_front) {
-            printf("%s%s", before, m->row[i].entry->name);
+            text_append(text, sizeof text, "%s%s", before, m->row[i].entry->name);
             before = "; ";
         }
-    putchar('\n');
+    screen_text(&m->bench->screen_is, "%s\n", text);
     before = "  worth using, nothing lost: ";
+    text[0] = '\0';
     for (int what = 0; what < PARETO_WORTH; what++)
         for (size_t i = 0; i < m->row_count; i++)
             if (m->row[i].worth == worth_text[what]) {
-                printf("%s%s (%s)", before, m->row[i].entry->name, worth_text[what]);
+                text_append(text, sizeof text, "%s%s (%s)", before, m->row[i].entry->name,
+                            worth_text[what]);
                 before = ", ";
             }
-    printf("\n\n");
+    screen_text(&m->bench->screen_is, "%s\n", text);
+    putchar('\n');
 }
 
 /* --- tables ----------------------------------------------------------------------------------- */
@@ -92,9 +97,13 @@ static void print_front(const struct matrix *m)
 static void print_speeds(const struct matrix *m)
 {
     unsigned threads = m->row_count ? m->row[0].threads : 1;
-    printf("\n%s: %u triangles, %zu rays of each kind, %llu rounds interleaved, %u thread%s\n",
-           m->spec, m->scene->tri_count, m->count, (unsigned long long)m->bench->rounds, threads,
-           threads == 1 ? "" : "s");
+    putchar('\n');
+    screen_text(&m->bench->screen_is,
+                "%s: %u triangles, %zu rays of each kind, %llu rounds interleaved, %u thread%s\n",
+                m->spec, m->scene->tri_count, m->count, (unsigned long long)m->bench->rounds,
+                threads, threads == 1 ? "" : "s");
+    if (!m->bench->screen_is.wide)
+        return;
     printf("  %-30s", "speed, least-most");
     for (int kind = 0; kind < MATRIX_KINDS; kind++)
         printf(" %-16s", matrix_kinds[kind]);
@@ -157,6 +166,44 @@ static void print_sizes(const struct matrix *m)
     }
 }
 
+/* --- a table that fits the screen --------------------------------------------------------- */
+
+static const struct column columns[] = {
+    {"verdict", .left = true}, {"contestant", .left = true},
+    {.title = "WRONG"},        {"allowed", .rank = 3},
+    {.title = "lost"},         {"leaks", .rank = 1},
+    {.title = "B/tri"},        {"prim", .rank = 4},
+    {"rand", .rank = 5},       {"diff", .rank = 6},
+    {"o-shad", .rank = 8},     {"o-rand", .rank = 7},
+    {.title = "mean"},         {"Mray/s", .rank = 2},
+};
+
+static void print_table(const struct matrix *m, bool full)
+{
+    struct row_grid grid = {.column = columns, .column_count = ARRAY_COUNT(columns)};
+    const struct screen *screen = &m->bench->screen_is;
+    for (size_t i = 0; i < m->row_count; i++) {
+        const struct matrix_row *r = &m->row[i];
+        const bool wrong = r->verdicts.wrong > 0;
+        grid_add(&grid,
+                 !r->judged ? PAINT_DIM
+                 : wrong    ? PAINT_BAD
+                            : PAINT_GOOD,
+                 "%s\t%s\t%zu\t%zu\t%zu\t%zu\t%.1f\t%.2f\t%.2f\t%.2f\t%.2f\t%.2f\t%.2f\t%.3f",
+                 !r->judged ? "counted"
+                 : wrong    ? "WRONG"
+                            : "agrees",
+                 r->entry->name, r->verdicts.wrong, r->verdicts.allowed, r->lost, r->leaks,
+                 per_tri(m, bytes_of(r)), r->ratio[0].median, r->ratio[1].median,
+                 r->ratio[2].median, r->ratio[3].median, r->ratio[4].median, r->mean,
+                 r->mrays[KIND_PRIM].median);
+    }
+    if (m->row_count && full)
+        screen_text(screen, "lost of %zu rays, leaks of %zu; speeds are ratios to the first\n",
+                    m->row[0].asked, m->row[0].leak_rays);
+    grid_print(&grid, screen);
+}
+
 /* --- rows ------------------------------------------------------------------------------------- */
 
 static json_t *row_json(const struct matrix *m, const struct matrix_row *r)
@@ -200,7 +247,9 @@ void matrix_print(struct matrix *matrix, bool full)
     mark_front(matrix, false);
     mark_front(matrix, true);
     print_speeds(matrix);
-    if (full)
+    if (!matrix->bench->screen_is.wide)
+        print_table(matrix, full);
+    else if (full)
         print_sizes(matrix);
     print_front(matrix);
     for (size_t i = 0; i < matrix->row_count; i++)

@@ -347,7 +347,8 @@ const struct benchmark bench_spawn = {
     .name = "spawn",
     .summary = "rays that start on a surface: self-hits and skipped surfaces of offset rules",
     .takes =
-        "scene count rounds csv json seed engine layout tri box rays" BENCH_MACHINE BENCH_OUTSIDE,
+        "scene count rounds csv json seed engine layout tri box rays" BENCH_MACHINE BENCH_OUTSIDE
+            BENCH_SCREEN,
     .about = about,
     .scenes = "soup:n=400,size=0.7;cornell",
     .play = play_scene,

@@ -40,6 +40,37 @@ static void print_row(const struct spawn_block *block, const struct spawn_row *r
     putchar('\n');
 }
 
+static void print_wide(const struct spawn_block *block)
+{
+    print_head(block);
+    for (size_t i = 0; i < ARRAY_COUNT(block->row); i++)
+        print_row(block, &block->row[i]);
+}
+
+/* The table that fits the screen: a row for each judge. */
+static void print_table(const struct spawn_block *block, const struct screen *screen)
+{
+    static const struct column columns[] = {{"point", .left = true}, {"rule", .left = true},
+                                            {"judge", .left = true}, {.title = "moved-p50"},
+                                            {.title = "moved-max"},  {.title = "self"},
+                                            {.title = "beside"},     {.title = "skip"}};
+    struct row_grid grid = {.column = columns, .column_count = ARRAY_COUNT(columns)};
+    for (size_t i = 0; i < ARRAY_COUNT(block->row); i++)
+        for (size_t k = 0; k <= block->judge_count; k++) {
+            const struct spawn_row *row = &block->row[i];
+            const struct spawn_count *count = k ? &row->engine[k - 1] : &row->exact;
+            char self[32], beside[32], skip[32];
+            error_rate_text(count->self, block->hit_count, self, sizeof self);
+            error_rate_text(count->beside, block->hit_count, beside, sizeof beside);
+            error_rate_text(count->skipped, block->hit_count, skip, sizeof skip);
+            grid_add(&grid, PAINT_PLAIN, "%s\t%s\t%s\t%.2g\t%.2g\t%s\t%s\t%s",
+                     spawn_point_name(row->point), spawn_rule_name(row->rule),
+                     k ? block->judge[k - 1] : "exact", row->offset.p50, row->offset.most, self,
+                     beside, skip);
+        }
+    grid_print(&grid, screen);
+}
+
 static void print_least(const struct spawn_row *row)
 {
     if (row->rule == RULE_LEAST)
@@ -75,13 +106,17 @@ void spawn_print(struct bench *bench, const struct spawn_block *block)
     size_t near = 0;
     for (size_t i = 0; i < ARRAY_COUNT(block->row); i++)
         near = block->row[i].near > near ? block->row[i].near : near;
-    printf("\n%s, scale %g, far %g: %u triangles; %zu %s rays, seed %llu, %zu hits; up to %zu have "
-           "a surface nearer than they are moved (%zu undecided)\n",
-           block->scene, block->scale, block->far, block->tri_count, block->ray_count, block->rays,
-           (unsigned long long)bench->seed, block->hit_count, near, block->undecided);
-    print_head(block);
-    for (size_t i = 0; i < ARRAY_COUNT(block->row); i++)
-        print_row(block, &block->row[i]);
+    putchar('\n');
+    screen_text(
+        &bench->screen_is,
+        "%s, scale %g, far %g: %u triangles; %zu %s rays, seed %llu, %zu hits; up to %zu have "
+        "a surface nearer than they are moved (%zu undecided)\n",
+        block->scene, block->scale, block->far, block->tri_count, block->ray_count, block->rays,
+        (unsigned long long)bench->seed, block->hit_count, near, block->undecided);
+    if (bench->screen_is.wide)
+        print_wide(block);
+    else
+        print_table(block, &bench->screen_is);
     for (size_t i = 0; i < ARRAY_COUNT(block->row); i++) {
         const struct spawn_row *row = &block->row[i];
         print_least(row);

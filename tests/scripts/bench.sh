@@ -25,7 +25,7 @@ json() { sed -n "s/^ *\"$1\": \([0-9]*\),*$/\1/p" "$2" | head -n 1; }
 # A square of two triangles fills its box: a ray that hits reads a node, and of each triangle an item,
 # an index and three vertices, 11 lines; others read nothing.
 printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n' >"$dir/square.obj"
-expect 0 . bench matrix --scene "$dir/square.obj" --rounds 1 --count 500 --threads 1 --engine cpu --layout f32 \
+expect 0 . bench matrix --wide --scene "$dir/square.obj" --rounds 1 --count 500 --threads 1 --engine cpu --layout f32 \
     --csv "$dir/square.csv"
 for kind in primary random; do
     expect 0 . check "$dir/square.obj" --builder sah_binned --layout f32 --engine cpu --rays $kind --count 500 \
@@ -40,7 +40,7 @@ rows "$dir/square.csv" '$c["engine"] == "cpu" {
 
 # A blind tracer's WRONG answers are those of three checks: nothing stands between the square and the light.
 sed 's/size > 0\.0f/size > 1e30f/' fuzz/samples/sample_tracer.c >"$dir/blind.c" && cc -O1 -o "$dir/blind" "$dir/blind.c" || failed=1
-expect 1 . bench matrix --scene "$dir/square.obj" --rounds 1 --count 500 --engine "pipe:$dir/blind" --csv "$dir/blind.csv"
+expect 1 . bench matrix --wide --scene "$dir/square.obj" --rounds 1 --count 500 --engine "pipe:$dir/blind" --csv "$dir/blind.csv"
 blind=0
 for rays in primary 'random --seed 1' 'random --seed 2 --query any'; do
     expect 1 . check "$dir/square.obj" --engine "pipe:$dir/blind" --rays $rays --count 500 --repeat 1 --json "$dir/blind.json"
@@ -74,7 +74,7 @@ END {
 
 # A closed mesh, everybody who takes part.
 scene=sphere:n=4
-expect 0 . bench matrix --scene $scene --rounds 3 --count 500 --threads 1 --csv "$dir/m.csv"
+expect 0 . bench matrix --wide --scene $scene --rounds 3 --count 500 --threads 1 --csv "$dir/m.csv"
 cp "$dir/out" "$dir/m.txt"
 rows "$dir/m.csv" '{
     n = split("prim rand diff o-shad o-rand", kind, " ")
@@ -100,7 +100,7 @@ rows "$dir/m.csv" '{
 END { if (count < 15) wrong("too few rows") }'
 
 # Of two of one size the slower is on the front, since it loses less.
-expect 0 . bench matrix --scene $scene --rounds 3 --count 500 --threads 1 --engine embree_robust --csv "$dir/robust.csv"
+expect 0 . bench matrix --wide --scene $scene --rounds 3 --count 500 --threads 1 --engine embree_robust --csv "$dir/robust.csv"
 rows "$dir/robust.csv" "$front"'END { if (count != 2 || !(error[1] > error[2])) wrong("errors of two") }'
 
 # The bytes are those of raydiff check.

@@ -76,23 +76,23 @@ expect 2 "soup:n=0: no triangles" bench builders --scene soup:n=0 --rounds 1
 expect 2 "soup:n=0: no triangles" bench oracle --scene soup:n=0 --rounds 1 --count 64
 expect 0 "shadow *fast" bench fast --scene sphere:n=4 --rounds 1 --count 500
 expect 2 "no triangles" bench fast --scene soup:n=0 --rounds 1 --count 500
-expect 0 "worth using, nothing lost: fast .*(fastest)" bench matrix --scene sphere:n=4 --rounds 1 --count 500 --threads 1 \
+expect 0 "worth using, nothing lost: fast .*(fastest)" bench matrix --wide --scene sphere:n=4 --rounds 1 --count 500 --threads 1 \
     --csv "$dir/m.csv" --json "$dir/m.json" --svg "$dir/m.svg"
 [ "$(grep -c '^matrix,sphere:n=4,' "$dir/m.csv")" -ge 10 ] || bad "bench matrix --csv has a row per contestant"
 [ "$(grep -c '"prim_beyond_l2"' "$dir/m.json")" -ge 10 ] || bad "bench matrix --json has a row per contestant"
 [ "$(grep -c 'bytes per triangle' "$dir/m.svg")" -eq 1 ] || bad "bench matrix --svg has no panel"
-expect 0 "^  cpu rf16  *[0-9.]* " bench matrix --scene sphere:n=4 --rounds 1 --count 64 --engine cpu --layout rf16 --threads 1
-expect 0 "^  cpu f32 compact  *[0-9.]* " bench matrix --scene sphere:n=4 --rounds 1 --count 64 --store indexed,compact --threads 1
+expect 0 "^  cpu rf16  *[0-9.]* " bench matrix --wide --scene sphere:n=4 --rounds 1 --count 64 --engine cpu --layout rf16 --threads 1
+expect 0 "^  cpu f32 compact  *[0-9.]* " bench matrix --wide --scene sphere:n=4 --rounds 1 --count 64 --store indexed,compact --threads 1
 expect 2 '--store: not used by benchmark oracle' bench oracle --store compact
 expect 2 "tests every triangle" bench matrix --scene sphere:n=4 --engine brute
 expect 77 "no device .*'no-such-driver'" bench matrix --scene sphere:n=4 --engine vulkan --driver no-such-driver
-expect 77 "no device .*'no-such-driver'" bench matrix --scene sphere:n=4 --rounds 1 --count 64 --threads 1 --engine rayquery,cpu \
+expect 77 "no device .*'no-such-driver'" bench matrix --wide --scene sphere:n=4 --rounds 1 --count 64 --threads 1 --engine rayquery,cpu \
     --layout f32 --driver no-such-driver
 grep -q '^  cpu f32 ' "$dir/out" || bad "bench matrix measures the engines that can run"
 expect 2 "more than 96 contestants: --engine, --layout and --store name fewer" bench matrix --scene sphere:n=4 --engine cpu,vulkan
 expect 2 "stores triangles its own way" bench matrix --scene sphere:n=4 --engine fast --store edges
 expect 2 "no triangles" bench matrix --scene soup:n=0 --rounds 1 --count 64
-expect 2 "no-such" bench matrix --scene sphere:n=4 --rounds 1 --count 64 --threads 1 --engine cpu --layout f32 --svg "$dir/no-such/x.svg"
+expect 2 "no-such" bench matrix --wide --scene sphere:n=4 --rounds 1 --count 64 --threads 1 --engine cpu --layout f32 --svg "$dir/no-such/x.svg"
 expect 0 . bench builders --scene sphere:n=4 --rounds 1 --csv -
 [ "$(grep -c '^builders,sphere:n=4,' "$dir/out")" -ge 2 ] || bad "bench builders --csv has a row per builder"
 expect 2 "cannot both be '-'" bench oracle --csv - --json -
@@ -419,7 +419,7 @@ sed 's/^\(from [^ ]* [^ ]*\) [0-9]*/\1 1000000000/' "$dir/hits" | "$raydiff" ver
 [ $? -eq 2 ] && grep -q 'ends after .* of 1000000000 answers' "$dir/err" || bad "verify trusts no count"
 
 # Benchmarks: small ones, complete files.
-expect 0 . bench error --scene 'sphere:n=3;soup:n=9,size=0.4' --count 300 --rounds 1 --engine cpu --rays vertices \
+expect 0 . bench error --wide --scene 'sphere:n=3;soup:n=9,size=0.4' --count 300 --rounds 1 --engine cpu --rays vertices \
     --layout f32,rf16 --tri mt,woop --svg "$dir/e.svg" --csv "$dir/e.csv" --json "$dir/e.json"
 grep -q '^cpu  *f32  *watertight  *woop' "$dir/out" || bad "bench error has a row per engine, layout and test"
 [ "$(grep -c '^error,' "$dir/e.csv")" -eq 8 ] || bad "bench error --csv has a row per contestant"
@@ -429,7 +429,7 @@ if command -v xmllint >/dev/null; then
     xmllint --noout "$dir/e.svg" 2>"$dir/err" || bad "bench error --svg is not well-formed"
 fi
 [ "$(grep -c '<circle' "$dir/e.svg")" -gt 8 ] || bad "bench error --svg shows no points"
-expect 0 . bench spawn --scene sphere:n=3 --count 300 --engine cpu --csv "$dir/s.csv" --json "$dir/s.json"
+expect 0 . bench spawn --wide --scene sphere:n=3 --count 300 --engine cpu --csv "$dir/s.csv" --json "$dir/s.json"
 grep -q '^bary  *least' "$dir/out" || bad "bench spawn has a row per point and rule"
 [ "$(grep -c '^spawn,sphere:n=3,' "$dir/s.csv")" -eq 252 ] || bad "bench spawn --csv has 6 places, 14 rows, 3 judges"
 expect 1 . bench spawn --scene "$dir/speck.obj" --count 20 --engine cpu

@@ -144,7 +144,7 @@ walk 'conform closest.cpu.f32.median.robust.mt.soup.random.1' "list count=70 ~br
     ~threads=1 ~wide color=always"
 walk 'conform hard.01-* --list --engine cpu' 'engine=brute layout=rf16 builder=ploc box=watertight tri=woop ~list ~hard
     ~quick'
-walk 'bench builders --scene soup:n=40 --rounds 1 --threads 1' 'scene=soup:n=41 ~rounds=2 csv=@ json=@ threads=2'
+walk 'bench builders --scene soup:n=40 --rounds 1 --threads 1' 'scene=soup:n=41 ~rounds=2 csv=@ json=@ threads=2 wide color=always'
 walk 'bench fuzz --count 3 --rounds 1 --engine cpu --layout f32' '~count=4 ~rounds=2 csv=@ ~seed=3 json=@ engine=cpu_stackless
     layout=f32,rf16'
 walk 'bench oracle --scene soup:n=40 --count 64 --rounds 1' 'scene=soup:n=41 count=70 ~rounds=2 csv=@ ~seed=3 json=@'

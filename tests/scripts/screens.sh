@@ -21,7 +21,7 @@ on_terminal() {
 }
 plain() { sed 's/\x1b\[[0-9;]*[mK]//g' "$1"; }
 # Times differ from run to run, and with them the width of their columns.
-masked() { plain "$1" | awk '/^    / { sub(/^ */, " "); line = line $0; next } NR > 1 { print line } { line = $0 } END { print line }' | sed -E 's/ in [0-9.]+ s,/ in # s,/; s/[0-9]+\.[0-9]{3}(-[0-9]+\.[0-9]{3})?/#/g; s/[0-9]+\.[0-9]+ times (its|the) speed/# times/; s/ +/ /g; s/ $//'; }
+masked() { plain "$1" | awk '/^    / { sub(/^ */, " "); line = line $0; next } NR > 1 { print line } { line = $0 } END { print line }' | sed -E 's/ in [0-9.]+ s,/ in # s,/; s/[0-9]+\.[0-9]{3}(-[0-9]+\.[0-9]{3})?/#/g; s/[0-9]+\.[0-9]+ times (its|the) speed/# times/; s/ +/ /g; s/ $//' | if [ "${name%%-*}" = bench ]; then sed -E '/ left out: /d; s/[0-9]+\.[0-9]+(-[0-9]+\.[0-9]+)?/#/g'; else cat; fi; }
 
 # name, arguments
 screen() {
@@ -37,7 +37,7 @@ screen() {
         masked "$page" >"$dir/wanted"
         masked "$dir/screen" >"$dir/got"
         cmp -s "$dir/wanted" "$dir/got" || { bad "$page is not what is printed"; diff "$dir/wanted" "$dir/got" | head -5; }
-        sed 's/agrees/Agrees/; s/kept/Kept/; s/passed/Passed/; s/FAILS/Fails/; s/WRONG/Wrong/' "$dir/got" >"$dir/other"
+        sed 's/agrees/Agrees/; s/kept/Kept/; s/passed/Passed/; s/FAILS/Fails/; s/WRONG/Wrong/; s/none/None/; s/median/Median/' "$dir/got" >"$dir/other"
         cmp -s "$dir/wanted" "$dir/other" && bad "$page: a changed line is not noticed"
     done
 }
@@ -47,6 +47,9 @@ screen leaks leaks sphere:n=8 --layout f32 --engine cpu,vulkan,embree,embree_rob
 screen conform conform "'*.f32.median.robust.mt.platonic.primary.1'" --engine cpu,fast --count 50 --threads 1
 screen replay replay fuzz/corpus/rounded-inward.trial --engine cpu,embree --threads 1 --brief
 screen explain explain fuzz/corpus/rounded-inward.trial
+screen bench-error bench error --scene sphere:n=6 --count 200 --rounds 3 --engine cpu --layout f32,rf16,rtrs_rf --tri mt,woop --rays edges --threads 1
+screen bench-spawn bench spawn --scene sphere:n=4 --count 60 --engine cpu --tri mt --threads 1
+screen bench-builders bench builders --scene sphere:n=6 --rounds 3 --threads 1
 
 # Progress fits the terminal, and says about how long the rest takes: as long as what is done took.
 TERM=xterm script -qec "stty cols 80; timeout 4 '$raydiff' conform --count 400 --threads 1" /dev/null </dev/null | tr '\r' '\n' | grep left | plain /dev/stdin >"$dir/progress"

@@ -89,9 +89,9 @@ expect 0 . leaks platonic --engine cpu --tri woop --box watertight --count 1000 
     --bvh "$dir/platonic.rdpk"
 expect 0 . explain $scene --bvh "$dir/median.json" --rays random --count 50
 grep -q 'builder' "$dir/out" && bad "explain --bvh names a builder"
-expect 0 . bench layouts --scene $scene --bvh "$dir/median.json" --count 2000 --rounds 1
+expect 0 . bench layouts --wide --scene $scene --bvh "$dir/median.json" --count 2000 --rounds 1
 grep -q "tree $dir/median.json" "$dir/out" || bad "bench layouts names its tree"
-expect 0 . bench error --engine cpu --tri mt --scene $scene --bvh "$dir/median.json" --count 200 \
+expect 0 . bench error --wide --engine cpu --tri mt --scene $scene --bvh "$dir/median.json" --count 200 \
     --rounds 1
 
 # Trees that are none of this scene's, or none at all: one line each.

@@ -12,8 +12,20 @@ known= # what a check is told, as awk's variables
 bench() {
     name=$1 least=$2 rounds=$3
     shift 3
-    run bench "$name" "$@" --rounds "$rounds" --json "$dir/json" --csv "$dir/csv" && rows "$name" "$rounds" &&
+    case $name in
+    layouts | error | matrix | builders)
+        run bench "$name" "$@" --rounds "$rounds" --json "$dir/json" && fits "$name"
+        wide=--wide
+        ;;
+    *) wide= ;;
+    esac
+    run bench "$name" "$@" $wide --rounds "$rounds" --json "$dir/json" --csv "$dir/csv" && rows "$name" "$rounds" &&
         values "bench_$name" "$least" $(ls "$dir"/other.flat 2>/dev/null) rounds="$rounds" $known "$dir/text"
+}
+# benchmark: the tables in 80 columns
+fits() {
+    awk -f tests/values/flat.awk "$dir/json" >"$dir/flat"
+    awk -v bench="$1" -f tests/values/lib.awk -f tests/values/bench/fits.awk "$dir/flat" "$dir/text" || bad "$ran: in 80 columns"
 }
 # benchmark, rounds: CSV against JSON
 rows() {
@@ -50,10 +62,11 @@ play_error() {
     done
 }
 play_spawn() {
-    run bench spawn --scene soup:n=100,size=0.5 --count 800 --tri mt --threads 1 --json "$dir/json" --csv "$dir/csv" &&
+    run bench spawn --scene soup:n=100,size=0.5 --count 100 --tri mt --threads 1 --json "$dir/json" && fits spawn
+    run bench spawn --wide --scene soup:n=100,size=0.5 --count 800 --tri mt --threads 1 --json "$dir/json" --csv "$dir/csv" &&
         rows spawn 0 && values bench_spawn 2000 "$dir/text"
     # Neighbours touch.
-    run bench spawn --scene sphere:n=4 --count 150 --threads 1 --engine cpu --tri mt --json "$dir/json" --csv "$dir/csv" &&
+    run bench spawn --wide --scene sphere:n=4 --count 150 --threads 1 --engine cpu --tri mt --json "$dir/json" --csv "$dir/csv" &&
         values bench_spawn 1000 "$dir/text"
 }
 # The third scene has far more triangles than vertices: a time of one is none of the other.
