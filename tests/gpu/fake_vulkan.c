@@ -286,7 +286,7 @@ static VkResult vkCreateDevice(VkPhysicalDevice which, const VkDeviceCreateInfo 
         fake_wrong("queues and features of the device");
     VkResult result = fake_call(__func__);
     if (!result)
-        *out = (VkDevice)fake_make(FAKE_DEVICE, NULL);
+        *out = (VkDevice)(fake.opened = fake_make(FAKE_DEVICE, NULL));
     return result;
 }
 

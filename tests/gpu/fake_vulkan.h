@@ -73,6 +73,7 @@ struct fake {
     uint64_t waited[4];      /* time allowed to the last waits, the last one first */
     uint64_t memory_type[4]; /* of the last allocations, the last one first */
     const struct fake_device *chosen;
+    void *opened;    /* the last device, a struct fake_object */
     uint32_t family; /* of its queue */
     uint32_t api;    /* version asked of the instance */
     VkBool32 robust;
@@ -80,6 +81,9 @@ struct fake {
     bool checks;         /* the layer's checks of memory accesses are enabled */
     uint64_t ticks[2];   /* what the timestamps are */
     struct fake_dispatch log[FAKE_LOG];
+    char recorded[64];      /* the last command buffer, a letter each: see fake_record() */
+    uint32_t barrier[8][4]; /* in it: stages and accesses, before and after */
+    uint32_t barriers;
     uint32_t dispatches;
     uint32_t updates, builds, idles;
     uint32_t built[4]; /* primitives of each build */
@@ -139,6 +143,10 @@ void *fake_bytes(size_t bytes);
 /* The result of the call that is being made. */
 VkResult fake_call(const char *name);
 void fake_wrong(const char *what);
+
+/* Notes a command: r queries are reset, t timestamp, p pipeline, s set, k push constants, d
+ * dispatch, i indirect one, u update, c copy, b barrier, a acceleration structure. */
+void fake_record(char command);
 
 /* Nothing is bound to the command buffer, which is recorded from now on. */
 void fake_unbind(void);

@@ -20,6 +20,15 @@ static struct {
 void fake_unbind(void)
 {
     memset(&now, 0, sizeof now);
+    memset(fake.recorded, 0, sizeof fake.recorded);
+    fake.barriers = 0;
+}
+
+void fake_record(char command)
+{
+    const size_t length = strlen(fake.recorded);
+    if (length + 1 < sizeof fake.recorded)
+        fake.recorded[length] = command;
 }
 
 static VkResult vkCreateShaderModule(VkDevice device, const VkShaderModuleCreateInfo *info,
@@ -215,6 +224,7 @@ static void vkUpdateDescriptorSets(VkDevice device, uint32_t count, const VkWrit
 static void vkCmdBindPipeline(VkCommandBuffer command, VkPipelineBindPoint point, VkPipeline bound)
 {
     (void)fake_what(command, FAKE_COMMAND);
+    fake_record('p');
     if (point != VK_PIPELINE_BIND_POINT_COMPUTE)
         fake_wrong("no pipeline for compute");
     now.pipeline = fake_what(bound, FAKE_PIPELINE);
@@ -226,6 +236,7 @@ static void vkCmdBindDescriptorSets(VkCommandBuffer command, VkPipelineBindPoint
                                     const uint32_t *offset)
 {
     (void)fake_what(command, FAKE_COMMAND);
+    fake_record('s');
     (void)fake_what(layout, FAKE_LAYOUT);
     (void)offset;
     if (point != VK_PIPELINE_BIND_POINT_COMPUTE || first || count != 1 || offsets)
@@ -238,6 +249,7 @@ static void vkCmdPushConstants(VkCommandBuffer command, VkPipelineLayout layout,
                                const void *from)
 {
     (void)fake_what(command, FAKE_COMMAND);
+    fake_record('k');
     if (stages != VK_SHADER_STAGE_COMPUTE_BIT || offset ||
         bytes != fake_what(layout, FAKE_LAYOUT)->bytes || bytes > sizeof now.push)
         fake_wrong("push constants");
@@ -264,6 +276,7 @@ static void dispatch(uint32_t groups, uint64_t at)
 static void vkCmdDispatch(VkCommandBuffer command, uint32_t x, uint32_t y, uint32_t z)
 {
     (void)fake_what(command, FAKE_COMMAND);
+    fake_record('d');
     if (y != 1 || z != 1)
         fake_wrong("a dispatch in several dimensions");
     dispatch(x, 0);
@@ -272,6 +285,7 @@ static void vkCmdDispatch(VkCommandBuffer command, uint32_t x, uint32_t y, uint3
 static void vkCmdDispatchIndirect(VkCommandBuffer command, VkBuffer buffer, VkDeviceSize at)
 {
     (void)fake_what(command, FAKE_COMMAND);
+    fake_record('i');
     if (at + 12 > fake_what(buffer, FAKE_BUFFER)->bytes)
         fake_wrong("counts of groups beyond their buffer");
     dispatch(UINT32_MAX, at);
@@ -281,6 +295,7 @@ static void vkCmdUpdateBuffer(VkCommandBuffer command, VkBuffer buffer, VkDevice
                               VkDeviceSize bytes, const void *from)
 {
     (void)fake_what(command, FAKE_COMMAND);
+    fake_record('u');
     struct fake_object *it = fake_what(buffer, FAKE_BUFFER);
     if (at + bytes > it->bytes)
         fake_wrong("an update beyond its buffer");
@@ -292,6 +307,7 @@ static void vkCmdCopyBuffer(VkCommandBuffer command, VkBuffer from, VkBuffer to,
                             const VkBufferCopy *region)
 {
     (void)fake_what(command, FAKE_COMMAND);
+    fake_record('c');
     struct fake_object *a = fake_what(from, FAKE_BUFFER), *b = fake_what(to, FAKE_BUFFER);
     if (count != 1 || region->srcOffset + region->size > a->bytes ||
         region->dstOffset + region->size > b->bytes)
@@ -307,8 +323,11 @@ static void vkCmdPipelineBarrier(VkCommandBuffer command, VkPipelineStageFlags f
                                  const VkImageMemoryBarrier *image)
 {
     (void)fake_what(command, FAKE_COMMAND);
+    fake_record('b');
     (void)buffer;
     (void)image;
+    const uint32_t all[4] = {from, to, barrier->srcAccessMask, barrier->dstAccessMask};
+    memcpy(fake.barrier[fake.barriers++ % 8], all, sizeof all);
     if (!from || !to || flags || count != 1 || buffers || images || !barrier->srcAccessMask ||
         !barrier->dstAccessMask)
         fake_wrong("a barrier");

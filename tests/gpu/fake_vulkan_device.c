@@ -187,6 +187,7 @@ static void vkCmdResetQueryPool(VkCommandBuffer command, VkQueryPool pool, uint3
                                 uint32_t count)
 {
     (void)fake_what(command, FAKE_COMMAND);
+    fake_record('r');
     (void)fake_what(pool, FAKE_QUERY);
     if (first != 0 || count != 2)
         fake_wrong("timestamps that are not reset");
@@ -196,6 +197,7 @@ static void vkCmdWriteTimestamp(VkCommandBuffer command, VkPipelineStageFlagBits
                                 VkQueryPool pool, uint32_t query)
 {
     (void)fake_what(command, FAKE_COMMAND);
+    fake_record('t');
     (void)fake_what(pool, FAKE_QUERY);
     if (stage != (query ? VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT : VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT))
         fake_wrong("the stage of a timestamp");
@@ -332,6 +334,7 @@ vkCmdBuildAccelerationStructuresKHR(VkCommandBuffer command, uint32_t count,
                                     const VkAccelerationStructureBuildRangeInfoKHR *const *range)
 {
     (void)fake_what(command, FAKE_COMMAND);
+    fake_record('a');
     (void)fake_what(info->dstAccelerationStructure, FAKE_ACCEL);
     const uint64_t scratch = info->scratchData.deviceAddress;
     const uint64_t begin = (uintptr_t)asked->of->byte;

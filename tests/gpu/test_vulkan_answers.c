@@ -350,6 +350,25 @@ static void limits_of_buffers_are_exact(void **state)
     must_close(vk);
 }
 
+/* Devices that cannot be listed are none, with the reason. */
+static void list_that_fails_is_its_reason(void **state)
+{
+    (void)state;
+    struct vk_options options = fake_options();
+    char text[256];
+    fake_reset();
+    fake.fail_name = "vkEnumeratePhysicalDevices";
+    fake.result = VK_ERROR_INITIALIZATION_FAILED;
+    vk_describe(&options, text, sizeof text);
+    assert_string_equal(text, "vulkan: vkEnumeratePhysicalDevices: initialization failed "
+                              "(VkResult -3)");
+    must_be_clean("a list");
+    fake_reset();
+    fake.devices = 0;
+    vk_describe(&options, text, sizeof text);
+    assert_string_equal(text, "no device\n");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -364,6 +383,7 @@ int main(void)
         cmocka_unit_test(memory_is_shared_by_the_kind_of_device),
         cmocka_unit_test(memory_type_is_the_best_allowed),
         cmocka_unit_test(limits_of_buffers_are_exact),
+        cmocka_unit_test(list_that_fails_is_its_reason),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
