@@ -93,7 +93,7 @@ for release; do
     PHASE=use
     in_system "$release" || { worst=1; continue; }
     mkdir "$logs/$release" && mv "$logs"/*.deb "$logs/$release"
-    echo "packages $release: $built $(cat "$line")" >"$line.all"
+    echo "packages $release: $built$(cat "$line")" >"$line.all"
     cat "$line.all"
     keep "packages $release" "$line.all"
 done
