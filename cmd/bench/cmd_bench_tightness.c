@@ -63,6 +63,17 @@ struct tightness_field {
     struct tightness_pair *pair;
     struct tightness_one *one;
     size_t count;
+    struct row_grid grid;
+};
+
+static const struct column columns[] = {
+    {"verdict", .left = true},  {"formula", .left = true},
+    {"rounding", .left = true}, {.title = "alarms"},
+    {"no-bound", .rank = 1},    {.title = "real"},
+    {"99.9-%", .rank = 2},      {"most", .rank = 3},
+    {.title = "rejected"},      {"rejected-99.9-%", .rank = 5},
+    {"medians", .rank = 4},     {"times", .rank = 6},
+    {"groups", .rank = 7},      {"worst", .rank = 8},
 };
 
 static enum status draw_all(struct tightness_field *field, struct reason *reason)
@@ -80,13 +91,20 @@ static enum status draw_all(struct tightness_field *field, struct reason *reason
     return STATUS_OK;
 }
 
-static void report(const struct tightness_field *field, const struct tightness_formula *formula,
+static void report(struct tightness_field *field, const struct tightness_formula *formula,
                    const struct tightness_rounding *rounding, const struct tightness *sum)
 {
-    printf("  %-14s %-10s %6.2f %7.2f %8.3g %8.3g %8.3g %7.1f %6.1f %6.1f %6.1f %6zu %8zu\n",
-           formula->name, rounding->name, sum->real_p50, sum->real_p999, sum->real_most,
-           sum->rejected_p50, sum->rejected_p999, sum->medians, sum->times, sum->group_p50,
-           sum->group_most, sum->alarms, sum->unbounded);
+    if (!field->bench->screen_is.wide)
+        grid_add(&field->grid, sum->alarms ? PAINT_BAD : PAINT_GOOD,
+                 "%s\t%s\t%s\t%zu\t%zu\t%.2f\t%.2f\t%.3g\t%.3g\t%.3g\t%.1f\t%.1f\t%.1f\t%.1f",
+                 sum->alarms ? "ALARM" : "agrees", formula->name, rounding->name, sum->alarms,
+                 sum->unbounded, sum->real_p50, sum->real_p999, sum->real_most, sum->rejected_p50,
+                 sum->rejected_p999, sum->medians, sum->times, sum->group_p50, sum->group_most);
+    else
+        printf("  %-14s %-10s %6.2f %7.2f %8.3g %8.3g %8.3g %7.1f %6.1f %6.1f %6.1f %6zu %8zu\n",
+               formula->name, rounding->name, sum->real_p50, sum->real_p999, sum->real_most,
+               sum->rejected_p50, sum->rejected_p999, sum->medians, sum->times, sum->group_p50,
+               sum->group_most, sum->alarms, sum->unbounded);
     bench_row(field->bench, &bench_tightness,
               json_record("scene=%s formula=%s rounding=%s pairs=%zu real_p50=%g real_p999=%g "
                           "real_most=%g rejected_p50=%g rejected_p999=%g medians=%g times=%g "
@@ -134,12 +152,17 @@ static enum status play(struct tightness_field *field, struct reason *reason)
     if (status)
         return status;
     printf("%s: %u triangles, %zu pairs\n", field->spec, field->scene->tri_count, field->count);
-    puts("  formula        rounding     real  99.9 %     most rejected   99.9 % medians  times "
-         "groups  worst alarms no bound");
+    field->grid.column = columns;
+    field->grid.column_count = ARRAY_COUNT(columns);
+    if (field->bench->screen_is.wide)
+        puts("  formula        rounding     real  99.9 %     most rejected   99.9 % medians  times "
+             "groups  worst alarms no bound");
     for (size_t f = 0; f < ARRAY_COUNT(formulas); f++)
         for (size_t r = 0; r < ARRAY_COUNT(roundings) && status == STATUS_OK; r++)
             if (formulas[f].embree == roundings[r].embree)
                 status = measure(field, &formulas[f], &roundings[r], reason);
+    if (!field->bench->screen_is.wide)
+        grid_print(&field->grid, &field->bench->screen_is);
     return status;
 }
 
@@ -158,7 +181,7 @@ static enum status bench_scene(struct bench *bench, const char *spec, const stru
 const struct benchmark bench_tightness = {
     .name = "tightness",
     .summary = "the smallest rejected error of t over the real ones, per formula and rounding",
-    .takes = "scene count csv json seed",
+    .takes = "scene count csv json seed" BENCH_SCREEN,
     .about = about,
     .scenes = "soup:n=10000;sphere:n=35",
     .play = bench_scene,

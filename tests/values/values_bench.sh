@@ -137,7 +137,8 @@ play_matrix() {
 }
 play_tightness() {
     for count in 1100 2200; do # one group, and two
-        run bench tightness --scene 'soup:n=50' --count $count --json "$dir/json" --csv "$dir/csv" && rows tightness 0 &&
+        run bench tightness --scene 'soup:n=50' --count $count --json "$dir/json" && fits tightness
+        run bench tightness --wide --scene 'soup:n=50' --count $count --json "$dir/json" --csv "$dir/csv" && rows tightness 0 &&
             values bench_tightness 310 "$dir/text"
     done
 }

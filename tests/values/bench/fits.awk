@@ -69,7 +69,19 @@ function row_of_builders() {
     word("nodes", v[p ".nodes"])
     number("fill", "%.2f", v[p ".leaf_fill"])
 }
-BEGIN { named["matrix"] = 2; named["spawn"] = 3; named["builders"] = 1 }
+function row_of_tightness() {
+    word("verdict", v[p ".alarms"] > 0 ? "ALARM" : "agrees")
+    word("formula", v[p ".formula"])
+    word("rounding", v[p ".rounding"])
+    word("alarms", v[p ".alarms"])
+    word("no-bound", v[p ".unbounded"])
+    number("real", "%.2f", v[p ".real_p50"])
+    number("99.9-%", "%.2f", v[p ".real_p999"])
+    number("most", "%.3g", v[p ".real_most"])
+    number("rejected", "%.3g", v[p ".rejected_p50"])
+    number("medians", "%.1f", v[p ".medians"])
+}
+BEGIN { named["tightness"] = 3; named["matrix"] = 2; named["spawn"] = 3; named["builders"] = 1 }
 length($0) > 80 { bad("longer than 80 columns: " $0) }
 /^(verdict|point|builder) / {
     columns = split($0, title, " ")
@@ -85,7 +97,7 @@ columns && NF >= columns && !/^ / && $1 !~ /:$/ {
         cell[title[c]] = text
     }
     p = "rows." rows++
-    if (bench != "matrix" && bench != "spawn") {
+    if (bench != "matrix" && bench != "spawn" && bench != "tightness") {
         word("engine", v[p ".engine"])
         word("layout", v[p ".layout"])
         word("rays", v[p ".rays"])
@@ -98,6 +110,7 @@ columns && NF >= columns && !/^ / && $1 !~ /:$/ {
     if (bench == "matrix") row_of_matrix()
     if (bench == "spawn") row_of_spawn()
     if (bench == "builders") row_of_builders()
+    if (bench == "tightness") row_of_tightness()
     next
 }
 { columns = 0 }
