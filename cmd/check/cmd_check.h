@@ -28,6 +28,11 @@ extern const struct option_set check_set;
 /* Prints the table of a scene, its findings, what was refused or skipped and why, and a summary. */
 void check_print(const struct check_scene *scene, const struct screen *screen);
 
+/* Prints the last line: how many rows agree, how many answers are WRONG, and the layout with the
+ * most of f32's speed among those that agree on the same engine, builder, tests and query. */
+void check_print_conclusion(const struct check_scene *scene, size_t count,
+                            const struct screen *screen);
+
 /* Prints the table in columns that fit the screen: the verdict first. */
 void check_print_table(const struct check_scene *scene, const struct screen *screen);
 

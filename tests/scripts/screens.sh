@@ -21,7 +21,7 @@ on_terminal() {
 }
 plain() { sed 's/\x1b\[[0-9;]*[mK]//g' "$1"; }
 # Times differ from run to run, and with them the width of their columns.
-masked() { plain "$1" | awk '/^    / { sub(/^ */, " "); line = line $0; next } NR > 1 { print line } { line = $0 } END { print line }' | sed -E 's/ in [0-9.]+ s,/ in # s,/; s/[0-9]+\.[0-9]{3}(-[0-9]+\.[0-9]{3})?/#/g; s/[0-9]+\.[0-9]+ times (its|the) speed/# times/; s/ +/ /g; s/ $//' | if [ "${name%%-*}" = bench ]; then sed -E '/ left out: /d; s/[0-9]+\.[0-9]+(-[0-9]+\.[0-9]+)?/#/g'; else cat; fi; }
+masked() { plain "$1" | awk '/^    / { sub(/^ */, " "); line = line $0; next } NR > 1 { print line } { line = $0 } END { print line }' | sed -E 's/ in [0-9.]+ s,/ in # s,/; s/[0-9]+\.[0-9]{3}(-[0-9]+\.[0-9]{3})?/#/g; s/[0-9]+\.[0-9]+ times (its|the) speed/# times/; s/; [^;]* on [a-z_]+ has [0-9.]+ times f32.s speed/; fastest/; s/ +/ /g; s/ $//' | if [ "${name%%-*}" = bench ]; then sed -E '/ left out: /d; s/[0-9]+\.[0-9]+(-[0-9]+\.[0-9]+)?/#/g'; else cat; fi; }
 
 # name, arguments
 screen() {

@@ -245,7 +245,36 @@ rows && NF >= 7 {
         }
     bad($1 " " $2 " is not in the JSON")
 }
+/^conclusion: / {
+    concluded++
+    for (r = 0; r < next_row; r++) {
+        p = "rows." r
+        if (v[p ".status"] != "ok") continue
+        ran++
+        if (v[p ".judged"] != "true") { published++; continue }
+        good = v[p ".differences"] == 0
+        agreeing += good
+        of_all += v[p ".rays"]
+        wrong_of_all += v[p ".counts.wrong"]
+        for (base = 0; base < next_row && good; base++) {
+            b = "rows." base
+            if (base != r && v[b ".scene"] == v[p ".scene"] && v[b ".layout"] == "f32" && v[b ".engine"] == v[p ".engine"] && v[p ".layout"] != "null" &&
+                v[b ".store"] == "indexed" && v[b ".judged"] == "true" && v[b ".differences"] == 0 && v[b ".box"] == v[p ".box"] && v[b ".tri"] == v[p ".tri"] &&
+                v[b ".query"] == v[p ".query"] && v[b ".builder"] == v[p ".builder"] && rate(r) / rate(base) > best) {
+                best = rate(r) / rate(base)
+                winner = v[p ".layout"] (v[p ".store"] == "indexed" ? "" : ":" v[p ".store"]) " on " v[p ".engine"]
+            }
+        }
+    }
+    text = "conclusion: " agreeing + 0 " of " ran - published " rows agree"
+    if (published) text = text ", " published " as published counted"
+    text = text ", " wrong_of_all + 0 " of " of_all + 0 " answers WRONG"
+    if (best) text = text "; " winner " has " sprintf("%.2f", best) " times f32's speed"
+    equal("conclusion", $0, text)
+    next
+}
 END {
+    if (concluded != 1) bad(concluded + 0 " conclusions")
     if (scene + 1 != v["scenes.count"]) bad(scene + 1 " scenes, in JSON " v["scenes.count"])
     if (next_row != v["rows.count"]) bad(next_row " rows, in JSON " v["rows.count"])
     for (i = 0; i < v["named.count"]; i++) {
