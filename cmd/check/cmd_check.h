@@ -29,7 +29,8 @@ extern const struct option_set check_set;
 void check_print(const struct check_scene *scene, const struct screen *screen);
 
 /* Prints the last line: how many rows agree, how many answers are WRONG, and the layout with the
- * most of f32's speed among those that agree on the same engine, builder, tests and query. */
+ * most of f32's speed among those that agree on the same engine, builder, tests and query. Prints
+ * nothing if there are no rows. */
 void check_print_conclusion(const struct check_scene *scene, size_t count,
                             const struct screen *screen);
 

@@ -69,6 +69,11 @@ void check_print_conclusion(const struct check_scene *scene, size_t count,
                             const struct screen *screen)
 {
     const struct conclusion all = conclude(scene, count);
+    size_t rows = 0;
+    for (size_t i = 0; i < count; i++)
+        rows += scene[i].row_count;
+    if (rows == 0) /* no scene could be read */
+        return;
     char text[512] = "", name[STORED_NAME_MOST];
     text_append(text, sizeof text, "%zu of %zu rows agree", all.agree, all.rows - all.counted);
     if (all.counted)
