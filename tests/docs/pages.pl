@@ -158,5 +158,6 @@ $copy = tempdir(CLEANUP => 1);
 system("git ls-files -z | tar --null -T - -cf - | tar -xf - -C $copy") == 0 or die "no copy of the sources\n";
 symlink "$root/scenes/fetched", "$copy/scenes/fetched";
 follow($_) for @pages;
-printf "%d pages: %d commands followed, %d lines seen to matter, %d slow blocks left out\n", scalar @pages, $commands, $lines, $slow;
+printf "%d pages: %d commands followed in %d s, %d lines seen to matter, %d slow blocks left out\n",
+    scalar @pages, $commands, time - $^T, $lines, $slow;
 exit($bad ? 1 : $skipped ? 77 : 0);
