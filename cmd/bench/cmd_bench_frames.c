@@ -87,9 +87,10 @@ static enum status measure(struct bench *bench, const char *spec, const struct s
     status = plans ? make_plans(bench, &model, plans, reason)
                    : fail(reason, STATUS_MEMORY, "no memory for the run");
     if (!status)
-        bench_worse(bench, frames_command("bench", plans->plan, plans->count, spec, scene,
-                                          &bench->engines, &settings,
-                                          bench->picture.out ? bench->picture.out : "benchmark"));
+        bench_worse(bench,
+                    frames_command("bench", plans->plan, plans->count, spec, scene, &bench->engines,
+                                   &settings, bench->picture.out ? bench->picture.out : "benchmark",
+                                   &bench->screen_is));
     free(plans);
     bvh_free(&bvh);
     return status;
@@ -114,7 +115,7 @@ const struct benchmark bench_frames = {
     .name = "frames",
     .summary = "frames of an orbiting camera: ms per frame, engines and layouts by turns",
     .takes = "scene seed engine layout tri box bvh frames size out turns warm-up bounces "
-             "profile" BENCH_MACHINE BENCH_OUTSIDE,
+             "profile" BENCH_MACHINE BENCH_OUTSIDE " wide",
     .about = about,
     .run = run,
     .alone = true,

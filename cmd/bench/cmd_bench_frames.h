@@ -7,6 +7,7 @@
 #include "bench/frames/painter.h"
 #include "cmd/common/cmd_tables.h"
 #include "cmd/common/cmd_progress.h"
+#include "cmd/common/cmd_screen.h"
 
 #define FRAMES_VERSIONS 640
 
@@ -48,8 +49,8 @@ enum status frames_session_measure(struct frames_session *session,
  * names of the files, or why the run failed. Returns the exit code. If a signal ended the run, that
  * is 128 + the signal, and the files hold what was measured. */
 int frames_finish(const char *command, const struct frames_run *run,
-                  const struct frames_about *about, const char *base, enum status status,
-                  const struct reason *reason);
+                  const struct frames_about *about, const char *base, const struct screen *screen,
+                  enum status status, const struct reason *reason);
 
 void frames_session_free(struct frames_session *session); /* frees what it owns, not itself */
 
@@ -58,6 +59,6 @@ void frames_session_free(struct frames_session *session); /* frees what it owns,
 int frames_command(const char *command, const struct painter_plan *plan, size_t count,
                    const char *scene_name, const struct scene *scene,
                    const struct engine_options *options, const struct frames_settings *settings,
-                   const char *base);
+                   const char *base, const struct screen *screen);
 
 #endif

@@ -121,8 +121,9 @@ static int run(const struct render_settings *settings, const char *value)
     if (!status)
         status = frames_measure(&b->run, draw, tell, b, &reason);
     progress_end(&b->progress);
-    int code =
-        frames_finish("render", &b->run, &b->about, settings->benchmark.base, status, &reason);
+    struct screen screen = screen_make(&(struct screen_options){.wide = false});
+    int code = frames_finish("render", &b->run, &b->about, settings->benchmark.base, &screen,
+                             status, &reason);
     frames_free(&b->run);
     free(b->pixel);
     renderer_close(b->renderer);

@@ -2,6 +2,7 @@
 
 #include "fuzz/findings/versions.h"
 #include "ref/base/command.h"
+#include "cmd/common/cmd_grid.h"
 #include "cmd/common/cmd_process.h"
 
 #include <stdlib.h>
@@ -80,41 +81,50 @@ enum status frames_session_measure(struct frames_session *session,
     return status;
 }
 
-static void print_line(const struct frames_run *run, size_t i, size_t base)
+static void add_line(struct row_grid *grid, const struct frames_run *run, size_t i, size_t base)
 {
     const struct frames_contestant *c = &run->contestant[i];
     struct frames_stats stats = frames_stats_of(run, i);
-    char ratio[64] = "";
+    char ratio[64] = "-\t-";
     if (base < run->count) {
         struct spread spread = frames_ratio(run, i, base);
-        snprintf(ratio, sizeof ratio, "%.3f (%.3f-%.3f)", spread.median, spread.least, spread.most);
+        snprintf(ratio, sizeof ratio, "%.3f\t%.3f-%.3f", spread.median, spread.least, spread.most);
     }
-    printf("%-28s %9llu %10.3f %10.3f %10.3f %10.3f  %-24s %s\n", c->handler,
-           (unsigned long long)c->bytes, stats.average, stats.least, stats.most, stats.median,
-           ratio, frames_clock(c));
+    grid_add(grid, PAINT_PLAIN, "%s\t%llu\t%.3f\t%.3f\t%.3f\t%.3f\t%s\t%s", c->handler,
+             (unsigned long long)c->bytes, stats.average, stats.least, stats.most, stats.median,
+             ratio, frames_clock(c));
 }
 
 static void print_run(const struct frames_run *run, const struct frames_about *about,
-                      const char *base)
+                      const char *base, const struct screen *screen)
 {
-    printf("%s\n%u frames over %u turn%s%s; %u frames to warm up, dropped%s\n", about->title,
-           run->done, run->settings.turns, run->settings.turns == 1 ? "" : "s",
-           run->count > 1 ? ", handlers by turns" : "", run->dropped,
-           run->stopped ? "; stopped by a signal" : "");
-    printf("%-28s %9s %10s %10s %10s %10s  %-24s %s\n", "handler", "bytes", "average ms", "least",
-           "most", "median", about->base < run->count ? "ratio (least-most)" : "", "clock");
+    static const struct column columns[] = {
+        {"handler", .left = true}, {"bytes", .rank = 2},      {.title = "average"},
+        {"least", .rank = 3},      {"most", .rank = 4},       {"median", .rank = 5},
+        {"ratio", .rank = 0},      {"least-most", .rank = 1}, {"clock", .left = true}};
+    struct row_grid grid = {.column = columns, .column_count = ARRAY_COUNT(columns)};
+    screen_text(screen, "%s\n", about->title);
+    screen_text(screen, "%u frames over %u turn%s%s; %u frames to warm up, dropped%s\n", run->done,
+                run->settings.turns, run->settings.turns == 1 ? "" : "s",
+                run->count > 1 ? ", handlers by turns" : "", run->dropped,
+                run->stopped ? "; stopped by a signal" : "");
+    printf("ms per frame%s\n", about->base < run->count
+                                   ? "; ratios: of a frame's time to that of the first handler"
+                                   : "");
     for (size_t i = 0; i < run->count; i++)
-        print_line(run, i, about->base);
+        add_line(&grid, run, i, about->base);
+    grid_print(&grid, screen);
     if (base)
-        printf("written: %s.csv, %s.json, %s.svg, %s.png\n", base, base, base, base);
+        screen_record(screen, PAINT_PLAIN, "written: %s.csv, %s.json, %s.svg, %s.png\n", base, base,
+                      base, base);
 }
 
 int frames_finish(const char *command, const struct frames_run *run,
-                  const struct frames_about *about, const char *base, enum status status,
-                  const struct reason *reason)
+                  const struct frames_about *about, const char *base, const struct screen *screen,
+                  enum status status, const struct reason *reason)
 {
     if (run->done > 0 || run->stopped)
-        print_run(run, about, status ? NULL : base);
+        print_run(run, about, status ? NULL : base, screen);
     if (status)
         fprintf(stderr, "raydiff %s: %s\n", command, reason->text);
     return !status && run->stopped ? frames_signal_code() : exit_of_status(status);
@@ -162,7 +172,7 @@ static enum status measure_plans(struct frames_session *session, const struct pa
 int frames_command(const char *command, const struct painter_plan *plan, size_t count,
                    const char *scene_name, const struct scene *scene,
                    const struct engine_options *options, const struct frames_settings *settings,
-                   const char *base)
+                   const char *base, const struct screen *screen)
 {
     struct frames_session *session = calloc(1, sizeof *session);
     struct progress progress = progress_make(command);
@@ -179,7 +189,8 @@ int frames_command(const char *command, const struct painter_plan *plan, size_t 
     session->about.base = count > 1 ? 0 : SIZE_MAX;
     enum status status =
         measure_plans(session, plan, count, scene_name, scene, options, settings, &reason);
-    int code = frames_finish(command, &session->run, &session->about, base, status, &reason);
+    int code =
+        frames_finish(command, &session->run, &session->about, base, screen, status, &reason);
     frames_session_free(session);
     free(session);
     return code;

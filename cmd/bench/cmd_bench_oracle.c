@@ -165,8 +165,9 @@ static void print_times(struct bench *bench, const struct measured *it, struct t
     struct spread brute = spread_of(times->brute, rounds), tree = spread_of(times->tree, rounds);
     double each[KERNELS] = {0};
     uint32_t tris = it->oracle->scene->tri_count;
-    printf("%s: %u triangles, %zu rays; the filter on %zu of them\n", it->spec, tris, it->count,
-           it->filtered);
+    const struct screen *screen = &bench->screen_is;
+    screen_record(screen, PAINT_PLAIN, "%s: %u triangles, %zu rays; the filter on %zu of them\n",
+                  it->spec, tris, it->count, it->filtered);
     printf("  %-9s %7.3f (%.3f-%.3f) ns per pair\n", "scalar", scalar.median, scalar.least,
            scalar.most);
     for (int k = 0; k < KERNELS && early_kernels[k].name; k++) {
@@ -179,11 +180,12 @@ static void print_times(struct bench *bench, const struct measured *it, struct t
         printf("  %-9s %7.3f (%.3f-%.3f) ns per pair%s\n", early_kernels[k].name, spread.median,
                spread.least, spread.most, chosen ? ", chosen" : "");
     }
-    printf("  chosen / scalar %.3f (%.3f-%.3f); of %llu pairs %llu are left to integers, scalar "
-           "%llu\n",
-           ratio.median, ratio.least, ratio.most, (unsigned long long)it->vector.pairs,
-           (unsigned long long)it->vector.undecided, (unsigned long long)it->scalar.undecided);
-    printf("  exact nearest hits: brute %.3f s (%.3f-%.3f) on %d threads, tree %.3f us per ray\n",
+    printf("  chosen / scalar %.3f (%.3f-%.3f)\n", ratio.median, ratio.least, ratio.most);
+    screen_text(screen, "  left to integers of %llu pairs: %llu, scalar %llu\n",
+                (unsigned long long)it->vector.pairs, (unsigned long long)it->vector.undecided,
+                (unsigned long long)it->scalar.undecided);
+    printf("  exact nearest hits: brute %.3f s (%.3f-%.3f) on %d threads,\n"
+           "                      tree %.3f us per ray\n",
            brute.median, brute.least, brute.most, THREADS, tree.median * 1e6 / (double)it->count);
     json_t *row = json_record("scene=%s tris=%u rays=%zu pairs=%zu kernel=%s filter_ns=%g "
                               "scalar_ns=%g ratio=%g undecided=%zu",
@@ -211,9 +213,11 @@ static enum status measure(struct bench *bench, struct measured *it, struct reas
     size_t wrong = disagreements(it);
     if (wrong == 0 && it->vector.inside == it->scalar.inside)
         return STATUS_OK;
-    printf("  %zu answers differ between brute force and tree; the filters found %llu and %llu "
-           "inside\n",
-           wrong, (unsigned long long)it->vector.inside, (unsigned long long)it->scalar.inside);
+    screen_text(&bench->screen_is,
+                "  %zu answers differ between brute force and tree; the filters found %llu and "
+                "%llu inside\n",
+                wrong, (unsigned long long)it->vector.inside,
+                (unsigned long long)it->scalar.inside);
     bench_worse(bench, EXIT_MISMATCH);
     return STATUS_OK;
 }

@@ -87,7 +87,7 @@ static size_t open_scenes(struct bench *bench, struct paper_scene scene[PAPER_FI
             continue;
         enum status status = paper_scene_open(i, &scene[count], &reason);
         if (status == STATUS_UNSUPPORTED)
-            puts(reason.text);
+            screen_text(&bench->screen_is, "%s\n", reason.text);
         else
             bench_failed(bench, NULL, status, &reason);
         count += status == STATUS_OK;
@@ -154,7 +154,7 @@ static int run(struct bench *bench)
 const struct benchmark bench_paper = {
     .name = "paper",
     .summary = "the paper's tables: bytes of Figure 8, direct against RF; published and repaired",
-    .takes = "scene csv json svg frames size out quick" BENCH_MACHINE,
+    .takes = "scene csv json svg frames size out quick" BENCH_MACHINE BENCH_SCREEN,
     .about = about,
     .run = run,
     .alone = true,

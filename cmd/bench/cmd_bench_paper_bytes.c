@@ -1,6 +1,7 @@
 /* Figure 8: bytes, and the trees that give them. */
 #include "cmd/bench/cmd_bench_paper.h"
 
+#include "cmd/common/cmd_grid.h"
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"
 
@@ -14,13 +15,14 @@ static double percent(uint64_t part, uint64_t whole)
     return 100.0 * (double)part / (double)whole;
 }
 
-static void print_mesh(const struct paper_scene *scene)
+static void print_mesh(const struct paper_scene *scene, const struct screen *screen)
 {
     if (scene->same)
         printf("%s: the paper's default scene, %u triangles, %u vertices\n", scene->spec,
                scene->scene.tri_count, scene->scene.vertex_count);
     else
-        printf(
+        screen_text(
+            screen,
             "%s: ANOTHER MESH than the paper's teapot, whose numbers stand beside: %u triangles, "
             "%u vertices (%u, %u)\n",
             scene->spec, scene->scene.tri_count, scene->scene.vertex_count,
@@ -30,7 +32,7 @@ static void print_mesh(const struct paper_scene *scene)
 static void print_line(const char *what, uint64_t bytes, uint64_t published, uint64_t geometry,
                        uint64_t uploaded)
 {
-    printf("  %-34s %9llu %9llu %11.1f %% %12.1f %%\n", what, (unsigned long long)bytes,
+    printf("  %-32s %9llu %9llu %9.1f %% %11.1f %%\n", what, (unsigned long long)bytes,
            (unsigned long long)published, percent(bytes, geometry), percent(bytes, uploaded));
 }
 
@@ -64,8 +66,8 @@ static enum status print_figure(struct bench *bench, const struct paper_scene *s
     uint64_t geometry = paper_geometry(scene->scene.tri_count);
     uint64_t uploaded = paper_uploaded(scene->scene.tri_count, scene->scene.vertex_count);
     char name[80];
-    print_mesh(scene);
-    puts("                                         bytes     paper   of geometry  with vertices");
+    print_mesh(scene, &bench->screen_is);
+    puts("                                       bytes     paper of geometry with vertices");
     print_line("geometry, 16 n + 40", geometry, figure->geometry, geometry, uploaded);
     snprintf(name, sizeof name, "direct, leaf %u: %u nodes of %u", direct.leaf,
              direct.stats.node_count, PAPER_DIRECT_BYTES);
@@ -83,23 +85,25 @@ static enum status print_figure(struct bench *bench, const struct paper_scene *s
     return STATUS_OK;
 }
 
-static enum status print_same_tree(struct bench *bench, const struct paper_scene *scene,
-                                   uint32_t leaf, struct reason *reason)
+static enum status add_same_tree(struct bench *bench, const struct paper_scene *scene,
+                                 uint32_t leaf, struct row_grid *grid, struct reason *reason)
 {
     struct paper_tree tree;
     enum status status = paper_tree(&scene->scene, leaf, &tree, reason);
     if (status)
         return status;
-    printf("  %4u %6u %6u %5u %7u %9llu %9llu %9llu", leaf, tree.stats.node_count,
-           tree.stats.leaf_count, tree.stats.depth, tree.stats.largest_leaf,
-           (unsigned long long)tree.direct, (unsigned long long)tree.plain,
-           (unsigned long long)(tree.plain + tree.items));
+    char records[80] = "-\t-\t-\t-";
     if (tree.rf)
-        printf(" %9llu %10.3f %10.3f %10.3f\n", (unsigned long long)tree.rf,
-               (double)tree.direct / (double)tree.rf, (double)tree.plain / (double)tree.rf,
-               (double)(tree.plain + tree.items) / (double)tree.rf);
+        snprintf(records, sizeof records, "%llu\t%.3f\t%.3f\t%.3f", (unsigned long long)tree.rf,
+                 (double)tree.direct / (double)tree.rf, (double)tree.plain / (double)tree.rf,
+                 (double)(tree.plain + tree.items) / (double)tree.rf);
     else
-        printf("   does not fit: a leaf of %u\n", tree.stats.largest_leaf);
+        printf("leaf %u does not fit into records: a leaf of %u\n", leaf, tree.stats.largest_leaf);
+    grid_add(grid, PAINT_PLAIN, "%u\t%u\t%u\t%u\t%u\t%llu\t%llu\t%llu\t%s", leaf,
+             tree.stats.node_count, tree.stats.leaf_count, tree.stats.depth,
+             tree.stats.largest_leaf, (unsigned long long)tree.direct,
+             (unsigned long long)tree.plain, (unsigned long long)(tree.plain + tree.items),
+             records);
     bench_row(bench, &same_tree,
               json_record("scene=%s leaf=%u nodes=%u leaves=%u depth=%u largest_leaf=%u "
                           "direct48=%zu plain32=%zu items=%zu rf16=%zu",
@@ -109,23 +113,36 @@ static enum status print_same_tree(struct bench *bench, const struct paper_scene
     return STATUS_OK;
 }
 
+/* The same trees in nodes of 48, 32 and 16 bytes. */
+static void print_same_trees(struct bench *bench, const struct paper_scene *scene)
+{
+    static const struct column columns[] = {
+        {.title = "leaf"},      {.title = "nodes"}, {"leaves", .rank = 1}, {"depth", .rank = 3},
+        {"largest", .rank = 2}, {.title = "48"},    {.title = "32"},       {.title = "32+items"},
+        {.title = "16"},        {.title = "48:16"}, {.title = "32:16"},    {.title = "+items:16"}};
+    struct row_grid grid = {.column = columns, .column_count = ARRAY_COUNT(columns)};
+    struct reason reason = {""};
+    puts("");
+    screen_text(&bench->screen_is,
+                "%s: the same tree in nodes of 48 bytes (published), of 32 (without padding; "
+                "beside them 4 bytes an item unless triangles are reordered) and in records of "
+                "16\n",
+                scene->spec);
+    for (uint32_t leaf = 2; leaf <= 8; leaf += 2)
+        bench_failed(bench, scene->spec, add_same_tree(bench, scene, leaf, &grid, &reason),
+                     &reason);
+    grid_print(&grid, &bench->screen_is);
+}
+
 void paper_print_bytes(struct bench *bench, const struct paper_scene *scene, size_t count)
 {
     struct reason reason = {""};
-    puts("Figure 8, bytes. The paper's trees are not the same: its direct handler has leaf 2, its "
-         "RF\n"
-         "handler leaf 4; and its geometry leaves the vertices out.\n");
+    screen_text(&bench->screen_is,
+                "Figure 8, bytes. The paper's trees are not the same: its direct handler has leaf "
+                "2, its RF handler leaf 4; and its geometry leaves the vertices out.\n");
+    puts("");
     for (size_t i = 0; i < count; i++)
         bench_failed(bench, scene[i].spec, print_figure(bench, &scene[i], &reason), &reason);
-    for (size_t i = 0; i < count; i++) {
-        printf(
-            "\n%s: the same tree in nodes of 48 bytes (published), of 32 (without padding; beside "
-            "them 4 bytes an item\nunless triangles are reordered) and in records of 16\n",
-            scene[i].spec);
-        puts("  leaf  nodes leaves depth largest        48        32  32+items        16    48 : "
-             "16    32 : 16 +items : 16");
-        for (uint32_t leaf = 2; leaf <= 8; leaf += 2)
-            bench_failed(bench, scene[i].spec, print_same_tree(bench, &scene[i], leaf, &reason),
-                         &reason);
-    }
+    for (size_t i = 0; i < count; i++)
+        print_same_trees(bench, &scene[i]);
 }

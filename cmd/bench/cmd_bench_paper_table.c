@@ -3,6 +3,7 @@
 
 #include "bench/chart/chart.h"
 #include "bench/chart/plot.h"
+#include "cmd/common/cmd_grid.h"
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"
 
@@ -11,13 +12,13 @@
 
 static const struct benchmark paper_frames = {.name = "paper_frames"};
 
-/* Writes a ratio. Ratios are near 1 or far below. */
-static void print_ratio(char text[40], struct spread ratio)
+/* Writes the cells of a ratio. Ratios are near 1 or far below. */
+static void put_ratio(char text[80], struct spread ratio, const char *other)
 {
     if (ratio.median < 0.1)
-        snprintf(text, 40, "%.2g (%.2g-%.2g)", ratio.median, ratio.least, ratio.most);
+        snprintf(text, 80, "%.2g\t%s\t%.2g-%.2g", ratio.median, other, ratio.least, ratio.most);
     else
-        snprintf(text, 40, "%.3f (%.3f-%.3f)", ratio.median, ratio.least, ratio.most);
+        snprintf(text, 80, "%.3f\t%s\t%.3f-%.3f", ratio.median, other, ratio.least, ratio.most);
 }
 
 static bool has(const struct paper_table *table, enum paper_line_id id)
@@ -74,54 +75,60 @@ static void add_row(struct paper_table *table, enum paper_line_id id)
     bench_row(table->bench, &paper_frames, row);
 }
 
-static void print_line(const struct paper_table *table, enum paper_line_id id)
+static void print_line(const struct paper_table *table, enum paper_line_id id,
+                       struct row_grid *grid)
 {
     const struct paper_line *line = &table->line[id];
     if (line->contestant == SIZE_MAX) {
-        printf("  %-24s left out: %s\n", paper_line_name(id), line->why);
+        screen_text(&table->bench->screen_is, "  %s: left out: %s\n", paper_line_name(id),
+                    line->why);
         return;
     }
     const struct frames_run *run = &table->session.run;
     const struct frames_contestant *c = &run->contestant[line->contestant];
     struct frames_stats stats = frames_stats_of(run, line->contestant);
-    char ratio[80] = "", apart[40] = "-";
-    if (paper_line_other(id) != id && has(table, paper_line_other(id))) {
-        char number[40];
-        print_ratio(number, ratio_of(table, id, paper_line_other(id)));
-        snprintf(ratio, sizeof ratio, "%s of %s", number, paper_line_name(paper_line_other(id)));
-    }
+    char ratio[80] = "-\t-\t-", apart[40] = "-";
+    if (paper_line_other(id) != id && has(table, paper_line_other(id)))
+        put_ratio(ratio, ratio_of(table, id, paper_line_other(id)),
+                  paper_line_name(paper_line_other(id)));
     if (line->checked)
-        snprintf(apart, sizeof apart, "%zu/%zu%s", line->diff.paths_apart, line->diff.colours,
-                 is_right(line) ? "" : " WRONG");
-    printf("  %-24s %8llu %9.3f %9.3f %9.3f %9.3f  %8s %7zu  %-40s %s\n", c->handler,
-           (unsigned long long)c->bytes, stats.average, stats.least, stats.most, stats.median,
-           apart, line->wrong, ratio, frames_clock(c));
+        snprintf(apart, sizeof apart, "%zu/%zu", line->diff.paths_apart, line->diff.colours);
+    grid_add(grid,
+             !line->checked   ? PAINT_PLAIN
+             : is_right(line) ? PAINT_GOOD
+                              : PAINT_BAD,
+             "%s\t%s\t%.3f\t%s\t%llu\t%s\t%zu\t%.3f\t%.3f\t%.3f\t%s",
+             !line->checked   ? "-"
+             : is_right(line) ? "agrees"
+                              : "WRONG",
+             c->handler, stats.average, ratio, (unsigned long long)c->bytes, apart, line->wrong,
+             stats.median, stats.least, stats.most, frames_clock(c));
 }
 
 static void print_head(const struct paper_table *table)
 {
+    const struct screen *screen = &table->bench->screen_is;
     const struct frames_run *run = &table->session.run;
     const struct paper_figure *figure = table->scene->figure;
-    printf("\n%s, %u x %u pixels, 4 bounces, workgroups of 16 x 16: %u frames over %u turn%s, all "
-           "lines by turns%s\n",
-           table->scene->spec, table->width, table->height, run->done, run->settings.turns,
-           run->settings.turns == 1 ? "" : "s", run->stopped ? "; stopped by a signal" : "");
-    printf(
-        "vulkan: one ray of each path per invocation and dispatch, the arithmetic unchanged, but "
-        "where whole paths are\nnamed; a ray that was cut short would have ended the line. First "
-        "frames (2 to check, %u to warm up) dropped.\n",
-        run->dropped);
+    puts("");
+    screen_text(screen,
+                "%s, %u x %u pixels, 4 bounces, workgroups of 16 x 16: %u frames over %u turn%s, "
+                "all lines by turns%s\n",
+                table->scene->spec, table->width, table->height, run->done, run->settings.turns,
+                run->settings.turns == 1 ? "" : "s", run->stopped ? "; stopped by a signal" : "");
+    screen_text(screen,
+                "vulkan: one ray of each path per invocation and dispatch, the arithmetic "
+                "unchanged, but where whole paths are named; a ray that was cut short would have "
+                "ended the line. First frames (2 to check, %u to warm up) dropped.\n",
+                run->dropped);
     if (table->scene->furnished)
-        puts(
-            "The mesh has no lights: two, and the default red with a tenth of reflection, were put "
-            "there.");
+        screen_text(screen, "The mesh has no lights: two, and the default red with a tenth of "
+                            "reflection, were put there.\n");
     if (!table->scene->same)
-        printf("ANOTHER MESH than the paper's, of as many triangles.");
-    printf("%sThe paper, average ms: direct %.3f, RF %.3f, ratio %.3f\n",
-           table->scene->same ? "" : " ", figure->direct_ms, figure->rf_ms,
-           figure->direct_ms / figure->rf_ms);
-    puts("  ms per frame                bytes   average     least      most    median       cpu   "
-         "wrong  ratio of times (least-most)              clock");
+        puts("ANOTHER MESH than the paper's, of as many triangles.");
+    printf("The paper, average ms: direct %.3f, RF %.3f, ratio %.3f\n", figure->direct_ms,
+           figure->rf_ms, figure->direct_ms / figure->rf_ms);
+    puts("ms per frame, and the ratio of the times of one frame:");
 }
 
 /* Printed before these lines. */
@@ -136,21 +143,41 @@ static const char *const headings[LINE_COUNT] = {
 
 void paper_print_table(struct paper_table *table)
 {
+    static const struct column columns[] = {{"verdict", .left = true},
+                                            {"line", .left = true},
+                                            {.title = "average"},
+                                            {.title = "ratio"},
+                                            {"of", .left = true},
+                                            {"least-most", .rank = 1},
+                                            {"bytes", .rank = 2},
+                                            {"cpu", .rank = 4},
+                                            {.title = "wrong"},
+                                            {"median", .rank = 5},
+                                            {"least", .rank = 6},
+                                            {"most", .rank = 7},
+                                            {"clock", .left = true, .rank = 8}};
+    const struct screen *screen = &table->bench->screen_is;
+    struct row_grid grid = {.column = columns, .column_count = ARRAY_COUNT(columns)};
     if (table->session.run.count == 0)
         return;
     print_head(table);
     for (enum paper_line_id id = 0; id < LINE_COUNT; id++) {
-        if (headings[id])
-            puts(headings[id]);
-        print_line(table, id);
+        if (headings[id]) {
+            if (grid.row_count > 0)
+                grid_print(&grid, screen);
+            screen_text(screen, "%s\n", headings[id]);
+        }
+        print_line(table, id, &grid);
         add_row(table, id);
         if (!is_right(&table->line[id]))
             bench_worse(table->bench, EXIT_MISMATCH);
     }
-    printf("  cpu: paths/pixels that differ from engine cpu's with the same members (pixels alone: "
-           "pow, within rounding);\n  wrong: pixels of %u that differ from brute force's, of the "
-           "first frame\n",
-           table->width * table->height);
+    grid_print(&grid, screen);
+    screen_text(screen,
+                "verdict and cpu: paths/pixels that differ from engine cpu's with the same members "
+                "(pixels alone: pow, within rounding)\n");
+    screen_text(screen, "wrong: pixels of %u that differ from brute force's, of the first frame\n",
+                table->width * table->height);
 }
 
 /* The summary of a scene: the time of `to` against that of `from`; or only a text, if both are
@@ -177,18 +204,18 @@ static const struct {
     {"the same, whole paths against published RF: ", LINE_RF, LINE_RF16_4_WHOLE},
 };
 
-/* Prints the summary, " TEXT 12.3 % less time (ratio 1.140, 1.120-1.160)" for each pair that was
- * measured. */
+/* Prints the summary, "TEXT 12.3 % less (1.14, 1.12-1.16)" for each pair that was measured. */
 static void say_scene(const struct paper_table *table)
 {
-    printf("%s%s:\n", table->scene->spec, table->scene->same ? "" : " (another mesh)");
+    printf("%s%s: less or more time, and the ratio of times (median, least-most)\n",
+           table->scene->spec, table->scene->same ? "" : " (another mesh)");
     for (size_t i = 0; i < ARRAY_COUNT(words); i++) {
         if (words[i].from == words[i].to)
             puts(words[i].text);
         else if (has(table, words[i].from) && has(table, words[i].to)) {
             struct spread ratio = ratio_of(table, words[i].from, words[i].to);
             double saved = 100.0 * (1.0 - 1.0 / ratio.median);
-            printf("  %s %.1f %% %s time (ratio %.3f, %.3f-%.3f)\n", words[i].text, fabs(saved),
+            printf("  %s%.1f %% %s (%.2f, %.2f-%.2f)\n", words[i].text, fabs(saved),
                    saved >= 0 ? "less" : "more", ratio.median, ratio.least, ratio.most);
         }
     }
@@ -203,12 +230,12 @@ void paper_print_words(struct paper_table *const *table, size_t count)
         return;
     const struct paper_figure *small = &paper_figures[PAPER_DEFAULT];
     const struct paper_figure *large = &paper_figures[PAPER_TEAPOT];
-    printf("\nThe paper's 19 %%. It is 2 (a - b) / (a + b) of %.3f and %.3f ms, and of %.3f and "
-           "%.3f; of "
-           "time saved that is %.1f\nand %.1f %%, and the two have other leaf sizes.\n",
-           small->direct_ms, small->rf_ms, large->direct_ms, large->rf_ms,
-           100.0 * (1.0 - small->rf_ms / small->direct_ms),
+    puts("\nThe paper's 19 %. It is 2 (a - b) / (a + b) of");
+    printf("  %.3f and %.3f ms: %.1f %% of the time saved;\n", small->direct_ms, small->rf_ms,
+           100.0 * (1.0 - small->rf_ms / small->direct_ms));
+    printf("  %.3f and %.3f ms: %.1f %% of the time saved;\n", large->direct_ms, large->rf_ms,
            100.0 * (1.0 - large->rf_ms / large->direct_ms));
+    puts("and the two have other leaf sizes.");
     for (size_t i = 0; i < count; i++)
         if (table[i] && table[i]->session.run.done > 0)
             say_scene(table[i]);

@@ -4,6 +4,7 @@
 #include "cmd/bench/cmd_bench_frames.h"
 #include "cmd/bench/cmd_bench_paper.h"
 
+#include "cmd/common/cmd_grid.h"
 #include "ref/base/command.h"
 #include "scenes/scenes.h"
 #include "ref/base/json_record.h"
@@ -151,30 +152,32 @@ static void add_row(struct bench *bench, const struct special_scene *what,
     bench_row(bench, &bench_special, row);
 }
 
-static void print_result(const struct special_scene *what, const struct frames_session *session,
-                         const struct special_result *result)
+static void add_result(struct row_grid *grid, const struct special_scene *what,
+                       const struct frames_session *session, const struct special_result *result)
 {
     const struct frames_run *run = &session->run;
-    printf("%-30s %9.3f %9.3f  %.3f (%.3f-%.3f)  %s%s", what->name,
-           frames_stats_of(run, SPECIAL).median, frames_stats_of(run, GENERAL).median,
-           result->ratio.median, result->ratio.least, result->ratio.most,
-           result->equal ? "bits equal" : "BITS DIFFER",
-           result->slower ? ", SPECIAL IS SLOWER" : "");
+    char paid[48] = "-\t-";
     if (run->count > ONE_BOUNCE)
-        printf("; 4 bounces asked to 1: %.3f (%.3f-%.3f)", result->paid.median, result->paid.least,
-               result->paid.most);
-    puts("");
+        snprintf(paid, sizeof paid, "%.3f\t%.3f-%.3f", result->paid.median, result->paid.least,
+                 result->paid.most);
+    grid_add(grid, result->equal && !result->slower ? PAINT_GOOD : PAINT_BAD,
+             "%s\t%s\t%.3f\t%.3f\t%.3f\t%.3f-%.3f\t%s",
+             !result->equal   ? "DIFFERS"
+             : result->slower ? "SLOWER"
+                              : "agrees",
+             what->name, frames_stats_of(run, SPECIAL).median, frames_stats_of(run, GENERAL).median,
+             result->ratio.median, result->ratio.least, result->ratio.most, paid);
 }
 
 static void measure(struct bench *bench, const struct special_scene *what,
-                    struct frames_session *session)
+                    struct frames_session *session, struct row_grid *grid)
 {
     struct reason reason = {""};
     struct special_result result = {.equal = false};
     struct scene scene;
     enum status status = open_scene(what, &scene, &reason);
     if (status == STATUS_UNSUPPORTED) {
-        puts(reason.text);
+        screen_text(&bench->screen_is, "%s\n", reason.text);
         return;
     }
     session->progress = &bench->progress;
@@ -196,7 +199,7 @@ static void measure(struct bench *bench, const struct special_scene *what,
     bench_failed(bench, what->name, status, &reason);
     if (!status && session->run.done > 0) {
         take_result(session, &result);
-        print_result(what, session, &result);
+        add_result(grid, what, session, &result);
         add_row(bench, what, session, &result);
         if (!result.equal || result.slower)
             bench_worse(bench, EXIT_MISMATCH);
@@ -207,6 +210,11 @@ static void measure(struct bench *bench, const struct special_scene *what,
 
 static int run(struct bench *bench)
 {
+    static const struct column columns[] = {{"verdict", .left = true}, {"scene", .left = true},
+                                            {.title = "special"},      {.title = "general"},
+                                            {.title = "ratio"},        {"least-most", .rank = 1},
+                                            {"paid", .rank = 2},       {"least-most", .rank = 3}};
+    struct row_grid grid = {.column = columns, .column_count = ARRAY_COUNT(columns)};
     if (bench->layout.count > 1 || bench->scene_count > 0)
         return usage_error("bench", "special: one layout, and its own scenes");
     if (!engine_find("vulkan")->renderer) {
@@ -217,9 +225,12 @@ static int run(struct bench *bench)
     if (!session)
         return EXIT_INTERNAL;
     frames_catch_signals();
-    puts("scene                            special   general  general to special (least-most)");
     for (size_t i = 0; i < ARRAY_COUNT(scenes) && !frames_signal_code(); i++)
-        measure(bench, &scenes[i], session);
+        measure(bench, &scenes[i], session, &grid);
+    screen_text(&bench->screen_is,
+                "ms per frame; ratio: the general pipeline's time to the special one's; paid: that "
+                "of 4 bounces to 1, where no ray bounces\n");
+    grid_print(&grid, &bench->screen_is);
     free(session);
     return frames_signal_code();
 }
@@ -227,7 +238,7 @@ static int run(struct bench *bench)
 const struct benchmark bench_special = {
     .name = "special",
     .summary = "the pipeline that a scene gets against the general one: same bits, ratio of times",
-    .takes = "layout csv json frames size out quick" BENCH_MACHINE BENCH_OUTSIDE,
+    .takes = "layout csv json frames size out quick" BENCH_MACHINE BENCH_OUTSIDE BENCH_SCREEN,
     .about = about,
     .run = run,
     .alone = true,

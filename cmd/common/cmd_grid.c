@@ -2,6 +2,7 @@
 
 #include "ref/base/base.h"
 
+#include <limits.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -42,7 +43,9 @@ void grid_print(struct row_grid *grid, const struct screen *screen)
                                      .data = grid,
                                      .cell = write_cell,
                                      .paint = paint_of};
-    table_text_print(&table, screen);
+    struct screen all = *screen;
+    all.width = screen->wide ? UINT_MAX : screen->width;
+    table_text_print(&table, &all);
     free(grid->row);
     grid->row = NULL;
     grid->row_count = grid->capacity = 0;

@@ -23,7 +23,7 @@ struct row_grid {
 void grid_add(struct row_grid *grid, enum paint paint, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Prints titles and rows, and removes the rows. */
+/* Prints titles and rows, all columns if the screen is `wide`, and removes the rows. */
 void grid_print(struct row_grid *grid, const struct screen *screen);
 
 #endif

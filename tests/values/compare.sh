@@ -14,6 +14,7 @@ libraries() {
     case $1 in
     diff_images) echo -f tests/values/pictures/pixels.awk ;;
     show) echo -f tests/values/pictures/pixels.awk -f tests/values/pictures/paths.awk -f tests/values/floats.awk ;;
+    bench_frames | bench_paper | bench_special) echo -f tests/values/bench/cells.awk ;;
     bench_builders) echo -f tests/values/bench/tree.awk ;;
     scene_info) echo -f tests/values/scenes/obj.awk ;;
     diff_pixel) echo -f tests/values/pictures/pixels.awk -f tests/values/floats.awk ;;

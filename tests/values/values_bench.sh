@@ -113,9 +113,11 @@ play_frames() {
     other check sphere:n=6 --layout f32,rf16 --engine cpu --count 50 --repeat 1 --brute 0 --threads 1
     for frames in 5 4; do
         run bench frames --scene sphere:n=6 --engine cpu --layout f32,rf16 --frames "$frames" --turns 2 --warm-up 1 --size 16x12 \
-            --out "$dir/frames" --threads 1 && cp "$dir/frames.json" "$dir/json" &&
-            values bench_frames 120 "$dir/other.flat" "$dir/text" "$dir/frames.csv"
+            --out "$dir/frames" --threads 1 --wide && cp "$dir/frames.json" "$dir/json" &&
+            values bench_frames 120 wide=1 "$dir/other.flat" "$dir/text" "$dir/frames.csv"
     done
+    run bench frames --scene sphere:n=6 --engine cpu --layout f32,rf16,cwbvh80 --frames 1 --size 16x12 --out "$dir/frames" &&
+        cp "$dir/frames.json" "$dir/json" && values bench_frames 60 "$dir/other.flat" "$dir/text" "$dir/frames.csv"
     # One handler alone: no ratio.
     rm "$dir/other.flat"
     run render sphere:n=6 --benchmark --benchmark-frames 3 --benchmark-turns 1 --benchmark-warm-up 2 -w 16 -h 12 --camera-orbit \

@@ -8,7 +8,7 @@ shift
 skipped=0
 
 # benchmark, least number of values, more
-draw() {
+draw_once() {
     name=$1 least=$2
     shift 2
     "$raydiff" bench "$name" --size 16x12 --frames 1 --out "$dir/x" "$@" >"$dir/text" 2>"$dir/err"
@@ -19,7 +19,12 @@ draw() {
     cp "$dir/x.json" "$dir/json"
     awk -f tests/values/flat.awk "$dir/json" >"$dir/flat" &&
         awk -v rounds=1 -v least=10 -f tests/values/lib.awk -f tests/values/bench/rows.awk "$dir/flat" "$dir/x.csv" || bad "$name: rows of CSV"
-    values "bench_$name" "$least" rounds=1 "$dir/text"
+    values "bench_$name" "$least" rounds=1 wide=$wide "$dir/text"
+}
+# benchmark, least number of values, more: with all columns and with those that fit 80
+draw() {
+    wide=1 && draw_once "$@" --wide
+    wide=0 && draw_once "$@"
 }
 play_paper() {
     draw paper 60 --scene rtrs

@@ -71,25 +71,34 @@ FNR == 1 {
     equal("dropped", word[1], v["warm_up_dropped"])
     next
 }
-/^handler  *bytes/ { rows = 1; next }
+/^handler / {
+    heads($0)
+    equal("columns", wide ? columns : 9, 9)
+    rows = 1
+    next
+}
+/^ms per frame/ {
+    equal("ratios are told of", /first handler$/, v["handlers.count"] > 1)
+    next
+}
 /^written: / { next }
 rows {
     h = "handlers." r++
     name = v[h ".handler"] " "
-    text = substr($0, 1, 28)
-    sub(/ *$/, "", text)
-    equal(name "handler", text, v[h ".handler"])
-    split(substr($0, 29), word, " ")
-    equal(name "bytes", word[1], v[h ".bytes"])
-    same(name "average", word[2], "%.3f", v[h ".average_ms"])
-    same(name "least", word[3], "%.3f", v[h ".min_ms"])
-    same(name "most", word[4], "%.3f", v[h ".max_ms"])
-    same(name "median", word[5], "%.3f", v[h ".median_ms"])
+    phrase["handler"] = v[h ".handler"]
+    phrase["clock"] = v[h ".clock"]
+    cells($0)
+    says(name, "bytes", v[h ".bytes"])
+    number(name, "average", "%.3f", v[h ".average_ms"])
+    number(name, "least", "%.3f", v[h ".min_ms"])
+    number(name, "most", "%.3f", v[h ".max_ms"])
+    number(name, "median", "%.3f", v[h ".median_ms"])
     if ((h ".ratio.to") in v) {
-        same(name "ratio", word[6], "%.3f", v[h ".ratio.median"])
-        same_span(name "ratio", word[7], "%.3f", v[h ".ratio.min"], v[h ".ratio.max"])
-    }
-    truth(name "clock", index($0, "  " v[h ".clock"]) > 0)
+        number(name, "ratio", "%.3f", v[h ".ratio.median"])
+        span(name, "ratio least-most", "%.3f", v[h ".ratio.min"], v[h ".ratio.max"])
+    } else
+        says(name, "ratio", "-")
+    truth(name "what tells it apart", ("handler" in cell) && ("average" in cell) && ("clock" in cell))
     laws(h, name)
 }
 END {
