@@ -139,7 +139,7 @@ fi
 touch "$dir/covering"
 count=0
 left=$((${COVERING:-1000000} * 1000))
-awk 'NR == FNR { covers[$1]; next } $1 in covers { print $2, $1 }' "$dir/covering" "$out/times" | sort -n >"$dir/order"
+awk 'FILENAME == ARGV[1] { covers[$1]; next } $1 in covers { print $2, $1 }' "$dir/covering" "$out/times" | sort -n >"$dir/order"
 while read -r usual suite; do
     left=$((left - usual))
     [ "$left" -ge 0 ] || break
@@ -148,7 +148,7 @@ while read -r usual suite; do
 done <"$dir/order"
 # Then others, by their time, as long as there is some of REST seconds left.
 rest=$((${REST:-120} * 1000))
-awk 'NR == FNR { covers[$1]; next } !($1 in covers) { print $2, $1 }' "$dir/covering" "$out/times" | sort -n >"$dir/order"
+awk 'FILENAME == ARGV[1] { covers[$1]; next } !($1 in covers) { print $2, $1 }' "$dir/covering" "$out/times" | sort -n >"$dir/order"
 while read -r usual suite; do
     rest=$((rest - usual))
     [ "$rest" -ge 0 ] || break
