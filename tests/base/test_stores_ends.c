@@ -222,6 +222,40 @@ static void grids_are_held_to_their_ends(void **state)
     assert_true(held > 3 * 3 * QUANTISE_BITS_MOST * 2 / 3);
 }
 
+/* Vertices are read of exactly the slots that name a triangle: none behind the leaf, of a leaf that
+ * is cut off, or behind the words. */
+static void vertices_are_of_items_alone(void **state)
+{
+    (void)state;
+    for (size_t s = 0; tri_stores[s]; s++) {
+        const struct tri_store *store = tri_stores[s];
+        for (uint32_t count = 1; store->tri && count <= SLOTS; count++) {
+            struct scene scene = strip(SLOTS, 0);
+            uint32_t at, named = 0, none = 0;
+            struct packed packed = leaf_of(store, &scene, 0, count, &at);
+            for (uint32_t words = packed.item_count; words >= at; words--) {
+                const uint32_t whole = packed.item_count;
+                const uint32_t slots[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 15, 16, 1u << 20, UINT32_MAX};
+                packed.item_count = words;
+                for (size_t k = 0; k < ARRAY_COUNT(slots); k++) {
+                    float v[3][3];
+                    bool is = store->item(&packed, at, slots[k]) != ABI_NO_PRIM;
+                    assert_int_equal(store->tri(&packed, at, slots[k], v), is);
+                    assert_int_equal(store->item(&packed, words, slots[k]), ABI_NO_PRIM);
+                    assert_false(store->tri(&packed, words, slots[k], v));
+                    assert_false(store->tri(&packed, UINT32_MAX, slots[k], v));
+                    named += is;
+                    none += !is;
+                }
+                packed.item_count = whole;
+            }
+            assert_true(named >= count && none > count);
+            packed_free(&packed);
+            scene_free(&scene);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -230,6 +264,7 @@ int main(void)
         cmocka_unit_test(numbers_of_triangles_are_whole),
         cmocka_unit_test(the_most_triangles_are_the_rows_bits),
         cmocka_unit_test(grids_are_held_to_their_ends),
+        cmocka_unit_test(vertices_are_of_items_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
