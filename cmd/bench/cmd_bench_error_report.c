@@ -2,6 +2,7 @@
 #include "cmd/bench/cmd_bench_error.h"
 #include "bench/chart/json_value.h"
 #include "bench/chart/row_plot.h"
+#include "ref/base/command.h"
 #include "ref/base/json_record.h"
 
 #include <math.h>
@@ -165,10 +166,11 @@ void error_print(struct bench *bench, const struct error_page *page)
     putchar('\n');
     screen_text(
         &bench->screen_is,
-        "%s: %u triangles; %zu %s rays, seed %llu, of which exactly %zu hit; %s; %llu rounds "
+        "%s: %u triangles; %zu %s rays, seed %llu, of which exactly %zu hit; %s; %llu round%s "
         "interleaved\n",
         page->scene, page->tri_count, page->ray_count, page->rays, (unsigned long long)bench->seed,
-        page->exact_hits, bench_tree_name(bench, name), (unsigned long long)bench->rounds);
+        page->exact_hits, bench_tree_name(bench, name), (unsigned long long)bench->rounds,
+        plural(bench->rounds));
     if (page->leak_rays[LEAK_VERTEX])
         printf("closed: %zu rays from inside aimed at edges, %zu at vertices\n",
                page->leak_rays[LEAK_EDGE], page->leak_rays[LEAK_VERTEX]);

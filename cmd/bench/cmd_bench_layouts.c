@@ -204,10 +204,10 @@ static enum status play_scene(struct bench *bench, const char *spec, const struc
         return status;
     putchar('\n');
     screen_text(&bench->screen_is,
-                "%s: %u triangles; %s, box %s, triangle %s; %llu rays, %llu rounds interleaved\n",
+                "%s: %u triangles; %s, box %s, triangle %s; %llu rays, %llu round%s interleaved\n",
                 spec, scene->tri_count, bench_tree_name(bench, name), box_tests[0]->name,
                 tri_tests[0]->name, (unsigned long long)bench_rays_count(bench, OWN_RAYS),
-                (unsigned long long)bench->rounds);
+                (unsigned long long)bench->rounds, plural(bench->rounds));
     if (bench->screen_is.wide)
         puts(
             "rays     engine        nodes Mray/s (least-most)   ratio (least-most)           B/tri "

@@ -3,6 +3,7 @@
 
 #include "bench/chart/pareto.h"
 #include "bench/chart/row_plot.h"
+#include "ref/base/command.h"
 #include "ref/base/json_record.h"
 #include "ref/base/text.h"
 #include "ref/store.h"
@@ -99,9 +100,9 @@ static void print_speeds(const struct matrix *m)
     unsigned threads = m->row_count ? m->row[0].threads : 1;
     putchar('\n');
     screen_text(&m->bench->screen_is,
-                "%s: %u triangles, %zu rays of each kind, %llu rounds interleaved, %u thread%s\n",
+                "%s: %u triangles, %zu rays of each kind, %llu round%s interleaved, %u thread%s\n",
                 m->spec, m->scene->tri_count, m->count, (unsigned long long)m->bench->rounds,
-                threads, threads == 1 ? "" : "s");
+                plural(m->bench->rounds), threads, plural(threads));
     if (!m->bench->screen_is.wide)
         return;
     printf("  %-30s", "speed, least-most");

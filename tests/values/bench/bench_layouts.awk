@@ -61,7 +61,7 @@ function as_check(p, name,  c, k, sum) {
 }
 # Only another unit is that far off.
 function near_speed(what, a, b) { truth(what ": " a " and " b, a < 300 * b && b < 300 * a) }
-/: [0-9]+ triangles; .*, [0-9]+ rounds interleaved$/ {
+/: [0-9]+ triangles; .*, [0-9]+ rounds? interleaved$/ {
     at = match($0, /: [0-9]+ triangles; /)
     scene = substr($0, 1, at - 1)
     p = "rows." r + 0
