@@ -5,6 +5,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* The least bytes of a line: numbers of one digit, blanks between them, the line's end. */
 #define LEAST_LINE(numbers) (2 * (size_t)(numbers))
@@ -302,7 +303,13 @@ enum status finding_file_read(const char *path, struct finding_file *out, struct
 {
     char *bytes;
     size_t size;
+    struct stat about;
     *out = (struct finding_file){0};
+    if (stat(path, &about) == 0 && S_ISDIR(about.st_mode))
+        return fail(
+            reason, STATUS_INPUT,
+            "%s: is a directory; of a folder of findings name one, as in %s/*/smallest.trial", path,
+            path);
     enum status status = file_read_most(path, FINDING_FILE_MOST, &bytes, &size, reason);
     if (!status)
         status = finding_file_parse(file_label(path), bytes, size, out, reason);
