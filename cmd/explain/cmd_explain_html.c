@@ -18,6 +18,7 @@ static const char style[] =
     "--bad:#c4262e}\n"
     "@media (prefers-color-scheme:dark){:root{--bg:#14181c;--fg:#e4e8ec;--dim:#98a2ac;"
     "--line:#333b43;--bad:#ff6b6b}.other{fill:#5a646e;stroke:#5a646e}"
+    ".way{fill:#98a2ac;stroke:#98a2ac}"
     ".exact{fill:#5fd38d;stroke:#5fd38d}.tree{fill:#7db8f5;stroke:#7db8f5}"
     ".bytes{fill:#ff6b6b;stroke:#ff6b6b}.ray{stroke:#9ec5ff}.hit{fill:#9ec5ff}}\n"
     "body{margin:0 auto;max-width:1020px;padding:0 20px 60px;background:var(--bg);color:var(--fg);"
@@ -37,7 +38,7 @@ static const char style[] =
     "ul.legend li{cursor:pointer}ul.legend li.off{opacity:.35}ul.legend svg{vertical-align:-3px;"
     "margin-right:5px;border:0}\n"
     ".no-other svg .other,.no-expected svg .expected,.no-answered svg .answered,.no-exact svg "
-    ".exact,"
+    ".exact,.no-way svg .way,"
     ".no-tree svg .tree,.no-bytes svg .bytes,.no-ray svg .ray,.no-hit svg .hit{display:none}\n"
     "ul.legend svg *{display:inline!important}\n";
 
@@ -104,11 +105,14 @@ static void write_node(struct html *html, const struct explain_step *step)
 
 /* --- pictures --------------------------------------------------------------------------------- */
 
-static void write_legend(struct html *html, const struct picture_view view[2])
+static void write_legend(struct html *html, const struct picture_view *view, size_t count)
 {
     html_begin(html, "ul", "class", "legend", NULL);
     for (enum shape_role role = 0; role < SHAPE_ROLES; role++) {
-        if (!view_has(&view[0], role) && !view_has(&view[1], role))
+        bool shown = false;
+        for (size_t i = 0; i < count; i++)
+            shown = shown || view_has(&view[i], role);
+        if (!shown)
             continue;
         html_begin(html, "li", "data-role", shape_role_name(role), NULL);
         html_begin(html, "svg", "width", "16", "height", "16", NULL);
@@ -128,8 +132,11 @@ static void write_view(struct html *html, const struct picture_view *view)
     html_begin(html, "script", "type", "application/json", NULL);
     view_write_json(html->out, view);
     html_end(html, "script");
-    html_element_format(html, "figcaption", "dim", "%s: from %.9g to %.9g along x", view->name,
-                        view->focus[0] - view->radius, view->focus[0] + view->radius);
+    char left_out[64] = "";
+    if (view->left_out)
+        snprintf(left_out, sizeof left_out, "; %zu other triangles are left out", view->left_out);
+    html_element_format(html, "figcaption", "dim", "%s: from %.9g to %.9g along x%s", view->name,
+                        view->focus[0] - view->radius, view->focus[0] + view->radius, left_out);
     html_end(html, "figure");
 }
 
@@ -139,20 +146,21 @@ static enum status write_views(struct html *html, const struct explain_page *pag
     if (!picture_exists(page))
         return STATUS_OK;
     html_element(html, "h2", NULL, "Where it happens");
-    struct picture_view view[2];
-    enum status status = view_make(page, false, &view[0], reason);
-    if (status)
-        return status;
-    status = view_make(page, true, &view[1], reason);
+    struct picture_view view[VIEW_KINDS] = {{.name = NULL}};
+    size_t count = 0;
+    enum status status = STATUS_OK;
+    for (int kind = picture_has_way(page) ? VIEW_WAY : VIEW_NODE; kind < VIEW_KINDS && !status;
+         kind++)
+        status = view_make(page, (enum view_kind)kind, &view[count++], reason);
     if (!status) {
         html_begin(html, "div", "class", "views", NULL);
-        write_view(html, &view[0]);
-        write_view(html, &view[1]);
+        for (size_t i = 0; i < count; i++)
+            write_view(html, &view[i]);
         html_end(html, "div");
-        write_legend(html, view);
-        view_free(&view[1]);
+        write_legend(html, view, count);
     }
-    view_free(&view[0]);
+    for (size_t i = 0; i < count; i++)
+        view_free(&view[i]);
     if (status)
         return status;
     html_element(html, "p", "dim",

@@ -8,7 +8,7 @@
 
 const char *shape_role_name(enum shape_role role)
 {
-    static const char *const names[] = {"other", "expected", "answered", "exact",
+    static const char *const names[] = {"other", "expected", "answered", "way", "exact",
                                         "tree",  "bytes",    "ray",      "hit"};
     return names[role];
 }
@@ -19,6 +19,7 @@ const char *shape_role_text(enum shape_role role)
         "other triangles",
         "the triangle to be hit",
         "the triangle that was answered",
+        "boxes on the way, in the bytes",
         "the box of the node's triangles",
         "the box of the tree",
         "the box in the bytes",
@@ -54,6 +55,11 @@ bool picture_exists(const struct explain_page *page)
         if (!isfinite(ray->org[k]) || !isfinite(ray->dir[k]))
             return false;
     return node_of(page) || expected_of(page) != ABI_NO_PRIM || answered_of(page) != ABI_NO_PRIM;
+}
+
+bool picture_has_way(const struct explain_page *page)
+{
+    return node_of(page) && page->ray->why.last > 0;
 }
 
 /* --- clipping --------------------------------------------------------------------------------- */
@@ -131,19 +137,35 @@ static double bound_of(const struct explain_bound *bound, enum box_form form)
     return isinf(value) ? copysign(4.0 * (double)FLT_MAX, (double)value) : (double)value;
 }
 
+static void box_of(const struct explain_step *step, enum box_form form, double box[2][3])
+{
+    for (int k = 0; k < 3; k++) {
+        box[0][k] = bound_of(&step->lo[k], form);
+        box[1][k] = bound_of(&step->hi[k], form);
+    }
+}
+
 static enum status add_node(struct picture_view *view, const struct explain_step *step)
 {
     static const enum shape_role roles[] = {SHAPE_EXACT, SHAPE_TREE, SHAPE_BYTES};
     double box[3][2][3];
     for (int form = 0; form < 3; form++)
-        for (int k = 0; k < 3; k++) {
-            box[form][0][k] = bound_of(&step->lo[k], (enum box_form)form);
-            box[form][1][k] = bound_of(&step->hi[k], (enum box_form)form);
-        }
+        box_of(step, (enum box_form)form, box[form]);
     enum status status = STATUS_OK;
     for (int form = 0; form < 3 && !status; form++)
         if (form != BOX_TREE || memcmp(box[BOX_TREE], box[BOX_EXACT], sizeof box[0]) != 0)
             status = add_box(view, roles[form], box[form][0], box[form][1]);
+    return status;
+}
+
+static enum status add_way(struct picture_view *view, const struct explanation *why)
+{
+    enum status status = STATUS_OK;
+    for (uint32_t i = 0; i < why->last && !status; i++) {
+        double box[2][3];
+        box_of(&why->step[i], BOX_BYTES, box);
+        status = add_box(view, SHAPE_WAY, box[0], box[1]);
+    }
     return status;
 }
 
@@ -245,17 +267,26 @@ static void include_triangle(struct extent *extent, const struct scene *scene, u
         include(extent, (double[3]){(double)v[i][0], (double)v[i][1], (double)v[i][2]});
 }
 
-static void look_at_all(const struct explain_page *page, struct picture_view *view)
+static void include_step(struct extent *extent, const struct explain_step *step)
+{
+    for (int k = 0; k < 3; k++) {
+        extent->lo[k] = fmin(extent->lo[k], (double)step->lo[k].exact);
+        extent->hi[k] = fmax(extent->hi[k], (double)step->hi[k].exact);
+    }
+}
+
+/* Frames the node, and with `way` the nodes above it. */
+static void look_at_all(const struct explain_page *page, bool way, struct picture_view *view)
 {
     struct extent all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     const struct explain_step *step = node_of(page);
     double t, point[3];
     include_triangle(&all, page->scene, expected_of(page));
     include_triangle(&all, page->scene, answered_of(page));
-    for (int k = 0; k < 3 && step; k++) {
-        all.lo[k] = fmin(all.lo[k], (double)step->lo[k].exact);
-        all.hi[k] = fmax(all.hi[k], (double)step->hi[k].exact);
-    }
+    if (step)
+        include_step(&all, step);
+    for (uint32_t i = 0; way && i < page->ray->why.last; i++)
+        include_step(&all, &page->ray->why.step[i]);
     if (hit_of(page, &t)) {
         point_at(&page->ray->ray, t, point);
         include(&all, point);
@@ -325,16 +356,19 @@ static void turn(const struct ray *ray, double rows[3][3])
     cross(rows[2], rows[0], rows[1]);
 }
 
-enum status view_make(const struct explain_page *page, bool close, struct picture_view *out,
-                      struct reason *reason)
+enum status view_make(const struct explain_page *page, enum view_kind kind,
+                      struct picture_view *out, struct reason *reason)
 {
-    *out = (struct picture_view){.name = close ? "the place" : "the node"};
+    static const char *const names[] = {"the way", "the node", "the place"};
+    *out = (struct picture_view){.name = names[kind]};
     const struct explain_step *step = node_of(page);
-    look_at_all(page, out);
-    if (close)
+    look_at_all(page, kind == VIEW_WAY, out);
+    if (kind == VIEW_PLACE)
         look_closely(page, out);
     turn(&page->ray->ray, out->turn);
     enum status status = add_triangles(out, page);
+    if (!status && kind == VIEW_WAY)
+        status = add_way(out, &page->ray->why);
     if (!status && step)
         status = add_node(out, step);
     if (!status)

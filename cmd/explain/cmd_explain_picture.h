@@ -1,5 +1,5 @@
-/* The picture of an explained ray: triangles, the ray, and the boxes of the node where it ended, in
- * a cube that is turned. Commands only. */
+/* The picture of an explained ray: triangles, the ray, the boxes on its way, and those of the node
+ * where it ended, in a cube that is turned. Commands only. */
 #ifndef CMD_EXPLAIN_PICTURE_H
 #define CMD_EXPLAIN_PICTURE_H
 
@@ -7,14 +7,15 @@
 
 #include <stdio.h>
 
-#define PICTURE_TRIANGLES 200u /* those next to the place are drawn */
-#define SHAPE_CORNERS     12u  /* of a triangle or a side that the cube cuts */
+#define PICTURE_TRIANGLES 1000u /* so many at most of those in the cube are drawn */
+#define SHAPE_CORNERS     12u   /* of a triangle or a side that the cube cuts */
 
 enum shape_role {
     SHAPE_TRIANGLE, /* any triangle */
     SHAPE_EXPECTED, /* the one that is to be hit */
     SHAPE_ANSWERED, /* the one that was answered, another one */
-    SHAPE_EXACT,    /* sides of the box of the node's triangles */
+    SHAPE_WAY,      /* sides of the boxes in the bytes of the nodes above that node */
+    SHAPE_EXACT,    /* of the box of the node's triangles */
     SHAPE_TREE,     /* of the box of the tree, if it is another one */
     SHAPE_BYTES,    /* of the box in the bytes */
     SHAPE_RAY,      /* a line */
@@ -29,6 +30,10 @@ struct shape {
     double corner[SHAPE_CORNERS][3];
 };
 
+/* What a view frames: all boxes from the root to the node, the node, or the place where the ray
+ * passes, as large as the fault of the box. */
+enum view_kind { VIEW_WAY, VIEW_NODE, VIEW_PLACE, VIEW_KINDS };
+
 /* What is seen from one place. Owns `shape`. */
 struct picture_view {
     const char *name;
@@ -42,10 +47,12 @@ struct picture_view {
 /* Whether the page has a place to draw: a node's box, a triangle to be hit, or an answer. */
 bool picture_exists(const struct explain_page *page);
 
-/* Makes a view: `close` shows the place where the ray passes, as large as the fault of the box;
- * else all of the node. Errors: STATUS_MEMORY. */
-enum status view_make(const struct explain_page *page, bool close, struct picture_view *out,
-                      struct reason *reason) MUST_USE;
+/* Whether there is a node above the one where the path ended: VIEW_WAY has boxes to show. */
+bool picture_has_way(const struct explain_page *page);
+
+/* Makes a view; the boxes on the way are in VIEW_WAY alone. Errors: STATUS_MEMORY. */
+enum status view_make(const struct explain_page *page, enum view_kind kind,
+                      struct picture_view *out, struct reason *reason) MUST_USE;
 
 void view_free(struct picture_view *view);
 
@@ -59,8 +66,8 @@ extern const char picture_style[];
  * lies in one around it. */
 void view_write_svg(FILE *out, const struct picture_view *view, unsigned x, unsigned size);
 
-/* Writes both views and a legend as one SVG file. Errors: STATUS_INPUT nothing to draw, cannot
- * write; STATUS_MEMORY. */
+/* Writes VIEW_NODE, VIEW_PLACE and a legend as one SVG file. Errors: STATUS_INPUT nothing to draw,
+ * cannot write; STATUS_MEMORY. */
 enum status picture_write(const char *path, const struct explain_page *page,
                           struct reason *reason) MUST_USE;
 

@@ -11,6 +11,7 @@ const char picture_style[] =
     ".other{fill:#b9c2cb;fill-opacity:.25;stroke:#b9c2cb}\n"
     ".expected{fill:#e08a00;fill-opacity:.55;stroke:#e08a00}\n"
     ".answered{fill:#7a4fc0;fill-opacity:.45;stroke:#7a4fc0}\n"
+    ".way{fill:#5b6670;fill-opacity:.03;stroke:#5b6670;stroke-opacity:.7}\n"
     ".exact{fill:#16803c;fill-opacity:.1;stroke:#16803c;stroke-width:1.5}\n"
     ".tree{fill:#1f77b4;fill-opacity:.08;stroke:#1f77b4;"
     "stroke-dasharray:5 3}\n"
@@ -168,10 +169,10 @@ enum status picture_write(const char *path, const struct explain_page *page, str
     struct file_out out;
     if (!picture_exists(page))
         return fail(reason, STATUS_INPUT, "%s: there is nothing to draw of this ray", path);
-    enum status status = view_make(page, false, &view[0], reason);
+    enum status status = view_make(page, VIEW_NODE, &view[0], reason);
     if (status)
         return status;
-    status = view_make(page, true, &view[1], reason);
+    status = view_make(page, VIEW_PLACE, &view[1], reason);
     if (!status)
         status = file_out_open(path, &out, reason);
     if (!status) {

@@ -65,11 +65,12 @@ shapes() {
         awk 'NF && ($1 > 1.00001 || $1 < -1.00001) { bad = 1 } END { exit bad || NR < 9 }' || bad "$1: a corner outside of the cube"
     [ "$(grep -c '"role":"hit","corners":\[\[-\{0,1\}0,-\{0,1\}0,-\{0,1\}0\]\]' "$dir/page.html")" -ge 1 ] ||
         bad "$1: the place is not the exact hit"
-    [ "$(grep -c '"role":"bytes"' "$dir/page.html")" -le 12 ] || bad "$1: a box of more than six sides"
+    sed -n '/<title>the node</,$p' "$dir/page.html" >"$dir/two" # the views that the picture has, too
+    [ "$(grep -c '"role":"bytes"' "$dir/two")" -le 12 ] || bad "$1: a box of more than six sides"
     for role in expected exact bytes ray hit; do
         [ "$(grep -c "\"role\":\"$role\"" "$dir/page.html")" -eq "$(grep -cE "^<(polygon|polyline|circle) class=\"$role\"" "$dir/page.html")" ] ||
             bad "$1: shapes of $role in the picture and for the script"
-        [ "$(grep -cE "^<(polygon|polyline|circle) class=\"$role\"" "$dir/page.html")" -eq "$(grep -cE "^<(polygon|polyline|circle) class=\"$role\"" "$dir/page.svg")" ] ||
+        [ "$(grep -cE "^<(polygon|polyline|circle) class=\"$role\"" "$dir/two")" -eq "$(grep -cE "^<(polygon|polyline|circle) class=\"$role\"" "$dir/page.svg")" ] ||
             bad "$1: shapes of $role in both files"
     done
     grep -oE '(src|href|url|@import)[=( ][^> ]*|https?://[a-z./0-9]*' "$dir/page.html" "$dir/page.svg" | grep -v 'http://www.w3.org/2000/svg$' &&
@@ -77,14 +78,47 @@ shapes() {
     grep -q "<script" "$dir/page.svg" && bad "$1: a script in a picture"
 }
 
+# The boxes on the way: those of every node above the last, side by side as the JSON has them, and the node within.
+way() {
+    last=$(sed -n 's/^last=//p' "$dir/flat")
+    [ "$last" -gt 0 ] || { bad "$1: there is no way"; return; }
+    sed '/<title>the node</,$d' "$dir/page.html" | tee "$dir/first" | sed -n 's/.*"role":"\([a-z]*\)","corners":/\1 /p' | tr -d '[]}' >"$dir/sides"
+    for role in way bytes ray; do
+        [ "$(grep -c "^$role " "$dir/sides")" -eq "$(grep -cE "^<(polygon|polyline|circle) class=\"$role\"" "$dir/first")" ] ||
+            bad "$1: shapes of $role on the way in the picture and for the script"
+    done
+    [ "$(grep -c '^way ' "$dir/sides")" -eq "$((6 * last))" ] || bad "$1: $(grep -c '^way ' "$dir/sides") sides of $last boxes"
+    # The lengths of all boxes, and where they lie, by the scale of the root's longest edge.
+    awk -v last="$last" '
+        FNR == NR { at = index($0, "="); v[substr($0, 1, at - 1)] = substr($0, at + 1); next }
+        $1 == "way" {
+            split($2, corner, ",")
+            step = int(sides / 6); side = sides % 6; axis = int(side / 2)
+            c[step, axis, side % 2] = corner[1 + axis]
+            b[step, axis, side % 2] = v["way." step (side % 2 ? ".hi." : ".lo.") axis ".decoded.value"]
+            sides++
+        }
+        END {
+            for (k = 0; k < 3; k++) if (b[0, k, 1] - b[0, k, 0] > long) { long = b[0, k, 1] - b[0, k, 0]; cube = c[0, k, 1] - c[0, k, 0] }
+            for (i = 0; i < last; i++) for (k = 0; k < 3; k++) for (h = 0; h < 2; h++) {
+                far = (c[i, k, h] - c[0, k, 0]) - (b[i, k, h] - b[0, k, 0]) * cube / long
+                if (far > 3e-5 || far < -3e-5) { print "node " i ", axis " k ": off by " far; bad = 1 }
+                checked++
+            }
+            exit bad || checked < 6 || cube < 1.59 || cube > 1.61 # the root takes four fifths of the cube
+        }' "$dir/flat" "$dir/sides" || bad "$1: boxes on the way"
+}
+
 page 1 sphere:n=8 --layout rtrs_rf_paper --tri woop --rays edges --count 20000 --cause rounded_inward
 bits sphere
 shapes sphere
+way sphere
 cmp -s "$dir/page.svg" docs/finding.svg || bad 'docs/finding.svg is another picture: explain ... --svg docs/finding.svg'
 grep -q 'Cause: rounded_inward, ' "$dir/page.html" || bad 'no cause'
 page 1 fuzz/corpus/rounded-inward.trial
 bits rounded-inward
 shapes rounded-inward
+grep -q '<title>the way</title>' "$dir/page.html" && bad 'a root alone has a way'
 page 1 fuzz/corpus/strict-comparison.trial # its cause has "<" in its text
 grep -q '<title>the box test has &lt; where' "$dir/page.svg" || bad 'a text is not escaped'
 # All causes of the corpus, and answers that are right.
@@ -93,6 +127,11 @@ for file in fuzz/corpus/*.trial; do
     [ $? -le 1 ] || bad "$file: $(cat "$dir/err")"
     grep -qiE '[^a-z](nan|inf)[^a-z]' "$dir/x.svg" 2>/dev/null && bad "$file: a corner that is no number"
 done
+# Triangles that are not drawn are counted.
+page 1 sphere:n=20 --layout rtrs_rf_paper --tri woop --rays edges --count 20000 --cause rounded_inward
+drawn=$(sed '/<title>the node</,$d' "$dir/page.html" | grep -cE '"role":"(other|expected|answered)"')
+left=$(sed -n 's/.*the way: .*; \([0-9]*\) other triangles are left out.*/\1/p' "$dir/page.html")
+[ "$((drawn + ${left:-0}))" -eq 3200 ] && [ "$drawn" -ge 1001 ] || bad "$drawn triangles drawn, ${left:-none} left out, of 3200"
 page 0 sphere:n=8 --engine cpu --rays vertices --count 10 --index 4
 grep -q '<p>allowed: right</p>' "$dir/page.html" || bad 'an answer that is right has no page'
 # Nothing to draw.
