@@ -103,6 +103,7 @@ plain)
     suite report_browser sh tests/scripts/report_browser.sh "$build/raydiff" quick
     alone fuzz sh tests/scripts/fuzz.sh "$build"
     alone fuzz_screen sh tests/docs/fuzz_screen.sh "$build/raydiff"
+    suite fuzz_picture sh tests/docs/fuzz_picture.sh "$build/raydiff"
     suite resumed sh tests/fuzz/resumed.sh "$build/raydiff"
     suite every_layout sh tests/fuzz/every_layout.sh "$build/raydiff"
     suite folders sh tests/scripts/folders.sh "$build/raydiff"

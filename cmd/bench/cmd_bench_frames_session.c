@@ -98,10 +98,15 @@ static void add_line(struct row_grid *grid, const struct frames_run *run, size_t
 static void print_run(const struct frames_run *run, const struct frames_about *about,
                       const char *base, const struct screen *screen)
 {
-    static const struct column columns[] = {
-        {"handler", .left = true}, {"bytes", .rank = 2},      {.title = "average"},
-        {"least", .rank = 3},      {"most", .rank = 4},       {"median", .rank = 5},
-        {"ratio", .rank = 0},      {"least-most", .rank = 1}, {"clock", .left = true}};
+    static const struct column columns[] = {{"handler", .left = true},
+                                            {"bytes", .rank = 2},
+                                            {.title = "average", .least = TIME_WIDTH},
+                                            {"least", .rank = 3, .least = TIME_WIDTH},
+                                            {"most", .rank = 4, .least = TIME_WIDTH},
+                                            {"median", .rank = 5, .least = TIME_WIDTH},
+                                            {.title = "ratio", .least = 6},
+                                            {"least-most", .rank = 1, .least = SPAN_WIDTH},
+                                            {"clock", .left = true}};
     struct row_grid grid = {.column = columns, .column_count = ARRAY_COUNT(columns)};
     screen_text(screen, "%s\n", about->title);
     screen_text(screen, "%u frames over %u turn%s%s; %u frames to warm up, dropped%s\n", run->done,

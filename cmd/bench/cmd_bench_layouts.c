@@ -35,10 +35,10 @@ static const struct column columns[] = {
     {"allowed", .rank = 3},
     {"B/tri", .rank = 2},
     {"mem/tri", .rank = 4},
-    {.title = "Mray/s"},
-    {"ratio", .rank = 1},
+    {.title = "Mray/s", .least = TIME_WIDTH},
+    {"ratio", .rank = 1, .least = 5},
     {"of", .left = true, .rank = 1},
-    {"least-most", .rank = 5},
+    {"least-most", .rank = 5, .least = 2 * TIME_WIDTH + 1},
     {"+items", .rank = 6},
 };
 

@@ -170,13 +170,20 @@ static void print_sizes(const struct matrix *m)
 /* --- a table that fits the screen --------------------------------------------------------- */
 
 static const struct column columns[] = {
-    {"verdict", .left = true}, {"contestant", .left = true},
-    {.title = "WRONG"},        {"allowed", .rank = 3},
-    {.title = "lost"},         {"leaks", .rank = 1},
-    {.title = "B/tri"},        {"prim", .rank = 4},
-    {"rand", .rank = 5},       {"diff", .rank = 6},
-    {"o-shad", .rank = 8},     {"o-rand", .rank = 7},
-    {.title = "mean"},         {"Mray/s", .rank = 2},
+    {"verdict", .left = true},
+    {"contestant", .left = true},
+    {.title = "WRONG"},
+    {"allowed", .rank = 3},
+    {.title = "lost"},
+    {"leaks", .rank = 1},
+    {.title = "B/tri"},
+    {"prim", .rank = 4, .least = 5},
+    {"rand", .rank = 5, .least = 5},
+    {"diff", .rank = 6, .least = 5},
+    {"o-shad", .rank = 8},
+    {"o-rand", .rank = 7},
+    {.title = "mean", .least = 5},
+    {"Mray/s", .rank = 2, .least = TIME_WIDTH},
 };
 
 static void print_table(const struct matrix *m, bool full)

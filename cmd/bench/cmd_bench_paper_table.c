@@ -145,16 +145,16 @@ void paper_print_table(struct paper_table *table)
 {
     static const struct column columns[] = {{"verdict", .left = true},
                                             {"line", .left = true},
-                                            {.title = "average"},
-                                            {.title = "ratio"},
+                                            {.title = "average", .least = TIME_WIDTH},
+                                            {.title = "ratio", .least = 6},
                                             {"of", .left = true},
-                                            {"least-most", .rank = 1},
+                                            {"least-most", .rank = 1, .least = SPAN_WIDTH},
                                             {"bytes", .rank = 2},
                                             {"cpu", .rank = 4},
                                             {.title = "wrong"},
-                                            {"median", .rank = 5},
-                                            {"least", .rank = 6},
-                                            {"most", .rank = 7},
+                                            {"median", .rank = 5, .least = TIME_WIDTH},
+                                            {"least", .rank = 6, .least = TIME_WIDTH},
+                                            {"most", .rank = 7, .least = TIME_WIDTH},
                                             {"clock", .left = true, .rank = 8}};
     const struct screen *screen = &table->bench->screen_is;
     struct row_grid grid = {.column = columns, .column_count = ARRAY_COUNT(columns)};

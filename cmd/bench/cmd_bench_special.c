@@ -210,10 +210,14 @@ static void measure(struct bench *bench, const struct special_scene *what,
 
 static int run(struct bench *bench)
 {
-    static const struct column columns[] = {{"verdict", .left = true}, {"scene", .left = true},
-                                            {.title = "special"},      {.title = "general"},
-                                            {.title = "ratio"},        {"least-most", .rank = 1},
-                                            {"paid", .rank = 2},       {"least-most", .rank = 3}};
+    static const struct column columns[] = {{"verdict", .left = true},
+                                            {"scene", .left = true},
+                                            {.title = "special", .least = TIME_WIDTH},
+                                            {.title = "general", .least = TIME_WIDTH},
+                                            {.title = "ratio", .least = 6},
+                                            {"least-most", .rank = 1, .least = SPAN_WIDTH},
+                                            {"paid", .rank = 2, .least = 6},
+                                            {"least-most", .rank = 3, .least = SPAN_WIDTH}};
     struct row_grid grid = {.column = columns, .column_count = ARRAY_COUNT(columns)};
     if (bench->layout.count > 1 || bench->scene_count > 0)
         return usage_error("bench", "special: one layout, and its own scenes");

@@ -39,6 +39,8 @@ static size_t width_of(const struct table_text *table, size_t column)
 {
     char cell[CELL_MOST];
     size_t most = strlen(table->column[column].title);
+    if (table->column[column].least > most)
+        most = table->column[column].least;
     for (size_t i = 0; i < table->row_count; i++) {
         struct row_note note = note_of(table, i);
         if (note.text && column >= note.from)

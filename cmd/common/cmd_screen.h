@@ -57,10 +57,14 @@ void screen_page(const struct screen *screen, const char *text, const char *whol
 /* A column of a table. */
 struct column {
     const char *title;
-    bool left;     /* aligned left, else right */
-    bool varies;   /* left out if all cells are the same, but for "-" and "own" */
-    unsigned rank; /* if the width does not suffice, the highest ranks are left out; 0: never */
+    bool left;      /* aligned left, else right */
+    bool varies;    /* left out if all cells are the same, but for "-" and "own" */
+    unsigned rank;  /* if the width does not suffice, the highest ranks are left out; 0: never */
+    unsigned least; /* its width at least: of times, so that two runs show the same columns */
 };
+
+#define TIME_WIDTH 7u  /* `least` of a time or a speed */
+#define SPAN_WIDTH 13u /* of a ratio's least and most */
 
 /* A row may end with a note in place of its last columns. */
 struct row_note {

@@ -143,8 +143,9 @@ static void draw_head(struct fuzz_command *c, const struct campaign_view *view)
     fuzz_screen_trend(&c->screen, trend);
     row(&c->screen, TONE_PLAIN, "trials    %llu (%.0f/s) |%s|", (unsigned long long)view->trials,
         per_second(view->trials, view->play_ns), trend);
-    row(&c->screen, TONE_PLAIN, "rays      %.3g judged (%.3g/s), %llu WRONG", (double)view->judged,
-        per_second(view->judged, view->play_ns), (unsigned long long)view->wrong);
+    row(&c->screen, TONE_PLAIN, "rays      %.3g judged (%.3g/s), %llu at fault",
+        (double)view->judged, per_second(view->judged, view->play_ns),
+        (unsigned long long)view->wrong);
     row(&c->screen, TONE_PLAIN, "coverage  %u of %u, %zu trials kept, %llu mutants; corpus %s",
         coverage_count(view->coverage), coverage_known(), view->kept,
         (unsigned long long)view->mutants, view->options->rules.corpus_count ? "played" : "none");
@@ -189,15 +190,19 @@ static void draw_times(struct fuzz_command *c, const struct campaign_view *view)
     row(&c->screen, TONE_PLAIN, "time      %s", shares.text);
 }
 
+/* Right and wrong first: what does not fit is left out. */
 static void draw_verdicts(struct fuzz_command *c, const struct campaign_view *view)
 {
     struct shares shares = {"", 0};
     uint64_t all = 0;
     for (size_t v = 0; v < VERDICT_COUNT; v++)
         all += view->count[v];
+    double each = all > 0 ? 1 / (double)all : 0;
+    add_share(&shares, verdict_name(VERDICT_RIGHT), (double)view->count[VERDICT_RIGHT] * each);
+    add_share(&shares, verdict_name(VERDICT_WRONG), (double)view->count[VERDICT_WRONG] * each);
     for (size_t v = 0; v < VERDICT_COUNT; v++)
-        if (view->count[v] > 0)
-            add_share(&shares, verdict_name((enum verdict)v), (double)view->count[v] / (double)all);
+        if (view->count[v] > 0 && v != VERDICT_RIGHT && v != VERDICT_WRONG)
+            add_share(&shares, verdict_name((enum verdict)v), (double)view->count[v] * each);
     row(&c->screen, TONE_PLAIN, "verdicts  %s", shares.text);
 }
 
@@ -233,7 +238,7 @@ static void draw_list(struct fuzz_command *c, const struct campaign_view *view)
         age_of(screen, view, list[i], age);
         row(screen, strcmp(state, "NEW") == 0 ? TONE_NEW : TONE_DIM, "  %-5s %8s %6llu x  %s%s",
             state, age, (unsigned long long)entry->count, name,
-            view->mark[list[i]].shrunk ? "" : ", to be shrunk");
+            view->mark[list[i]].shrunk ? "" : ", not shrunk");
     }
     if (count > shown || shown > room)
         row(screen, TONE_DIM, "  ... and %zu more", count - (shown < room ? shown : room));
