@@ -225,6 +225,34 @@ static enum status name_files(struct bench *bench, const char *name, struct reas
     return STATUS_OK;
 }
 
+/* The conclusion; a benchmark that could not finish has said why. */
+static void conclude(const struct bench *bench, const struct benchmark *benchmark)
+{
+    const bool shown = bench->code == EXIT_AGREE;
+    if (!shown && (bench->code != EXIT_MISMATCH || !benchmark->refuted))
+        return;
+    screen_record(&bench->screen_is,
+                  !shown               ? PAINT_BAD
+                  : benchmark->refuted ? PAINT_GOOD
+                                       : PAINT_PLAIN,
+                  "%s: %zu row%s: %s\n", benchmark->name, bench->row_count,
+                  plural(bench->row_count), shown ? benchmark->shown : benchmark->refuted);
+}
+
+/* Runs one, and merges its exit code. */
+static void run_one(struct bench *bench, const struct benchmark *benchmark)
+{
+    int before = bench->code;
+    bench->code = EXIT_AGREE;
+    bench->row_count = 0;
+    bench_worse(bench, benchmark->run ? benchmark->run(bench) : bench_each(bench, benchmark));
+    progress_end(&bench->progress);
+    conclude(bench, benchmark);
+    int own = bench->code;
+    bench->code = before;
+    bench_worse(bench, own);
+}
+
 static int run_benchmarks(struct bench *bench, const char *name)
 {
     struct reason reason = {""};
@@ -239,9 +267,7 @@ static int run_benchmarks(struct bench *bench, const char *name)
     }
     for (size_t i = 0; benchmarks[i]; i++)
         if (is_meant(benchmarks[i], name))
-            bench_worse(bench, benchmarks[i]->run ? benchmarks[i]->run(bench)
-                                                  : bench_each(bench, benchmarks[i]));
-    progress_end(&bench->progress);
+            run_one(bench, benchmarks[i]);
     enum status status = bench->csv_path ? file_out_commit(&bench->csv, &reason) : STATUS_OK;
     if (status == STATUS_OK && bench->json_path)
         status = write_json(bench, &reason);

@@ -46,6 +46,7 @@ struct bench {
     struct file_out csv;  /* stream NULL: no CSV */
     const char *csv_head; /* benchmark whose column names were written last */
     json_t *rows;         /* for JSON and SVG; NULL: not collected */
+    size_t row_count;     /* of the benchmark that runs */
     int code;             /* the worst exit code so far, see bench_worse */
 };
 
@@ -65,8 +66,10 @@ struct benchmark {
     int (*run)(struct bench *bench); /* returns an exit code, or bench->code; NULL: bench_each */
     bool titled;                     /* prints its name before the scenes */
     bool triangles;                  /* a scene without triangles is an error */
-    bool alone;    /* runs only if it is named: takes minutes or writes files of its own */
-    bool rows_out; /* --out BASE names the files of its rows and its plot */
+    bool alone;          /* runs only if it is named: takes minutes or writes files of its own */
+    bool rows_out;       /* --out BASE names the files of its rows and its plot */
+    const char *shown;   /* what exit code 0 means, for the last line */
+    const char *refuted; /* what 1 means; NULL: nothing is judged */
 };
 
 extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_builders, bench_oracle,

@@ -144,6 +144,7 @@ static enum status build_all(struct bench *bench, const char *spec, const struct
 
 const struct benchmark bench_builders = {
     .name = "builders",
+    .shown = "times and trees, nothing is judged",
     .summary = "time per triangle, with one thread and with two, and the tree's quality",
     .takes = "scene rounds csv json threads" BENCH_SCREEN,
     .about = "leaf size 4. SAH: expected cost of a line through the scene's box, 1 for a node or "

@@ -155,6 +155,7 @@ void bench_row(struct bench *bench, const struct benchmark *benchmark, json_t *r
 {
     FILE *stream = bench->csv.stream;
     const char *name;
+    bench->row_count += row != NULL;
     json_t *value;
     if (row && stream && bench->csv_head != benchmark->name) {
         fputs("benchmark", stream);

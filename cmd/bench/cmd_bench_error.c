@@ -260,6 +260,8 @@ static const char about[] =
 
 const struct benchmark bench_error = {
     .name = "error",
+    .shown = "no answer is WRONG",
+    .refuted = "an answer is WRONG, or no ray hits anything",
     .summary = "engines, layouts and triangle tests: speed against error, exactly measured",
     .takes = "scene count rounds csv json seed engine layout tri box rays svg bvh" BENCH_MACHINE
         BENCH_OUTSIDE BENCH_SCREEN,

@@ -216,6 +216,7 @@ static int run(struct bench *bench)
 
 const struct benchmark bench_fast = {
     .name = "fast",
+    .shown = "times; missed hits are counted, not judged",
     .summary = "engine fast against Embree, single rays of four kinds",
     .takes = "scene count rounds csv json seed threads",
     .about = "--threads 1 unless told otherwise: the core's own time, else time on the wall; the "

@@ -87,6 +87,8 @@ static enum status measure(struct bench *bench, const char *spec, const struct s
     status = plans ? make_plans(bench, &model, plans, reason)
                    : fail(reason, STATUS_MEMORY, "no memory for the run");
     if (!status)
+        bench->row_count += plans->count;
+    if (!status)
         bench_worse(bench,
                     frames_command("bench", plans->plan, plans->count, spec, scene, &bench->engines,
                                    &settings, bench->picture.out ? bench->picture.out : "benchmark",
@@ -113,6 +115,7 @@ static int run(struct bench *bench)
 
 const struct benchmark bench_frames = {
     .name = "frames",
+    .shown = "times, no picture is judged",
     .summary = "frames of an orbiting camera: ms per frame, engines and layouts by turns",
     .takes = "scene seed engine layout tri box bvh frames size out turns warm-up bounces "
              "profile" BENCH_MACHINE BENCH_OUTSIDE " wide",

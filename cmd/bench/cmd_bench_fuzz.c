@@ -178,6 +178,7 @@ static int run(struct bench *bench)
 
 const struct benchmark bench_fuzz = {
     .name = "fuzz",
+    .shown = "times; answers at fault are counted, not judged",
     .summary = "trials and judged rays a second, and where the time goes",
     .takes = "count rounds csv json seed engine layout driver device workgroup" BENCH_OUTSIDE,
     .about = about,

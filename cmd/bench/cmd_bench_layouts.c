@@ -230,6 +230,8 @@ static enum status play_scene(struct bench *bench, const char *spec, const struc
 
 const struct benchmark bench_layouts = {
     .name = "layouts",
+    .shown = "no answer is WRONG",
+    .refuted = "an answer is WRONG",
     .summary = "engines and layouts: speed, bytes, memory, errors on the same tree",
     .takes = "scene count rounds csv json seed bvh" BENCH_MACHINE BENCH_SCREEN,
     .scenes = "sphere:n=50;terrain:k=6;scenes/fetched/dragon-11k.ply.gz",

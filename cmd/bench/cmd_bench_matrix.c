@@ -343,6 +343,8 @@ static int run(struct bench *bench)
 
 const struct benchmark bench_matrix = {
     .name = "matrix",
+    .shown = "no answer is WRONG",
+    .refuted = "an answer is WRONG",
     .summary = "builders, layouts, storages, engines: speed, size, lines read, errors",
     .takes = "scene count rounds csv json svg seed engine layout store" BENCH_MACHINE BENCH_OUTSIDE
         BENCH_SCREEN,

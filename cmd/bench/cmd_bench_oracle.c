@@ -248,6 +248,8 @@ static enum status bench_scene(struct bench *bench, const char *spec, const stru
 
 const struct benchmark bench_oracle = {
     .name = "oracle",
+    .shown = "brute force and tree have the same answers",
+    .refuted = "brute force and tree have other answers",
     .summary = "the double filter per ray-triangle pair, exact answers per ray",
     .takes = "scene count rounds csv json seed",
     .about = about,

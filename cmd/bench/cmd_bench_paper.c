@@ -153,6 +153,8 @@ static int run(struct bench *bench)
 
 const struct benchmark bench_paper = {
     .name = "paper",
+    .shown = "the bits of engine cpu, and the paper's bytes",
+    .refuted = "other bits than engine cpu, or other bytes than the paper's",
     .summary = "the paper's tables: bytes of Figure 8, direct against RF; published and repaired",
     .takes = "scene csv json svg frames size out quick" BENCH_MACHINE BENCH_SCREEN,
     .about = about,

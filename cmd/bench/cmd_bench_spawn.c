@@ -345,6 +345,8 @@ static const char about[] =
 
 const struct benchmark bench_spawn = {
     .name = "spawn",
+    .shown = "rays that hit their own surface are counted, not judged",
+    .refuted = "no ray hits anything",
     .summary = "rays that start on a surface: self-hits and skipped surfaces of offset rules",
     .takes =
         "scene count rounds csv json seed engine layout tri box rays" BENCH_MACHINE BENCH_OUTSIDE

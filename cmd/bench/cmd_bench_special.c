@@ -241,6 +241,8 @@ static int run(struct bench *bench)
 
 const struct benchmark bench_special = {
     .name = "special",
+    .shown = "same bits, and no special pipeline is slower",
+    .refuted = "bits differ, or a special pipeline is slower",
     .summary = "the pipeline that a scene gets against the general one: same bits, ratio of times",
     .takes = "layout csv json frames size out quick" BENCH_MACHINE BENCH_OUTSIDE BENCH_SCREEN,
     .about = about,

@@ -180,6 +180,8 @@ static enum status bench_scene(struct bench *bench, const char *spec, const stru
 
 const struct benchmark bench_tightness = {
     .name = "tightness",
+    .shown = "no correct answer is beyond its bound",
+    .refuted = "a correct answer is beyond its bound",
     .summary = "the smallest rejected error of t over the real ones, per formula and rounding",
     .takes = "scene count csv json seed" BENCH_SCREEN,
     .about = about,

@@ -41,6 +41,13 @@ FNR == NR {
     keep($0, v)
     next
 }
+# The last line of raydiff bench.
+FILENAME ~ /text$/ && /^[a-z]+: [0-9]+ rows?: / {
+    if ("rows.count" in v) equal("rows", $2, v["rows.count"])
+    if ("handlers.count" in v) equal("rows", $2, v["handlers.count"])
+    if ("exit" in v) equal("conclusion", /no answer is WRONG$|same|bits of engine cpu,|no correct|not judged$|nothing is judged$|no picture/ ? 0 : 1, v["exit"])
+    next
+}
 # Files other.flat are of another command: w[].
 FILENAME ~ /other\.flat$/ {
     keep($0, w)
