@@ -66,6 +66,7 @@ plain)
     suite values_scenes sh tests/values/values_scenes.sh "$build/raydiff"
     suite values_conform sh tests/values/values_conform.sh "$build/raydiff"
     suite values_findings sh tests/values/values_findings.sh "$build/raydiff"
+    suite values_export sh tests/values/values_export.sh "$build/raydiff"
     suite values_reports sh tests/values/values_reports.sh "$build/raydiff"
     suite exits sh tests/values/exits.sh "$build/raydiff" judging
     suite exits_findings sh tests/values/exits.sh "$build/raydiff" findings

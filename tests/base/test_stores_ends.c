@@ -233,6 +233,8 @@ static void vertices_are_of_items_alone(void **state)
             struct scene scene = strip(SLOTS, 0);
             uint32_t at, named = 0, none = 0;
             struct packed packed = leaf_of(store, &scene, 0, count, &at);
+            /* The leaf, one triangle on both sides, what stands before: no words are idle. */
+            assert_in_range(packed.item_count, 1, 8 + 16 * (count + 2));
             for (uint32_t words = packed.item_count; words >= at; words--) {
                 const uint32_t whole = packed.item_count;
                 const uint32_t slots[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 15, 16, 1u << 20, UINT32_MAX};
