@@ -97,8 +97,20 @@ fi
 
 # --- suites ------------------------------------------------------------------------------------------
 
-# A unit test whose own object changes with the header, linked anew; else as it is.
-program_of() { # suite
+# A unit test whose own object changes with the header, or that has no library, linked anew; else as it is.
+program_of() { # suite, folder of the library
+    if [ -e "$out/wrapped/$1" ] && [ "$2" != "$build" ]; then
+        own=
+        echo " $tests " | tr '\n' ' ' | grep -q " $1 " && {
+            unit=$(echo "$build"/obj/tests/*/"$1".o | sed "s|^$build/obj/||; s|\.o$||")
+            own=$dir/$1.o
+            compile "$unit.c" "$own"
+        }
+        [ -e "$dir/objects" ] || cp "$build/objects" "$dir/objects"
+        sh tests/mutation/whole.sh "$build" "$1" "$dir/objects" "$dir/$1" $own || exit 4
+        echo "$dir/$1"
+        return
+    fi
     echo " $tests " | tr '\n' ' ' | grep -q " $1 " || { sed -n "s/^$1 //p" "$out/suites"; return; }
     unit=$(echo "$build"/obj/tests/*/"$1".o | sed "s|^$build/obj/||; s|\.o$||")
     compile "$unit.c" "$dir/$1.o"
@@ -106,7 +118,7 @@ program_of() { # suite
     echo "$dir/$1"
 }
 red() { # suite, seconds that it may take, folder of the library
-    command=$(program_of "$1")
+    command=$(program_of "$1" "$3")
     logs=$dir
     (
         export LD_LIBRARY_PATH="$(realpath "$3")"

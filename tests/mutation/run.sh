@@ -17,6 +17,11 @@ files=$(git ls-files -- $room | grep -E '\.(c|h|glsl|comp)$')
 mkdir -p "$out/done"
 ln -sfn "$(realpath "$map")" "$out/map"
 sh tests/mutation/suites.sh "$build" >"$out/suites"
+mkdir -p "$out/wrapped"
+for name in $(grep -l -e --wrap "$build"/links/* | sed 's|.*/||'); do
+    sh tests/mutation/whole.sh "$build" "$name" "$build/objects" "$out/wrapped/$name" || exit 4
+    sed -i "s|^$name .*|$name $out/wrapped/$name|" "$out/suites"
+done
 
 # How long each suite takes, measured once; one that is red without a mutation is left out, and named in
 # $out/red.
