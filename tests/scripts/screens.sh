@@ -26,7 +26,8 @@ whole() { awk '/^    / { sub(/^ */, " "); line = line $0; next } NR > 1 { print 
 # Versions of Embree and of drivers have other hits, and more rows.
 bench_masked() {
     case $name in
-    bench*) sed -E '/ left out: |rayquery/d; /^[^ ]+ +.*embree/s/[0-9]+/#/g; s/[0-9]+\.[0-9]+(e[-+][0-9]+)?(-[0-9.e]+)?/#/g; s/% (less|more)/% #/' ;;
+    bench-fuzz) sed -E 's/[0-9][-0-9.]*/#/g' ;; # as many workers as there are cores
+    bench*) sed -E '/ left out: |rayquery|avx512|^  (plain|sse2|avx2|neon) |^[^ ]+ +teapot/d; /^[^ ]+ +.*embree/s/[0-9]+/#/g; s/[0-9]+\.[0-9]+(e[-+][0-9]+)?(-[0-9.e]+)?/#/g; s/% (less|more)/% #/' ;;
     *) cat ;;
     esac
 }
@@ -49,7 +50,7 @@ screen() {
         masked "$page" >"$dir/wanted"
         masked "$dir/screen" >"$dir/got"
         cmp -s "$dir/wanted" "$dir/got" || { bad "$page is not what is printed"; diff "$dir/wanted" "$dir/got" | head -5; }
-        sed 's/agrees/Agrees/; s/kept/Kept/; s/passed/Passed/; s/FAILS/Fails/; s/WRONG/Wrong/; s/none/None/; s/median/Median/; s/clock/Clock/' "$dir/got" >"$dir/other"
+        sed 's/agrees/Agrees/; s/kept/Kept/; s/passed/Passed/; s/FAILS/Fails/; s/WRONG/Wrong/; s/none/None/; s/median/Median/; s/clock/Clock/; s/judged/Judged/; s/nearest/Nearest/' "$dir/got" >"$dir/other"
         cmp -s "$dir/wanted" "$dir/other" && bad "$page: a changed line is not noticed"
     done
 }
@@ -66,6 +67,10 @@ screen bench-layouts bench layouts --scene sphere:n=6 --count 60 --rounds 1 --th
 screen bench-matrix bench matrix --scene sphere:n=5 --count 160 --rounds 1 --threads 1 --engine cpu,fast --layout f32,rf16
 screen bench-tightness bench tightness --scene soup:n=50 --count 50
 screen bench-frames bench frames --scene sphere:n=6 --engine cpu --layout f32,rf16,cwbvh80 --frames 3 --size 16x12 --out "$dir/frames"
+screen bench-special bench special --size 16x12 --frames 4 --out "$dir/special"
+screen bench-oracle bench oracle --scene sphere:n=6 --count 200 --rounds 1
+screen bench-fast bench fast --scene sphere:n=6 --count 200 --rounds 1 --threads 1
+screen bench-fuzz bench fuzz --count 20 --rounds 1 --engine cpu --layout f32
 screen bench-paper bench paper --size 16x12 --frames 2 --scene rtrs --out "$dir/paper"
 
 # Progress fits the terminal, and says about how long the rest takes: as long as what is done took.
