@@ -32,7 +32,7 @@ static const struct column columns[] = {
     [COL_BOX] = {"box", .left = true, .varies = true, .rank = 3},
     [COL_TRI] = {"tri", .left = true, .varies = true, .rank = 2},
     [COL_QUERY] = {"query", .left = true, .varies = true, .rank = 1},
-    [COL_WRONG] = {"wrong"},
+    [COL_WRONG] = {.title = "wrong"},
     [COL_ALLOWED] = {"allowed", .rank = 6},
     [COL_BITS] = {"bits", .rank = 9},
     [COL_HITS] = {"hits", .rank = 8},

@@ -31,7 +31,7 @@ static const struct column columns[COL_COUNT] = {
     [COL_BUILDER] = {"builder", .left = true, .varies = true, .rank = 3},
     [COL_BOX] = {"box", .left = true, .varies = true, .rank = 2},
     [COL_TRI] = {"tri", .left = true, .varies = true, .rank = 1},
-    [COL_MISSES] = {"misses"},
+    [COL_MISSES] = {.title = "misses"},
     [COL_AIM] = {"vertex", .rank = 10},
     {"midpoint", .rank = 11},
     {"edge", .rank = 12},
