@@ -98,7 +98,9 @@ static void every_part_has_its_state_code_and_meaning(void **state)
     for (size_t i = 0; i < CASES; i++) {
         struct part_case c = case_of(i);
         char row[400], seconds[20];
-        snprintf(seconds, sizeof seconds, c.seconds > 0 ? "%.1f" : "", c.seconds);
+        snprintf(seconds, sizeof seconds, "%.1f", c.seconds);
+        if (c.seconds <= 0)
+            seconds[0] = '\0';
         snprintf(row, sizeof row,
                  "<tr>\n<th scope=\"row\">part %zu</th>\n<td class=\"%s\">%s</td>\n"
                  "<td class=\"n\">%d</td>\n<td>%s</td>\n<td class=\"n\">%s</td>\n"

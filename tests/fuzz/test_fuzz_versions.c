@@ -37,7 +37,8 @@ static const struct engine comma = {.name = "comma", .describe = describe_comma}
 
 static const struct engine *const all[] = {&own, &first, &twin, &threads, &comma};
 
-static const char *const lines[] = {"raydiff " RAYDIFF_VERSION, "\nfirst: Driver 1.5 (a card)",
+#define OWN_LINE "raydiff " RAYDIFF_VERSION
+static const char *const lines[] = {OWN_LINE, "\nfirst: Driver 1.5 (a card)",
                                     "\nthreads: Library 3.1, kernel x",
                                     "\ncomma: Tracer 2, of threads, and cloth"};
 
