@@ -95,6 +95,7 @@ plain)
     suite pages perl tests/docs/pages.pl "$build" README.md docs/*.md
     suite action sh tests/docs/action.sh
     suite complete sh tests/docs/complete.sh "$build/raydiff"
+    suite tables sh tests/docs/tables.sh
     suite wrong_inputs sh tests/docs/wrong_inputs.sh "$build/raydiff"
     suite links perl tests/docs/links.pl README.md CONTRIBUTING.md CHANGELOG.md SECURITY.md docs/*.md
     suite site sh tests/docs/site.sh
