@@ -1,6 +1,7 @@
 /* Fractions (ref/oracle/fraction.h) against GMP rationals: compared, enclosed between doubles, and
  * as text in buffers of every size; and the grid that ref/oracle/small.h puts a ray and a triangle
  * on. */
+#include "ref/oracle/oracle_grid.h"
 #include "ref/oracle/small.h"
 #include "ref/base/rng.h"
 
@@ -289,13 +290,45 @@ static void small_grid_is_exact(void **state)
     assert_true(taken > CASES / 4 && refused > CASES / 20);
 }
 
+/* A grid's unit is the largest that all numbers are multiples of, its bits are the fewest that hold
+ * the largest of them, and a number on it is the number. */
+static void grids_are_the_least(void **state)
+{
+    struct rng rng = {5};
+    (void)state;
+    for (unsigned i = 0; i < CASES; i++) {
+        float x[9];
+        struct odd odd[9];
+        int spread = (int)(i % 60), count = 1 + (int)(i % 9), top = 0;
+        double most = 0;
+        for (int k = 0; k < count; k++) {
+            x[k] = draw_float(&rng, spread);
+            odd[k] = odd_of(x[k]);
+            assert_true(ldexp(odd[k].m, odd[k].exponent) == (double)x[k]);
+            assert_true(odd[k].m & 1 || (odd[k].m == 0 && odd[k].exponent == 0));
+            most = fmax(most, fabs((double)x[k]));
+        }
+        struct oracle_grid grid = grid_of(odd, count);
+        (void)frexp(most, &top); /* most is in [2^(top - 1), 2^top) */
+        assert_int_equal(grid.exponent, unit_of(x, (size_t)count));
+        assert_int_equal(grid.bits, most > 0 ? top - grid.exponent : 0);
+        for (int k = 0; k < count && grid.bits <= 126; k++) {
+            struct oracle_wide wide, whole;
+            __int128 on_grid = grid_int(grid, odd[k]);
+            grid_wide(grid, odd[k], &wide);
+            wide_set(on_grid, &whole);
+            assert_true(ldexp((double)on_grid, grid.exponent) == (double)x[k]);
+            assert_true(wide.sign == whole.sign && wide_compare_size(&wide, &whole) == 0);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(orders_as_rationals),
-        cmocka_unit_test(encloses_between_doubles),
-        cmocka_unit_test(is_written_in_any_room),
-        cmocka_unit_test(small_grid_is_exact),
+        cmocka_unit_test(orders_as_rationals),    cmocka_unit_test(encloses_between_doubles),
+        cmocka_unit_test(is_written_in_any_room), cmocka_unit_test(small_grid_is_exact),
+        cmocka_unit_test(grids_are_the_least),
     };
     return cmocka_run_group_tests_name("oracle_fraction", tests, NULL, NULL);
 }
