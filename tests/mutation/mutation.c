@@ -69,14 +69,35 @@ static bool is_pointer(const struct tokens *t, size_t i)
            token_is(t, i + 1, "*") || token_is(t, i + 1, "const");
 }
 
+/* True if it declares: a type, or a word before another word, or before a * and a word. */
+static bool declares(const struct tokens *t, size_t i)
+{
+    if (token_among(t, i, TYPES))
+        return true;
+    if (token_among(t, i, KEYWORDS))
+        return false;
+    if (t->token[i].kind != TOKEN_WORD || i + 2 >= t->count)
+        return false;
+    return t->token[i + 1].kind == TOKEN_WORD ||
+           (token_is(t, i + 1, "*") && t->token[i + 2].kind == TOKEN_WORD);
+}
+
 /* True if the [ at token i begins the size of an array that is declared there: nothing depends on
  * how much longer than needed it is. */
 static bool is_size_of(const struct tokens *t, size_t i)
 {
     while (i > 0 && token_is(t, i - 1, "]"))
         i = t->token[i - 1].mate;
-    return i > 1 && t->token[i - 1].kind == TOKEN_WORD && t->token[i - 2].kind == TOKEN_WORD &&
-           !token_among(t, i - 2, "return case else sizeof goto do");
+    if (i < 2 || t->token[i - 1].kind != TOKEN_WORD)
+        return false;
+    if (t->token[i - 2].kind == TOKEN_WORD)
+        return !token_among(t, i - 2, "return case else sizeof goto do");
+    if (!token_is(t, i - 2, ","))
+        return false;
+    size_t first = i - 1; /* of the statement */
+    while (first > 0 && !token_among(t, first - 1, "; { } ("))
+        first = token_among(t, first - 1, ") ]") ? t->token[first - 1].mate : first - 1;
+    return declares(t, first);
 }
 
 /* --- operators, constants, signs
@@ -157,19 +178,6 @@ static bool begins_statement(const struct tokens *t, size_t i)
         return (i > 1 && token_is(t, i - 2, "default")) || (i > 2 && token_is(t, i - 3, "case"));
     return token_is(t, i - 1, ")") && t->token[i - 1].mate > 0 &&
            token_among(t, t->token[i - 1].mate - 1, "if for while");
-}
-
-/* True if it declares: a type, or a word before another word, or before a * and a word. */
-static bool declares(const struct tokens *t, size_t i)
-{
-    if (token_among(t, i, TYPES))
-        return true;
-    if (token_among(t, i, KEYWORDS))
-        return false;
-    if (t->token[i].kind != TOKEN_WORD || i + 2 >= t->count)
-        return false;
-    return t->token[i + 1].kind == TOKEN_WORD ||
-           (token_is(t, i + 1, "*") && t->token[i + 2].kind == TOKEN_WORD);
 }
 
 /* The value of a return: token `first` to token `last`. */

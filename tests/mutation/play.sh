@@ -1,6 +1,6 @@
 #!/bin/sh
-# Plays one mutation for tests/mutation/run.sh: CC_CMD=... TOOL_SRC=... sh tests/mutation/play.sh OUT FILE NUMBER
-# Writes OUT/done/FILE.NUMBER, one line: WORD SECONDS BY: FILE, and the mutation as `mutate list` has it. WORD:
+# Plays one mutation for tests/mutation/run.sh: CC_CMD=... TOOL_SRC=... sh tests/mutation/play.sh OUT KEY FILE NUMBER
+# Writes OUT/done/KEY, one line: WORD SECONDS BY: FILE, and the mutation as `mutate list` has it. WORD:
 #   killed     BY is the suite that turned red, or "SUITE hangs" at 20 times its usual time and 60 s
 #   survived   all suites that run the line stay green, and others for 120 s more; BY: how many ran the line
 #   same       the compiler makes the same code of it
@@ -9,10 +9,10 @@
 # include it, and unit tests that do; of GLSL all shaders that include it. What turns red must be green
 # without the mutation, then and there.
 set -u
-out=$1 file=$2 number=$3
+out=$1 key=$2 file=$3 number=$4
 build=$(dirname "$out")
 flat=$(echo "$file" | tr / .)
-dir=$out/play/$flat.$number
+dir=$out/play/$key
 mkdir -p "$dir" "$out/done" "$out/healthy"
 started=$(date +%s)
 said=$("$build/mutate" list "$file" | sed -n "$((number + 1))p")
@@ -20,7 +20,7 @@ text=${said#* }
 line=${text%% *}
 tell() {
     printf '%s %d %s: %s %s\n' "$1" "$(($(date +%s) - started))" "$2" "$file" "$text" >"$dir/told"
-    mv "$dir/told" "$out/done/$flat.$number"
+    mv "$dir/told" "$out/done/$key"
     rm -rf "$dir"
     exit 0
 }
@@ -117,22 +117,23 @@ program_of() { # suite, folder of the library
     $CC_CMD -o "$dir/$1" "$dir/$1.o" $(cat "$build/links/$1") || exit 4
     echo "$dir/$1"
 }
-red() { # suite, seconds that it may take, folder of the library
+red() { # suite, seconds that it may take, folder of the library, variables
     command=$(program_of "$1" "$3")
     logs=$dir
     (
         export LD_LIBRARY_PATH="$(realpath "$3")"
-        eval "timeout -k 5 $2 $command"
+        eval "timeout -k 5 $2 env ${4:-} $command"
     ) >"$dir/log" 2>&1 </dev/null
     code=$?
     [ "$code" -ne 0 ] && [ "$code" -ne 77 ]
 }
-try() { # suite, its usual milliseconds
+try() { # suite, its usual milliseconds, variables
     limit=$((60 + 20 * $2 / 1000))
-    red "$1" "$limit" "$with" || return
+    red "$1" "$limit" "$with" "${3:-}" || return
     by=$1
     { [ "$code" -eq 124 ] || [ "$code" -eq 137 ]; } && by="$1 hangs"
-    (tests= && red "$1" "$limit" "$build") && return
+    [ -n "${3:-}" ] && by="$1 leaks"
+    (tests= && red "$1" "$limit" "$build" "${3:-}") && return
     tell killed "$by"
 }
 
@@ -149,18 +150,36 @@ if [ -e "$map" ]; then
     [ -s "$dir/covering" ] || covering "" >"$dir/covering"
 fi
 touch "$dir/covering"
+# Of suites those that the awk condition takes, the quick ones first; and the more mutations one has killed, of this
+# file above all, the sooner it comes.
+find "$out/done" -type f -exec cat {} + 2>/dev/null |
+    awk -v file="$file" '$1 == "killed" { sub(/:$/, "", $3); by[$3] += $4 == file ? 20 : 1 }
+        END { for (suite in by) print suite, by[suite] }' >"$dir/history"
+ranked() {
+    awk 'FILENAME == ARGV[1] { covers[$1]; next } FILENAME == ARGV[2] { by[$1] = $2; next }
+        '"$1"' { print $2 / (1 + by[$1]), $2, $1 }' "$dir/covering" "$dir/history" "$out/times" | sort -n | cut -d' ' -f2,3
+}
 count=0
 left=$((${COVERING:-1000000} * 1000))
-awk 'FILENAME == ARGV[1] { covers[$1]; next } $1 in covers { print $2, $1 }' "$dir/covering" "$out/times" | sort -n >"$dir/order"
+ranked '$1 in covers' >"$dir/order"
 while read -r usual suite; do
     left=$((left - usual))
     [ "$left" -ge 0 ] || break
     try "$suite" "$usual"
     count=$((count + 1))
 done <"$dir/order"
+# What only a sanitizer sees (make deep): memory that is not given back.
+case $text in
+*" statement "*free*|*" statement "*close*|*" statement "*decref*|*" statement "*destroy*|*" statement "*release*)
+    preload="LD_PRELOAD=$($CC_CMD -print-file-name=liblsan.so) LSAN_OPTIONS=exitcode=23:print_suppressions=0:suppressions=$PWD/tests/lsan.supp"
+    while read -r usual suite; do
+        case $suite in test_*) try "$suite" "$((5 * usual))" "$preload" ;; esac
+    done <"$dir/order"
+    ;;
+esac
 # Then others, by their time, as long as there is some of REST seconds left.
 rest=$((${REST:-120} * 1000))
-awk 'FILENAME == ARGV[1] { covers[$1]; next } !($1 in covers) { print $2, $1 }' "$dir/covering" "$out/times" | sort -n >"$dir/order"
+ranked '!($1 in covers)' >"$dir/order"
 while read -r usual suite; do
     rest=$((rest - usual))
     [ "$rest" -ge 0 ] || break

@@ -4,7 +4,9 @@
 #   CC_CMD=... sh tests/mutation/run.sh BUILD ROOM SAMPLE SEED
 # ROOM: folders or files, blanks between. SAMPLE counts what is neither broken nor the same to the compiler.
 # BUILD is one of config=mutation; what suites run which lines is in BUILD/../mutation-map, made by
-# `make mutation-map`. Prints the survivors and the score. Exit code 2: no such room, or no map.
+# `make mutation-map`. What tests/mutation/equivalent.txt has is not played. Prints the survivors, what killed the others,
+# and the score. AGAIN=1 plays survivors once more. Exit code 1: more than a tenth is said to be equivalent, or
+# no suite is green; 2: no such room, or no map.
 set -u
 build=$1 room=$2 sample=$3 seed=$4
 map=$build/../mutation-map/map
@@ -25,46 +27,55 @@ done
 
 # How long each suite takes, measured once; one that is red without a mutation is left out, and named in
 # $out/red.
-touch "$out/times" "$out/red"
+: >"$out/red"
+touch "$out/times"
 cat "$out/times" "$out/red" >"$out/known"
 awk 'FILENAME == ARGV[1] { known[$1]; next } !($1 in known) { print $1 }' "$out/known" "$out/suites" |
     xargs -r -P "$(env -u OMP_NUM_THREADS nproc)" -n 1 sh tests/mutation/time.sh "$out"
 [ -s "$out/times" ] || { echo "mutation: no suite is green without a mutation: $out/red" >&2; exit 1; }
 
-key=$(echo "$room $seed" | cksum | tr ' ' .)
 # All mutations of the room in an order that depends on the seed alone.
-for file in $files; do
-    "$build/mutate" list "$file" | sed "s|^\([0-9]*\) .*|$file \1|"
-done >"$out/all.$key"
-perl -e 'srand shift; my @all = <STDIN>; for (my $i = @all; --$i > 0;) { my $j = int rand($i + 1); @all[$i, $j] = @all[$j, $i] } print @all' \
-    "$seed" <"$out/all.$key" >"$out/order.$key"
+key=$(echo "$room $seed" | cksum | tr ' ' .)
+perl tests/mutation/order.pl "$build/mutate" tests/mutation/equivalent.txt "$seed" $files >"$out/order.$key" || exit 1
 
-name_of() { echo "$out/done/$(echo "$1" | tr / .).$2"; }
-# Those of the first N that count.
-counted() {
-    head -n "$1" "$out/order.$key" | while read -r file number; do
-        cat "$(name_of "$file" "$number")" 2>/dev/null
-    done | grep -cE '^(killed|survived) '
+# Results of the first N, and of those that are known to be equivalent: WORD SECONDS BY: MUTATION.
+results() {
+    head -n "$1" "$out/order.$key" | while read -r id file number invariant; do
+        if [ "$invariant" != - ]; then
+            echo "equivalent 0 $invariant: $file $("$build/mutate" list "$file" | sed -n "$((number + 1))s/^[0-9]* //p")"
+        else
+            cat "$out/done/$id" 2>/dev/null
+        fi
+    done
 }
+counted() { results "$1" | grep -cE '^(killed|survived) '; }
 drawn=0 total=$(wc -l <"$out/order.$key")
 while [ "$drawn" -lt "$total" ]; do
     lacking=$((sample - $(counted "$drawn")))
     [ "$lacking" -gt 0 ] || break
-    sed -n "$((drawn + 1)),$((drawn + lacking))p" "$out/order.$key" | while read -r file number; do
-        [ -e "$(name_of "$file" "$number")" ] || echo "$file $number"
+    sed -n "$((drawn + 1)),$((drawn + lacking))p" "$out/order.$key" | while read -r id file number invariant; do
+        [ "$invariant" = - ] || continue
+        [ -n "${AGAIN:-}" ] && grep -q '^survived ' "$out/done/$id" 2>/dev/null && rm "$out/done/$id"
+        [ -e "$out/done/$id" ] || echo "$id $file $number"
     done | xargs -r -P "$(env -u OMP_NUM_THREADS nproc)" -L 1 sh tests/mutation/play.sh "$out"
     drawn=$((drawn + lacking))
+    [ "$drawn" -le "$total" ] || drawn=$total
     echo "mutation: $(counted "$drawn") of $sample" >&2
 done
 
-head -n "$drawn" "$out/order.$key" | while read -r file number; do
-    cat "$(name_of "$file" "$number")"
-done >"$out/played.$key"
+results "$drawn" >"$out/played.$key"
 grep '^survived ' "$out/played.$key"
+awk '$1 == "killed" { sub(/:$/, "", $3); count[$3]++ } END { for (by in count) print count[by], by }' "$out/played.$key" |
+    sort -k1,1nr -k2 | awk '{ printf "%s%s %s", NR > 1 ? ", " : "killed by ", $2, $1 } END { if (NR) print "" }'
 awk -v room="$room" -v seed="$seed" '
     { count[$1]++ }
     END {
         of = count["killed"] + count["survived"]
-        printf "%s, seed %s: %d of %d killed (%.1f %%), %d survived; %d the same code, %d do not compile\n", room, seed,
-            count["killed"], of, of ? 100 * count["killed"] / of : 0, count["survived"], count["same"], count["broken"]
+        printf "%s, seed %s: %d of %d killed (%.1f %%), %d survived; %d equivalent, %d the same code, %d do not compile\n", room,
+            seed, count["killed"], of, of ? 100 * count["killed"] / of : 0, count["survived"], count["equivalent"], count["same"],
+            count["broken"]
+        if (10 * count["equivalent"] > of + count["equivalent"]) {
+            print "mutation: more than a tenth of " room " is said to be equivalent"
+            exit 1
+        }
     }' "$out/played.$key"

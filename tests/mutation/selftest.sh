@@ -23,7 +23,7 @@ int f(int a, float *b)
     g(c, c);
     return c << 2;
 }
-int h(int n) { int d[4][1], e = d[n][0]; }
+int h(int n) { int d[4][1], e = d[n][0], k[4]; }
 C
 cat >"$dir/expected" <<'C'
 2 constant 1 => (1 + 1)
@@ -69,6 +69,7 @@ cat >"$dir/expected" <<'C'
 13 constant 0 => 1
 13 constant 1 => (1 - 1)
 13 constant 4 => (4 - 1)
+13 constant 4 => (4 - 1)
 13 index 0 => (0) + 1
 13 index n => (n) + 1
 C
@@ -93,6 +94,46 @@ for words in '' 'list' 'apply x' "apply $dir/a.c 10000" 'list /no/such/file' "li
 done
 printf 'int f(void) { return (1; }\n' >"$dir/c.c"
 "$build/mutate" list "$dir/c.c" >/dev/null 2>&1 && bad "brackets that do not match are taken"
+
+here=$PWD mutate=$(realpath "$build/mutate")
+# The order: another with another seed; a line put before changes nothing of it; what the table names is known.
+order() { (cd "$dir" && perl "$here/tests/mutation/order.pl" "$mutate" "$1" "$2" a.c); }
+cat >"$dir/table" <<'T'
+# why
+invariant same ;; test_x ;; either order
+same ;; a.c ;; c = g(c, 1); // 2 + 2 ;; arguments c, 1 => 1, c
+same ;; a.c ;; int c = a < 3 ? g(a, 0) : -a; ;; constant 3 => (3 - 1)
+T
+order "$dir/table" 1 >"$dir/first" || bad "no order"
+order "$dir/table" 2 >"$dir/second"
+[ "$(cut -d' ' -f1 "$dir/first" | sort -u | wc -l)" -eq "$count" ] || bad "keys of mutations are not distinct"
+cmp -s "$dir/first" "$dir/second" && bad "the order does not depend on the seed"
+[ "$(sort "$dir/first")" = "$(sort "$dir/second")" ] || bad "another seed, other mutations"
+[ "$(awk '$4 == "same"' "$dir/first" | wc -l)" -eq 2 ] || bad "the table's two mutations are not known"
+order "$dir/table" check >"$dir/told" && [ "$(cat "$dir/told")" = 'same test_x' ] || bad "a table that fits is refused"
+cp "$dir/a.c" "$dir/kept.c"
+sed -i '1i int first;' "$dir/a.c"
+order "$dir/table" 1 | cmp -s - "$dir/first" || bad "a line put before changes the order"
+cp "$dir/kept.c" "$dir/a.c"
+while read -r row; do
+    { cat "$dir/table"; echo "$row"; } >"$dir/wrong"
+    order "$dir/wrong" check >/dev/null 2>"$dir/err" && bad "taken: $row"
+    grep -q '/wrong:5: ' "$dir/err" || bad "not named: $row"
+done <<'T'
+same ;; a.c ;; c = g(c, 1); ;; arguments c, 1 => 1, c
+same ;; a.c ;; c = g(c, 1); // 2 + 2 ;; arguments c, 1 => c, 1
+same ;; a.c ;; int h(int n) { int d[4][1], e = d[n][0], k[4]; } ;; constant 4 => (4 - 1)
+other ;; a.c ;; g(c, c); ;; statement g(c, c) =>
+same ;; a.c ;; g(c, c);
+T
+# The product's own table fits, and each invariant's suite is one of `make check`.
+perl tests/mutation/order.pl "$build/mutate" tests/mutation/equivalent.txt check \
+    $(sed -n 's/^[^#]* ;; \([a-z][^ ;]*\.[a-z]*\) ;; .*/\1/p' tests/mutation/equivalent.txt | sort -u) >"$dir/invariants" ||
+    bad "tests/mutation/equivalent.txt"
+while read -r name suite; do
+    [ -x "$build/tests/$suite" ] || grep -qE "^ *(suite|alone) $suite " tests/run.sh || bad "invariant $name: no suite $suite"
+done <"$dir/invariants"
+
 files=$(git ls-files 'ref/*.c' 'ref/*.h' 'gpu/*.c' 'fuzz/*.c' 'scenes/*.c' 'bench/*.c' 'cmd/*.c' 'shaders/*.glsl' 'shaders/*.comp' |
     grep -v '^fuzz/templates')
 for file in $files; do
