@@ -6,9 +6,11 @@
 #include "ref/base/command.h"
 #include "ref/base/text.h"
 #include "cmd/conform/cmd_trial.h"
+#include "scenes/scenes.h"
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* True if the text begins like a trial's name, with a query and a dot. */
 static bool is_trial(const char *text)
@@ -48,10 +50,14 @@ static enum status take_trial(struct explain_options *o, const char *text, struc
     return STATUS_OK;
 }
 
+/* A folder is refused as one of findings. */
 static bool is_file(const char *text)
 {
     static const char ending[] = ".trial";
     size_t length = strlen(text), least = sizeof ending - 1;
+    struct stat about;
+    if (!generator_find(text) && stat(text, &about) == 0 && S_ISDIR(about.st_mode))
+        return true;
     return length > least && strcmp(text + length - least, ending) == 0;
 }
 
