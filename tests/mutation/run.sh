@@ -66,7 +66,7 @@ done
 results "$drawn" >"$out/played.$key"
 grep '^survived ' "$out/played.$key"
 awk '$1 == "killed" { sub(/:$/, "", $3); count[$3]++ } END { for (by in count) print count[by], by }' "$out/played.$key" |
-    sort -k1,1nr -k2 | awk '{ printf "%s%s %s", NR > 1 ? ", " : "killed by ", $2, $1 } END { if (NR) print "" }'
+    sort -k1,1nr -k2 | awk '{ printf "%s%s %s", (NR > 1 ? ", " : "killed by "), $2, $1 } END { if (NR) print "" }'
 awk -v room="$room" -v seed="$seed" '
     { count[$1]++ }
     END {
