@@ -9,6 +9,7 @@ $(B)/libraydiff.so: $(LIB_OBJ)
 LDLIBS += -Wl,-rpath,$(abspath $(B))
 $(B)/libraydiff.a: $(B)/libraydiff.so
 	@echo 'INPUT($(abspath $<))' >$@
+READER_WHOLE_peer = $(LIB_OBJ) $(PROGRAM_LIBS) # --wrap does not reach into a shared object
 endif
 
 MUTATE_SRC := $(addprefix tests/mutation/,mutator.c mutation.c token.c)

@@ -9,7 +9,7 @@ READER_LINK_peer := -Wl,--wrap=pipe_child_start,--wrap=pipe_child_stop,--wrap=pi
 $(B)/readers/%: $(B)/obj/tests/readers/entry_%.o $(addprefix $(B)/obj/,$(READER_SRC:.c=.o) tests/readers/main.o) \
     $(B)/libraydiff.a
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) $(READER_LINK_$*)
+	$(CC) $(CFLAGS) -o $@ $(filter %.o,$^) $(or $(READER_WHOLE_$*),$(filter %.a,$^)) $(LDLIBS) $(READER_LINK_$*)
 tests: $(READERS)
 $(B)/tests/test_readers: $(addprefix $(B)/obj/,$(READER_SRC:.c=.o))
 $(B)/tests/test_readers: TEST_LIBS += $(B)/libraydiff.a $(LDLIBS) # needed by these objects
