@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <setjmp.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <cmocka.h>
 
 #include <math.h>
@@ -277,6 +278,34 @@ static void rtrs_refuses_where_the_seed_never_ends(void **state)
     assert_false(rtrs_ends_on(wide, 0.02f)); /* the extent is infinite, and so is its half */
 }
 
+/* The numbers of the refusal: five of seven triangles from the third on, and a box whose half rounds
+ * to itself. */
+static void rtrs_says_where_the_seed_never_ends(void **state)
+{
+    (void)state;
+    struct scene scene = trees_grid(7);
+    for (size_t c = 0; c < 63; c++) {
+        bool low = c % 9 == 4 || c % 9 == 6;
+        scene.vertex[c] = (c < 18 ? 100 : 0) + (low ? 0.5f : c % 3 == 1 ? 1 : 0);
+    }
+    struct bvh bvh;
+    struct reason reason = {""};
+    const struct build_options options = {.leaf = 4, .eps = 1e-30f};
+    assert_int_equal(builder_find("rtrs")->build(&scene, &options, &bvh, &reason), STATUS_LIMIT);
+    unsigned count, first;
+    char axis;
+    float lo, hi, eps;
+    assert_int_equal(sscanf(reason.text,
+                            "rtrs: RTRS never ends here: F19 (%u triangles, the first is %u, in a "
+                            "box whose half %c [%a, %a] is itself; eps %g)",
+                            &count, &first, &axis, &lo, &hi, &eps),
+                     6);
+    assert_true(count == 5 && first == 2 && axis == 'y' && eps == 1e-30f);
+    float middle = lo + (hi - lo) * 0.5f;
+    assert_true(lo < hi && (middle == lo || middle == hi) && lo > 0.5f && hi < 1);
+    scene_free(&scene);
+}
+
 /* Ties: x before y before z, and the middle belongs to the first child. */
 static void rtrs_breaks_ties_as_the_seed_does(void **state)
 {
@@ -317,6 +346,7 @@ int main(void)
         cmocka_unit_test(rtrs_cannot_split_a_floor_whose_centroids_round_up),
         cmocka_unit_test(rtrs_keeps_the_cut_box_of_a_leaf),
         cmocka_unit_test(rtrs_refuses_where_the_seed_never_ends),
+        cmocka_unit_test(rtrs_says_where_the_seed_never_ends),
         cmocka_unit_test(rtrs_breaks_ties_as_the_seed_does),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
