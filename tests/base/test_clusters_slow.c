@@ -1,5 +1,5 @@
 /* Clusters from below (ploc), node by node, against a slow builder that compares every cluster with
- * each neighbour anew in every round; at the borders of its parts and of rounds that join little. */
+ * each neighbour anew in every round; at the borders of parts and of rounds that join little. */
 #include "ref/tree/bvh.h"
 
 #include <stdarg.h>
@@ -198,8 +198,8 @@ static void parts_are_the_slow_ones(void **state)
         }
 }
 
-/* Squares across a line, in runs of falling sizes that are far from each other: in each run only the
- * last two choose each other. Runs have `run` squares, the last one the rest. */
+/* Squares across a line, in runs of falling sizes that are far from each other: in each run only
+ * the last two choose each other. Runs have `run` squares, the last one the rest. */
 static struct scene falling(uint32_t count, uint32_t run)
 {
     struct scene scene = trees_grid(count);

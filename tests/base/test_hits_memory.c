@@ -1,5 +1,5 @@
-/* All hits of rays when memory runs out: wherever that is, it is said, nothing is done, and the same
- * arrays serve the next call. */
+/* All hits of rays when memory runs out: wherever that is, it is said, nothing is done, and the
+ * same arrays serve the next call. */
 #include "tests/support/allocations.h"
 
 #include "ref/trace/all_hits.h"

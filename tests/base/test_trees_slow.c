@@ -87,7 +87,7 @@ static float area(const struct box *box, float of)
     return side[0] * side[1] + side[1] * side[2] + side[2] * side[0];
 }
 
-/* --- median ------------------------------------------------------------------------------------ */
+/* --- median ----------------------------------------------------------------------------------- */
 
 static uint32_t split_median(const struct slow_grower *g, struct slow_item *item, uint32_t count)
 {
@@ -131,7 +131,7 @@ static uint32_t split_median(const struct slow_grower *g, struct slow_item *item
     return left;
 }
 
-/* --- sah_sweep --------------------------------------------------------------------------------- */
+/* --- sah_sweep -------------------------------------------------------------------------------- */
 
 static void sort_axis(struct slow_item *item, uint32_t count, int axis)
 {
@@ -173,7 +173,7 @@ static uint32_t split_sweep(const struct slow_grower *g, struct slow_item *item,
     return left;
 }
 
-/* --- lbvh -------------------------------------------------------------------------------------- */
+/* --- lbvh ------------------------------------------------------------------------------------- */
 
 static uint32_t split_lbvh(const struct slow_grower *g, struct slow_item *item, uint32_t count)
 {
@@ -188,7 +188,7 @@ static uint32_t split_lbvh(const struct slow_grower *g, struct slow_item *item, 
     return too_deep(g, left, count) ? count / 2 : left;
 }
 
-/* --- each against its builder ------------------------------------------------------------------ */
+/* --- each against its builder ----------------------------------------------------------------- */
 
 static void grown_as(const char *name,
                      uint32_t (*split)(const struct slow_grower *, struct slow_item *, uint32_t))

@@ -278,8 +278,8 @@ static void rtrs_refuses_where_the_seed_never_ends(void **state)
     assert_false(rtrs_ends_on(wide, 0.02f)); /* the extent is infinite, and so is its half */
 }
 
-/* The numbers of the refusal: five of seven triangles from the third on, and a box whose half rounds
- * to itself. */
+/* The numbers of the refusal: five of seven triangles from the third on, and a box whose half
+ * rounds to itself. */
 static void rtrs_says_where_the_seed_never_ends(void **state)
 {
     (void)state;
