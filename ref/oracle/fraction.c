@@ -11,12 +11,11 @@ static int sign_of(const struct fraction *a)
     return a->num.sign * a->den.sign;
 }
 
-/* Sign of |a| * 2^shift - |b|. The sizes are compared first, so that no shift can overflow: when it
- * is done, the shifted number is as long as the other. */
+/* Sign of |a| * 2^shift - |b|, of two numbers that are not 0; of two zeros, any sign. The sizes are
+ * compared first, so that no shift can overflow: when it is done, the shifted number is as long as
+ * the other. */
 static int compare_shifted(struct oracle_wide *a, struct oracle_wide *b, int shift)
 {
-    if (a->sign == 0 || b->sign == 0)
-        return (a->sign != 0) - (b->sign != 0);
     int a_bits = (int)wide_bits(a) + shift, b_bits = (int)wide_bits(b);
     if (a_bits != b_bits)
         return a_bits > b_bits ? 1 : -1;
@@ -45,8 +44,6 @@ int fraction_compare_double(const struct fraction *a, double x)
         return -x_sign;
     if (sign != x_sign)
         return sign > x_sign ? 1 : -1;
-    if (sign == 0)
-        return 0;
     int exponent;
     double mantissa = frexp(fabs(x), &exponent); /* in [1/2, 1) */
     struct oracle_wide left = a->num, right, whole;

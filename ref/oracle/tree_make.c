@@ -28,13 +28,15 @@ struct oracle_split {
     int bin; /* bins up to this one go left */
 };
 
+/* No middle lies below the origin, which is the least of them. */
 static int bin_of(const struct oracle_split *split, const struct oracle_part *part)
 {
     double at = ((double)part->middle[split->axis] - split->origin) * split->scale;
-    return at < 0 ? 0 : at >= BINS ? BINS - 1 : (int)at;
+    return at >= BINS ? BINS - 1 : (int)at;
 }
 
-/* Cheapest split of one axis; leaves *best alone if there is none cheaper than *cost. */
+/* Cheapest split of one axis; leaves *best alone if there is none cheaper than *cost. The least
+ * middle is in the first bin and the largest in the last, so that neither side is empty. */
 static void try_axis(const struct oracle_part *part, uint32_t count, struct oracle_split split,
                      double *cost, struct oracle_split *best)
 {
@@ -57,7 +59,7 @@ static void try_axis(const struct oracle_part *part, uint32_t count, struct orac
         box_add_box(&above, &box[b + 1]);
         right += size[b + 1];
         double both = below_cost[b] + right * box_half_area_or_none(&above);
-        if (right > 0 && right < count && both < *cost) {
+        if (both < *cost) {
             *cost = both;
             *best = split;
             best->bin = b;
@@ -74,7 +76,8 @@ static struct oracle_split find_split(const struct oracle_part *part, uint32_t c
         box_add_point(&middles, part[i].middle);
     for (int k = 0; k < 3; k++) {
         double extent = (double)middles.hi[k] - (double)middles.lo[k];
-        struct oracle_split split = {k, (double)middles.lo[k], BINS / extent, 0};
+        struct oracle_split split = {
+            .axis = k, .origin = (double)middles.lo[k], .scale = BINS / extent};
         if (extent > 0)
             try_axis(part, count, split, &cost, &best);
     }

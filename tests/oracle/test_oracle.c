@@ -24,11 +24,36 @@ static void print_pair(const char *what, const char *kind, const struct ray *ray
            (double)v[1][1], (double)v[1][2], (double)v[2][0], (double)v[2][1], (double)v[2][2]);
 }
 
-/* lo <= a <= hi, and the enclosure is narrow. */
-static bool encloses(const mpq_t a, double lo, double hi, bool narrow)
+/* lo <= a <= hi, the filter's ends apart from a, and the enclosure is narrow. */
+static bool encloses(const mpq_t a, const struct oracle_pair *pair, bool narrow)
 {
-    return exact_gmp_compare(a, lo) >= 0 && exact_gmp_compare(a, hi) <= 0 &&
+    double lo = pair->t_lo, hi = pair->t_hi;
+    int least = pair->by_filter ? 1 : 0;
+    return exact_gmp_compare(a, lo) >= least && exact_gmp_compare(a, hi) <= -least &&
            (!narrow || hi - lo <= 0x1p-40 * fmin(fabs(lo), fabs(hi)));
+}
+
+static double least_weight(const struct gmp_pair *pair)
+{
+    const mpq_t *least = &pair->weight[0];
+    for (int c = 1; c < 3; c++)
+        if (mpq_cmp(pair->weight[c], *least) < 0)
+            least = &pair->weight[c];
+    return mpq_get_d(*least);
+}
+
+/* What is wrong with the numbers of what is no hit: it has no t, and its margin is below 0, exact
+ * unless the filter sufficed. */
+static const char *miss_fault(const struct oracle_pair *got, const struct gmp_pair *want)
+{
+    double margin = want->point ? least_weight(want) : -INFINITY;
+    if (got->t_lo != -INFINITY || got->t_hi != INFINITY)
+        return "t of a miss";
+    if (!(got->margin < 0) || (!want->point && got->margin != -INFINITY))
+        return "margin of a miss";
+    if (want->point && !got->by_filter && fabs(got->margin - margin) > 1e-9 * fabs(margin))
+        return "exact margin of a miss";
+    return NULL;
 }
 
 /* What is wrong with an answer, or NULL. */
@@ -46,14 +71,12 @@ static const char *pair_fault(const struct ray *ray, const struct oracle_pair *g
     for (int c = 0; want->point && c < 3; c++)
         if (got->edge[c] * got->det != want->side[c])
             return "sign of an edge";
-    if (hit && !encloses(want->t, got->t_lo, got->t_hi, want->range == ORACLE_WITHIN))
+    if (want->class == ORACLE_MISS || want->class == ORACLE_ZERO_AREA)
+        return miss_fault(got, want);
+    if (hit && !encloses(want->t, got, want->range == ORACLE_WITHIN))
         return "enclosure";
     if (hit) {
-        const mpq_t *least = &want->weight[0];
-        for (int c = 1; c < 3; c++)
-            if (mpq_cmp(want->weight[c], *least) < 0)
-                least = &want->weight[c];
-        double margin = mpq_get_d(*least);
+        double margin = least_weight(want);
         if (fabs(got->margin - margin) > 1e-9 * margin + (got->by_filter ? 0x1p-18 * margin : 0))
             return "margin";
     }
@@ -62,6 +85,8 @@ static const char *pair_fault(const struct ray *ray, const struct oracle_pair *g
         double tmin = (double)ray->tmin, tmax = (double)ray->tmax;
         bool low_cut = within && exact_gmp_compare(want->t, tmin) < 0;
         bool high_cut = within && exact_gmp_compare(want->t_out, tmax) > 0;
+        if (got->margin != 0)
+            return "margin in the plane";
         if (low_cut ? got->t_lo != tmin : exact_gmp_compare(want->t, got->t_lo) < 0)
             return "start in the plane";
         if (high_cut ? got->t_hi != tmax : exact_gmp_compare(want->t_out, got->t_hi) > 0)

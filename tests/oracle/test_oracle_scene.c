@@ -1,11 +1,13 @@
 /* The nearest hits of whole scenes: against GMP rationals, and every path against every other. */
 #include "ref/oracle/internal.h"
+#include "ref/oracle/exact.h"
 #include "tests/exact/exact_gmp.h"
 #include "tests/exact/oracle_batch.h"
 #include "tests/support/ray_fixture.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 static size_t faults; /* found by any thread; printed once each kind */
 
@@ -48,6 +50,17 @@ static const char *answer_fault(const struct oracle_answer *got, const struct gm
     return NULL;
 }
 
+/* Whether the set was not found by the filter alone: it has several, or its one left the filter. */
+static bool exact_of(const struct oracle *oracle, const struct ray *ray,
+                     const struct oracle_answer *answer)
+{
+    struct oracle_pair pair;
+    if (answer->tie_count != 1)
+        return answer->tie_count > 1;
+    oracle_pair(oracle, ray, answer->prim, &pair);
+    return !pair.by_filter;
+}
+
 static void check_batch(const struct oracle_case *kind, const struct oracle_batch *batch,
                         size_t *hits)
 {
@@ -77,6 +90,9 @@ static void check_batch(const struct oracle_case *kind, const struct oracle_batc
                 bool flag = got[p][i].flags & ORACLE_SAW_IN_PLANE;
                 if (flag != want.in_plane && !(flag && want.in_plane_close))
                     report("in plane", kind->name, &batch->ray[i]);
+                if (exact_of(batch->oracle, &batch->ray[i], &got[p][i]) !=
+                    ((got[p][i].flags & ORACLE_SAW_EXACT) != 0))
+                    report("exact", kind->name, &batch->ray[i]);
             }
         }
     }
@@ -204,6 +220,62 @@ static void the_tree_sees_corners(void **state)
     scene_free(&scene);
 }
 
+/* Of a batch by brute force: every pair is counted, and those that left the filter are some of
+ * those that are not the filter's, all hits in range among them. Counts add up, on any number of
+ * threads. */
+static void expect_counts(const struct oracle_batch *batch, size_t *undecided, size_t *wide)
+{
+    struct oracle_stats stats = {0}, twice;
+    struct oracle_answer got[BATCH];
+    struct reason reason = {""};
+    size_t most = 0, least = 0;
+    assert_int_equal(oracle_closest(batch->oracle, ORACLE_BRUTE, ORACLE_CLOSED, batch->ray, BATCH,
+                                    1, got, &stats, &reason),
+                     STATUS_OK);
+    twice = stats;
+    assert_int_equal(oracle_closest(batch->oracle, ORACLE_BRUTE, ORACLE_CLOSED, batch->ray, BATCH,
+                                    3, got, &twice, &reason),
+                     STATUS_OK);
+    assert_true(twice.pairs == 2 * stats.pairs && twice.undecided == 2 * stats.undecided &&
+                twice.wide == 2 * stats.wide);
+    size_t rays = 0;
+    for (uint32_t i = 0; i < BATCH; i++) {
+        rays += oracle_takes(&batch->ray[i]) && !ray_is_still(&batch->ray[i]);
+        for (uint32_t prim = 0; prim < BATCH && oracle_takes(&batch->ray[i]); prim++) {
+            struct oracle_pair pair;
+            oracle_pair(batch->oracle, &batch->ray[i], prim, &pair);
+            bool counts = (oracle_is_hit(&pair) || pair.class == ORACLE_IN_PLANE) &&
+                          oracle_in_range(&pair, ORACLE_CLOSED);
+            most += !pair.by_filter && pair.class != ORACLE_ZERO_AREA;
+            least += !pair.by_filter && counts;
+        }
+    }
+    assert_int_equal(stats.pairs, BATCH * rays);
+    assert_in_range(stats.undecided, least, most);
+    assert_true(stats.wide <= stats.undecided);
+    *undecided += stats.undecided;
+    *wide += stats.wide;
+}
+
+/* Lattices need no wide integers, exponents far apart do. */
+static void work_is_counted(void **state)
+{
+    (void)state;
+    for (int k = 0; k < ORACLE_CASES; k++) {
+        size_t undecided = 0, wide = 0;
+        for (uint64_t b = 0; b < 20; b++) {
+            struct oracle_batch batch;
+            batch_make(&oracle_cases[k], 7000 + b, &batch);
+            expect_counts(&batch, &undecided, &wide);
+            batch_free(&batch);
+        }
+        if (strcmp(oracle_cases[k].name, "lattice") == 0)
+            assert_true(undecided > 0 && wide == 0);
+        if (strcmp(oracle_cases[k].name, "spread") == 0)
+            assert_true(wide > 0);
+    }
+}
+
 /* Sizes that touch the ends of leaves and runs, with many ties. */
 static void duplicates_tie_in_any_number(void **state)
 {
@@ -238,6 +310,7 @@ int main(void)
         cmocka_unit_test(closest_agrees_with_rationals),
         cmocka_unit_test(every_path_gives_the_same_answer),
         cmocka_unit_test(the_tree_sees_corners),
+        cmocka_unit_test(work_is_counted),
         cmocka_unit_test(duplicates_tie_in_any_number),
     };
     return cmocka_run_group_tests_name("oracle_scene", tests, NULL, NULL) ? 1 : 0;
