@@ -222,6 +222,85 @@ static void grids_are_held_to_their_ends(void **state)
     assert_true(held > 3 * 3 * QUANTISE_BITS_MOST * 2 / 3);
 }
 
+static uint32_t bits_in(uint64_t x)
+{
+    uint32_t bits = 0;
+    for (; x; x /= 2)
+        bits++;
+    return bits;
+}
+
+/* The bits that ref/store/store_quantised.c gives a leaf of the first `count` triangles: sizes,
+ * least codes, then each triangle and each vertex that differs from those before. */
+static uint32_t quantised_bits(const struct scene *scene, const struct grid *grid, uint32_t count)
+{
+    const size_t bytes = 3 * sizeof *scene->vertex;
+    uint32_t vertices = 0, widths = 0;
+    bool used[VERTICES] = {false};
+    double least[3] = {INFINITY, INFINITY, INFINITY}, most[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (uint32_t i = 0; i < 3 * count; i++)
+        used[scene->index[i]] = true;
+    for (uint32_t v = 0; v < VERTICES; v++) {
+        bool again = false;
+        for (uint32_t w = 0; w < v && used[v]; w++)
+            again |= used[w] && memcmp(scene->vertex + 3 * (size_t)w, scene->vertex + 3 * (size_t)v,
+                                       bytes) == 0;
+        vertices += used[v] && !again;
+        for (int k = 0; k < 3 && used[v]; k++) {
+            double at = (double)scene->vertex[3 * v + (uint32_t)k] / (double)grid->step[k];
+            least[k] = fmin(least[k], at);
+            most[k] = fmax(most[k], at);
+        }
+    }
+    for (int k = 0; k < 3; k++)
+        widths += bits_in((uint64_t)(most[k] - least[k]));
+    return 22 + 3 * grid->bits + count * (12 + bits_in(scene->tri_count)) + vertices * widths;
+}
+
+/* A leaf has as many words as its bits need, of every number of bits in the last of them. */
+static void leaves_on_a_grid_take_the_words_of_their_bits(void **state)
+{
+    (void)state;
+    const struct tri_store *store = tri_store_find("quantised");
+    bool seen[32] = {false};
+    for (uint32_t n = 0; n < 400; n++) {
+        const uint32_t width[3] = {n % 7, n / 7 % 8, n % (QUANTISE_BITS_MOST + 1)};
+        const float step[3] = {0.5f, 4, 0x1p-20f};
+        const int32_t lo[3] = {-3, 5, -40};
+        struct scene scene = on_grid(lo, width, step);
+        struct grid grid;
+        assert_int_equal(grid_of_scene(&scene, &grid, NULL), STATUS_OK);
+        for (uint32_t count = 1; count <= SLOTS; count++) {
+            uint32_t at, prim[SLOTS], bits = quantised_bits(&scene, &grid, count);
+            uint64_t words;
+            struct packed packed = leaf_of(store, &scene, 0, count, &at);
+            for (uint32_t i = 0; i < count; i++)
+                prim[i] = i;
+            assert_int_equal(store->measure(&packed, &scene, prim, count, &words, NULL), STATUS_OK);
+            if (words != (bits + 31) / 32)
+                fail_msg("%u triangles, %u bits: %u words", count, bits, (unsigned)words);
+            seen[bits % 32] = true;
+            free(packed.item);
+        }
+        scene_free(&scene);
+    }
+    for (int b = 0; b < 32; b++)
+        assert_true(seen[b]);
+}
+
+/* Numbers of triangles have 31 bits. Only its count is read of this scene. */
+static void a_grid_has_numbers_of_31_bits(void **state)
+{
+    (void)state;
+    const struct tri_store *store = tri_store_find("quantised");
+    const struct scene scene = {.tri_count = 1u << 31};
+    struct reason reason = {""};
+    uint32_t word[8] = {0};
+    assert_int_equal(store->head(store, &scene, word, &reason), STATUS_LIMIT);
+    assert_string_equal(reason.text,
+                        "storage quantised: 2147483648 triangles; 2147483647 are possible");
+}
+
 /* Vertices are read of exactly the slots that name a triangle: none behind the leaf, of a leaf that
  * is cut off, or behind the words. */
 static void vertices_are_of_items_alone(void **state)
@@ -266,6 +345,8 @@ int main(void)
         cmocka_unit_test(numbers_of_triangles_are_whole),
         cmocka_unit_test(the_most_triangles_are_the_rows_bits),
         cmocka_unit_test(grids_are_held_to_their_ends),
+        cmocka_unit_test(leaves_on_a_grid_take_the_words_of_their_bits),
+        cmocka_unit_test(a_grid_has_numbers_of_31_bits),
         cmocka_unit_test(vertices_are_of_items_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

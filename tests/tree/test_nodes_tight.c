@@ -1,9 +1,11 @@
 /* Laws of nodes that quantise: the axis of a node is the finest that holds it and all its planes
  * are exact; amd64 has float32 in exactly the nodes where float16 is refused or adds more than a
- * quarter of area. */
+ * quarter of area; and the bounds of children are the closest that can be written, after a refit as
+ * when packed. */
 #include "ref/base/half.h"
 #include "ref/base/rng.h"
 #include "ref/layouts/wide_nodes.h"
+#include "ref/packed/refit.h"
 #include "ref/store.h"
 
 #include <stdarg.h>
@@ -172,11 +174,125 @@ static void amd64_takes_float32_where_float16_inflates(void **state)
     assert_true(count[0] > 200 && count[1] > 200);
 }
 
+/* --- children --------------------------------------------------------------------------------- */
+
+/* How a layout writes bounds: planes of a frame, or 0: float32 or float16. */
+struct written_as {
+    const char *layout;
+    uint32_t planes;
+    bool half;
+};
+
+static const struct written_as written[] = {
+    {"cwbvh80", 255, false},  {"tiny8", 63, false}, {"tiny8_l8", 63, false},
+    {"tiny8_l14", 63, false}, {"half4", 0, true},   {"f32", 0, false},
+};
+
+/* The numbers of float16 that are no subnormals, from the least on. */
+static uint32_t normal_halves(float out[1 << 16])
+{
+    uint32_t count = 0;
+    for (uint32_t bits = 0xFBFF; bits >= 0x8400; bits--)
+        out[count++] = half_to_float((struct half){(uint16_t)bits});
+    out[count++] = 0;
+    for (uint32_t bits = 0x0400; bits <= 0x7BFF; bits++)
+        out[count++] = half_to_float((struct half){(uint16_t)bits});
+    return count;
+}
+
+/* The largest of ascending numbers that is at most x, or the least that is at least x. */
+static float closest(const float *number, uint32_t count, float x, bool up)
+{
+    uint32_t below = 0, above = count; /* number[below] <= x < number[above] */
+    assert_true(number[0] <= x && x <= number[count - 1]);
+    while (above - below > 1) {
+        uint32_t middle = below + (above - below) / 2;
+        if (number[middle] <= x)
+            below = middle;
+        else
+            above = middle;
+    }
+    return number[up && number[below] < x ? above : below];
+}
+
+/* Returns how many bounds were rounded. */
+static uint32_t check_children(const struct packed *packed, const struct scene *scene, uint32_t ref,
+                               const struct written_as *as)
+{
+    static float number[1 << 16];
+    struct wide node;
+    struct box exact[WIDE_MAX], all = box_empty();
+    uint32_t rounded = 0;
+    packed->layout->load(packed, ref, &node);
+    for (uint32_t c = 0; c < node.child_count; c++) {
+        exact[c] = exact_box(packed, scene, node.child[c]);
+        box_add_box(&all, &exact[c]);
+    }
+    for (int k = 0; k < 3 && node.child_count; k++) {
+        uint32_t count = as->half ? normal_halves(number) : 0;
+        if (as->planes) {
+            const struct node_axis axis = node_axis_make(all.lo[k], all.hi[k], as->planes);
+            for (count = 0; count <= as->planes; count++)
+                number[count] = node_axis_plane(&axis, count);
+        }
+        for (uint32_t c = 0; c < node.child_count; c++) {
+            float lo = exact[c].lo[k], hi = exact[c].hi[k];
+            float low = count ? closest(number, count, lo, false) : lo;
+            float high = count ? closest(number, count, hi, true) : hi;
+            if (node.box[c].lo[k] != low || node.box[c].hi[k] != high)
+                fail_msg("%s: child %u of node %u: [%a, %a] is written as [%a, %a]", as->layout, c,
+                         ref, (double)lo, (double)hi, (double)node.box[c].lo[k],
+                         (double)node.box[c].hi[k]);
+            rounded += (uint32_t)(low != lo) + (uint32_t)(high != hi);
+        }
+    }
+    for (uint32_t c = 0; c < node.child_count; c++)
+        rounded += check_children(packed, scene, node.child[c], as);
+    return rounded;
+}
+
+static void put_vertices(struct rng *rng, struct scene *scene)
+{
+    float centre[3], size = ldexpf(1, (int)rng_below(rng, 12) - 10);
+    for (int k = 0; k < 3; k++)
+        centre[k] = rng_below(rng, 4) ? 0 : rng_range(rng, -200, 200);
+    for (uint32_t i = 0; i < 9 * scene->tri_count; i++)
+        scene->vertex[i] = centre[i % 3] + rng_range(rng, 0, size) + (float)(i / 90) * size;
+}
+
+static void bounds_of_children_are_the_closest(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(18, 0);
+    for (size_t n = 0; n < ARRAY_COUNT(written); n++) {
+        uint32_t rounded = 0;
+        for (int round = 0; round < 12; round++) {
+            struct scene scene = trees_grid(20 + rng_below(&rng, 60));
+            put_vertices(&rng, &scene);
+            struct bvh bvh = trees_make(&scene, 1 + rng_below(&rng, 3), TREES_BALANCED);
+            struct packed packed;
+            struct reason reason = {""};
+            if (packed_make(layout_find(written[n].layout), &bvh, &scene, &packed, &reason))
+                fail_msg("%s", reason.text);
+            rounded += check_children(&packed, &scene, packed.root, &written[n]);
+            put_vertices(&rng, &scene);
+            if (packed_refit(&packed, &scene, &reason))
+                fail_msg("%s", reason.text);
+            rounded += check_children(&packed, &scene, packed.root, &written[n]);
+            packed_free(&packed);
+            bvh_free(&bvh);
+            scene_free(&scene);
+        }
+        assert_true((rounded > 1000) == (written[n].planes || written[n].half));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_axis_is_the_finest_that_holds_the_node),
         cmocka_unit_test(amd64_takes_float32_where_float16_inflates),
+        cmocka_unit_test(bounds_of_children_are_the_closest),
     };
     return cmocka_run_group_tests_name("nodes_tight", tests, NULL, NULL);
 }
