@@ -43,6 +43,9 @@ TRIAL_TESTS := $(BOUNDS_TESTS) $(B)/tests/test_judge_exact
 $(TRIAL_TESTS): $(addprefix $(B)/obj/tests/exact/,trials.o legal.o legal_formulas.o exact_gmp.o oracle_cases.o)
 $(TRIAL_TESTS): TEST_LIBS += $(GMP_LIBS)
 
+$(B)/tests/test_scatter: $(B)/obj/tests/trace/scatter_truth.o
+$(B)/tests/test_scatter: TEST_LIBS += $(GMP_LIBS)
+
 # Published triangle tests, compiled with the flags of their users.
 $(B)/tests/test_judge_blackbox $(B)/tests/test_match_edges: $(addprefix $(B)/obj/tests/judge/,honest_plain.o honest_fast.o)
 $(B)/obj/tests/judge/honest_fast.o: CFLAGS += -ffast-math -ffp-contract=fast $(if $(filter x86_64%,$(shell $(CC) -dumpmachine)),-mfma)

@@ -60,14 +60,9 @@ static int lowest_bit(double x)
     double f = frexp(x, &exponent);
     if (f == 0.0)
         return SCATTER_ZERO;
-    while (f != floor(f)) {
+    while (f != floor(f)) { /* at the lowest bit it is whole */
         f *= 2.0;
         exponent--;
-    }
-    /* f is whole, x = f 2^exponent */
-    while (fmod(f, 2.0) == 0.0) {
-        f /= 2.0;
-        exponent++;
     }
     return exponent;
 }
@@ -124,8 +119,7 @@ static double nearest(double s, double tail)
 }
 
 /* Lists what s + tail, the exact result, may be rounded to by an operation of k u. */
-static void put_rounded(const struct liberty *k, double relative, double s, double tail,
-                        struct scatter *out)
+static void put_rounded(double relative, double s, double tail, struct scatter *out)
 {
     if (fabs(s) < NORMAL) {
         if (s != 0.0 || tail != 0.0) { /* below the normal range: by bounds alone */
@@ -142,8 +136,6 @@ static void put_rounded(const struct liberty *k, double relative, double s, doub
         double other = s + tail > f || (s == f && tail > 0.0) ? INFINITY : -INFINITY;
         put(out, (double)nextafterf((float)f, (float)other));
     }
-    if (flushes(k) && fabs(f) <= NORMAL)
-        put(out, 0.0);
 }
 
 /* Returns x + y - sum, exactly (Knuth). */
@@ -164,9 +156,9 @@ static void list_pairs(const struct liberty *k, double relative, bool sum, const
         for (int j = 0; j < b->count && out->count >= 0; j++) {
             double x = a->value[i], y = b->value[j], total = x + y, product = x * y;
             if (sum)
-                put_rounded(k, relative, total, sum_tail(x, y, total), out);
+                put_rounded(relative, total, sum_tail(x, y, total), out);
             else
-                put_rounded(k, relative, product, 0.0, out); /* exact: 48 bits */
+                put_rounded(relative, product, 0.0, out); /* exact: 48 bits */
             if (!sum && k->fuses)
                 put(out, product);
         }
@@ -179,9 +171,9 @@ static void list_pairs(const struct liberty *k, double relative, bool sum, const
 static void round_bounds(const struct liberty *k, double relative, bool sum, struct scatter *out)
 {
     double lo = out->lo, hi = out->hi, slip = relative * UNIT * OUTWARD;
-    bool low = lo < NORMAL && hi > -NORMAL && !(lo == 0.0 && hi == 0.0);
     out->lo -= slip * fabs(lo);
     out->hi += slip * fabs(hi);
+    bool low = out->lo < NORMAL && out->hi > -NORMAL && !(lo == 0.0 && hi == 0.0);
     if (low && (!sum || k->fuses)) {
         out->lo -= LEAST;
         out->hi += LEAST;
@@ -224,11 +216,19 @@ static void settle(struct scatter *out)
     }
 }
 
+static bool may_be_subnormal(const struct scatter *a)
+{
+    for (int i = 0; i < a->count; i++)
+        if (a->value[i] != 0.0 && fabs(a->value[i]) < NORMAL)
+            return true;
+    return a->count == 0 && a->lo < NORMAL && a->hi > -NORMAL;
+}
+
 /* An operand as an operation sees it: a subnormal one may be flushed. */
 static struct scatter seen(const struct liberty *k, const struct scatter *a)
 {
     struct scatter out = *a;
-    if (!flushes(k) || scatter_is_zero(a) || a->lo > NORMAL || a->hi < -NORMAL)
+    if (!flushes(k) || !may_be_subnormal(a))
         return out;
     if (out.count)
         put(&out, 0.0);
@@ -323,16 +323,15 @@ struct scatter scatter_div(const struct liberty *k, const struct scatter *p,
     out.lo = INFINITY;
     out.hi = -INFINITY;
     for (int i = 0; i < 4; i++) {
-        double quotient = x[i / 2] / y[i % 2];
-        out.lo = fmin(out.lo, nextafter(quotient, -INFINITY));
-        out.hi = fmax(out.hi, nextafter(quotient, INFINITY));
+        double quotient = x[i / 2] / y[i % 2], tail = fma(-quotient, y[i % 2], x[i / 2]);
+        out.lo = fmin(out.lo, away(quotient, tail, -INFINITY));
+        out.hi = fmax(out.hi, away(quotient, tail, INFINITY));
     }
     out.count = -1;
     if (relative <= 1.0 && a.count == 1 && b.count == 1) {
         double quotient = a.value[0] / b.value[0];
         out.count = 0;
-        put_rounded(k, relative, quotient, fma(-quotient, b.value[0], a.value[0]) * b.value[0],
-                    &out);
+        put_rounded(relative, quotient, fma(-quotient, b.value[0], a.value[0]) * b.value[0], &out);
     }
     round_bounds(k, relative, false, &out);
     settle(&out);
