@@ -79,6 +79,52 @@ static void the_bound_is_nine_units_of_the_magnitudes(void **state)
         }
 }
 
+/* A triangle has an area for certain if a component of its normal is more than six units of its
+ * magnitude, and only then. */
+static void expect_area(float v[3][3], size_t *with, size_t *without)
+{
+    bool has = false, open = false;
+    for (int k = 0; k < 3; k++) {
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        long double e1[3], e2[3];
+        for (int n = 0; n < 3; n++) {
+            e1[n] = (long double)v[1][n] - (long double)v[0][n];
+            e2[n] = (long double)v[2][n] - (long double)v[0][n];
+        }
+        long double left = e1[i] * e2[j], right = e1[j] * e2[i];
+        long double share = fabsl(left - right), size = fabsl(left) + fabsl(right);
+        has = has || share > 0xep-53L * size;
+        open = open || share > 0x1p-60L * size;
+    }
+    if (has || !open)
+        assert_int_equal(filter_has_area(v), has);
+    *with += has;
+    *without += !open;
+}
+
+/* In all planes, those across an axis and along one among them, on lines as well. */
+static void areas_are_seen_on_every_axis(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(83, 0);
+    size_t with = 0, without = 0;
+    for (uint32_t n = 0; n < 20000; n++) {
+        float v[3][3], step[3], turn[3];
+        for (int k = 0; k < 3; k++) {
+            step[k] = rng_below(&rng, 3) ? (float)rng_below(&rng, 2000) - 1000 : 0;
+            turn[k] = rng_below(&rng, 3) ? (float)rng_below(&rng, 2000) - 1000 : 0;
+        }
+        const float times = n % 2 ? 1.0f : 0.0f, along = (float)rng_below(&rng, 9) - 4;
+        for (int k = 0; k < 3; k++) {
+            v[0][k] = (float)rng_below(&rng, 2000) - 1000;
+            v[1][k] = v[0][k] + step[k];
+            v[2][k] = v[0][k] + along * step[k] + times * turn[k];
+        }
+        expect_area(v, &with, &without);
+    }
+    assert_true(with > 5000 && without > 5000);
+}
+
 /* Whether a sign is certain: 1, 0, or -1 next to the limit. */
 static int certain(const struct sized *x, long double known)
 {
@@ -222,6 +268,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_bound_is_nine_units_of_the_magnitudes),
+        cmocka_unit_test(areas_are_seen_on_every_axis),
         cmocka_unit_test(what_it_can_decide_it_decides),
         cmocka_unit_test(the_limit_is_where_the_bound_is),
     };
