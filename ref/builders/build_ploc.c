@@ -110,7 +110,7 @@ static void round_of(struct ploc *p)
     if (before <= CHUNK || p->count <= SLOW(before))
         return;
     for (uint32_t i = 0; i < p->count; i++)
-        p->chosen[i] = i + 1 == p->count && i % 2 == 0 ? i - 1 : i ^ 1;
+        p->chosen[i] = i + 1 == p->count ? i - 1 : i ^ 1;
     p->count = join_chosen(p);
 }
 

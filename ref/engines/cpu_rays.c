@@ -15,8 +15,7 @@ struct cpu_rays {
 
 unsigned cpu_rays_threads(const struct engine_options *options)
 {
-    int all = omp_get_max_threads();
-    return options->threads ? options->threads : (unsigned)(all > 0 ? all : 1);
+    return options->threads ? options->threads : (unsigned)omp_get_max_threads();
 }
 
 enum status cpu_rays_open(const struct engine_options *options, cpu_ray_fn *answer,

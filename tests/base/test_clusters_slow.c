@@ -198,15 +198,15 @@ static void parts_are_the_slow_ones(void **state)
         }
 }
 
-/* Squares across a line, in runs of falling sizes that are far from each other: in each run only
- * the last two choose each other. Runs have `run` squares, the last one the rest. */
-static struct scene falling(uint32_t count, uint32_t run)
+/* Squares across a line, in runs of falling (or rising) sizes that are far from each other: in each
+ * run only the smallest two choose each other. Runs have `run` squares, the last one the rest. */
+static struct scene falling(uint32_t count, uint32_t run, bool rising)
 {
     struct scene scene = trees_grid(count);
     for (uint32_t i = 0; i < count; i++)
         for (uint32_t c = 0; c < 3; c++) {
             float *p = scene.vertex + 9 * (size_t)i + 3 * (size_t)c;
-            float half = (float)(2 * count - i % run);
+            float half = (float)(rising ? count + i % run : 2 * count - i % run);
             p[0] = (float)(i + i / run * 4096);
             p[1] = c == 0 ? -half : half;
             p[2] = c == 1 ? -half : half;
@@ -220,11 +220,12 @@ static void rounds_that_join_few_are_the_slow_ones(void **state)
     static const uint32_t shape[][2] = {{1024, 1024}, {1025, 1025}, {1026, 1026},
                                         {1040, 16},   {1040, 17},   {1055, 16}};
     (void)state;
-    for (size_t i = 0; i < ARRAY_COUNT(shape); i++) {
-        struct scene scene = falling(shape[i][0], shape[i][1]);
-        compare(&scene, 1, 1);
-        scene_free(&scene);
-    }
+    for (size_t i = 0; i < ARRAY_COUNT(shape); i++)
+        for (int rising = 0; rising < 2; rising++) {
+            struct scene scene = falling(shape[i][0], shape[i][1], rising);
+            compare(&scene, 1, 1);
+            scene_free(&scene);
+        }
 }
 
 int main(void)

@@ -1,7 +1,8 @@
-/* All hits of rays when memory runs out: wherever that is, it is said, nothing is done, and the
- * same arrays serve the next call. */
+/* All hits of rays against the lists of engines that are made up; and when memory runs out: that is
+ * said wherever it is, nothing is done, and the same arrays serve the next call. */
 #include "tests/support/allocations.h"
 
+#include "ref/base/rng.h"
 #include "ref/trace/all_hits.h"
 #include "tests/support/tree_fixture.h"
 
@@ -143,6 +144,89 @@ static enum status forget(void *self, const struct ray *ray, size_t count, uint3
     return STATUS_OK;
 }
 
+/* Lists of up to 24 hits, few of them different, in no order; those of equal distance, triangle and
+ * u can still differ. Never more than the room it is given, which is all that it may have. */
+static enum status draw(void *self, const struct ray *ray, size_t count, uint32_t capacity,
+                        struct hit *hit, uint32_t *hit_count, struct reason *reason)
+{
+    uint64_t *asked = self;
+    (void)reason;
+    asked[0] += count;
+    assert_true(count * (size_t)capacity <= ALL_HITS_MOST);
+    for (size_t i = 0; i < count; i++) {
+        struct rng rng = rng_make((uint64_t)ray[i].org[0], 3);
+        uint32_t kinds = 1 + rng_below(&rng, 9);
+        hit_count[i] = rng_below(&rng, 25);
+        for (uint32_t k = 0; k < hit_count[i]; k++) {
+            struct hit one = {.prim = rng_below(&rng, kinds) / 3};
+            one.t = (float)rng_below(&rng, kinds) / 2;
+            one.u = (float)(rng_below(&rng, 4) == 0);
+            if (k < capacity)
+                hit[i * capacity + k] = one;
+        }
+    }
+    return STATUS_OK;
+}
+
+static bool same_hit(const struct hit *a, const struct hit *b)
+{
+    return a->t == b->t && a->u == b->u && a->prim == b->prim;
+}
+
+static uint32_t times(const struct hit *hit, size_t count, const struct hit *one)
+{
+    uint32_t same = 0;
+    for (size_t i = 0; i < count; i++)
+        same += same_hit(&hit[i], one);
+    return same;
+}
+
+/* Without `once` the engine's lists, hit by hit; with it the same hits by distance and triangle, of
+ * which neighbours that are equal are one. */
+static void lists_are_the_engines(void **state)
+{
+    (void)state;
+    const struct engine engine = {.name = "drawing", .trace_all = draw};
+    static struct ray ray[3000];
+    uint64_t asked = 0, ignored = 0, dropped = 0;
+    for (uint32_t i = 0; i < ARRAY_COUNT(ray); i++)
+        ray[i].org[0] = (float)i;
+    for (int once = 0; once < 2; once++) {
+        struct all_hits all = {.once = once};
+        uint64_t longer = 0;
+        asked = 0;
+        assert_int_equal(all_hits_next(&engine, &asked, ray, ARRAY_COUNT(ray), &all, NULL), 0);
+        assert_true(all.done == ARRAY_COUNT(ray) && all.first[0] == 0);
+        for (uint32_t i = 0; i < ARRAY_COUNT(ray); i++) {
+            struct hit want[24];
+            uint32_t count;
+            const struct hit *got = all.hit + all.first[i];
+            size_t listed = all.first[i + 1] - all.first[i];
+            (void)draw(&ignored, &ray[i], 1, 24, want, &count, NULL);
+            longer += count > 8;
+            if (!once) {
+                assert_int_equal(listed, count);
+                assert_memory_equal(got, want, count * sizeof *want);
+                continue;
+            }
+            for (uint32_t k = 0; k < count; k++) {
+                uint32_t kept = times(got, listed, &want[k]);
+                assert_in_range(kept, 1, times(want, count, &want[k]));
+            }
+            for (size_t k = 1; k < listed; k++)
+                assert_true(!same_hit(&got[k - 1], &got[k]) &&
+                            (got[k - 1].t < got[k].t ||
+                             (got[k - 1].t == got[k].t && got[k - 1].prim <= got[k].prim)));
+            assert_true(listed <= count);
+            dropped += count - listed;
+        }
+        assert_int_equal(all.again, longer);
+        assert_int_equal(asked, ARRAY_COUNT(ray) + longer);
+        all_hits_free(&all);
+    }
+    assert_true(dropped > 1000);
+}
+
 static void another_number_of_hits_is_told(void **state)
 {
     (void)state;
@@ -173,6 +257,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lists_without_memory_are_none),
+        cmocka_unit_test(lists_are_the_engines),
         cmocka_unit_test(another_number_of_hits_is_told),
         cmocka_unit_test(an_engine_that_does_not_open_is_none),
     };

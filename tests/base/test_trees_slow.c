@@ -190,6 +190,28 @@ static uint32_t split_lbvh(const struct slow_grower *g, struct slow_item *item, 
 
 /* --- each against its builder ----------------------------------------------------------------- */
 
+/* Returns whether they could be compared. */
+static bool grown_alike(const char *name, const struct scene *scene, uint32_t leaf,
+                        uint32_t (*split)(const struct slow_grower *, struct slow_item *, uint32_t))
+{
+    struct slow_grower g = {.scene = scene, .leaf = leaf, .split = split};
+    struct slow_item *item = slow_items(scene);
+    const struct build_options options = {.leaf = leaf};
+    struct bvh bvh;
+    assert_int_equal(builder_find(name)->build(scene, &options, &bvh, NULL), STATUS_OK);
+    g.tree = slow_room(scene->tri_count);
+    if (split == split_lbvh)
+        (void)slow_codes(item, scene->tri_count);
+    slow_grow(&g, item, scene->tri_count);
+    /* Otherwise the sweep halves an order that its rejected cut has changed. */
+    if (!g.deep)
+        slow_compare(&g.tree, &bvh, scene, name);
+    slow_free(&g.tree);
+    free(item);
+    bvh_free(&bvh);
+    return !g.deep;
+}
+
 static void grown_as(const char *name,
                      uint32_t (*split)(const struct slow_grower *, struct slow_item *, uint32_t))
 {
@@ -199,22 +221,7 @@ static void grown_as(const char *name,
         for (size_t s = 0; s < ARRAY_COUNT(spans) * ARRAY_COUNT(sizes); s++)
             for (uint32_t leaf = 1; leaf <= 4; leaf += leaf) {
                 struct scene scene = slow_scene(count, spans[s / 3], sizes[s % 3], s);
-                struct slow_grower g = {.scene = &scene, .leaf = leaf, .split = split};
-                struct slow_item *item = slow_items(&scene);
-                const struct build_options options = {.leaf = leaf};
-                struct bvh bvh;
-                assert_int_equal(builder_find(name)->build(&scene, &options, &bvh, NULL), 0);
-                g.tree = slow_room(count);
-                if (split == split_lbvh)
-                    (void)slow_codes(item, count);
-                slow_grow(&g, item, count);
-                /* Then the sweep halves an order that its rejected cut has changed. */
-                if (!g.deep)
-                    slow_compare(&g.tree, &bvh, &scene, name);
-                compared += !g.deep;
-                slow_free(&g.tree);
-                free(item);
-                bvh_free(&bvh);
+                compared += grown_alike(name, &scene, leaf, split);
                 scene_free(&scene);
             }
     assert_in_range(compared, 600, 1000);
@@ -238,12 +245,71 @@ static void codes_are_the_slow_ones(void **state)
     grown_as("lbvh", split_lbvh);
 }
 
+static void place(struct scene *scene, uint32_t tri, float x, float y, float z)
+{
+    const float at[3] = {x, y, z};
+    for (uint32_t c = 0; c < 9; c++)
+        scene->vertex[9 * (size_t)tri + c] = at[c % 3];
+}
+
+/* Points of which each has another highest bit, and many that have none: 57 bits of codes are a
+ * chain, below which there is no room for all others. */
+static void codes_that_are_a_chain_are_halved(void **state)
+{
+    (void)state;
+    for (uint32_t equal = 1; equal <= 64; equal += equal) {
+        struct scene scene = trees_grid(58 + equal);
+        for (uint32_t i = 0; i < 57; i++) {
+            float at[3] = {0, 0, 0};
+            at[i % 3] = (float)(1u << (i / 3));
+            place(&scene, i, at[0], at[1], at[2]);
+        }
+        place(&scene, 57, 1u << 19, 1u << 19, 1u << 19);
+        for (uint32_t i = 58; i < scene.tri_count; i++)
+            place(&scene, i, 0, 0, 0);
+        for (uint32_t leaf = 1; leaf <= 4; leaf++)
+            assert_true(grown_alike("lbvh", &scene, leaf, split_lbvh));
+        scene_free(&scene);
+    }
+}
+
+/* All coordinates times a power of two: the same trees at any scale, also if they are optimized. */
+static void scale_changes_no_tree(void **state)
+{
+    static const float by[] = {0x1p-90f, 0x1p-40f, 2, 0x1p100f};
+    (void)state;
+    for (size_t b = 0; builders_all[b]; b++)
+        for (uint32_t k = 0; k < 2 * ARRAY_COUNT(by) && !builders_all[b]->faithful; k++) {
+            struct scene scene = slow_scene(300, 50, 9, b);
+            const struct build_options options = {.leaf = 2, .passes = k % 2};
+            struct bvh plain, scaled;
+            assert_int_equal(bvh_build(builders_all[b], &scene, &options, &plain, NULL), 0);
+            for (size_t i = 0; i < 3 * (size_t)scene.vertex_count; i++)
+                scene.vertex[i] *= by[k / 2];
+            assert_int_equal(bvh_build(builders_all[b], &scene, &options, &scaled, NULL), 0);
+            assert_int_equal(plain.node_count, scaled.node_count);
+            assert_int_equal(plain.prim_count, scaled.prim_count);
+            assert_memory_equal(plain.prim, scaled.prim, plain.prim_count * sizeof *plain.prim);
+            for (uint32_t i = 0; i < plain.node_count; i++) {
+                const struct bvh_node *one = &plain.node[i], *other = &scaled.node[i];
+                assert_true(one->fst == other->fst && one->snd == other->snd &&
+                            one->item_first == other->item_first &&
+                            one->item_count == other->item_count);
+            }
+            bvh_free(&plain);
+            bvh_free(&scaled);
+            scene_free(&scene);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(median_is_the_slow_one),
         cmocka_unit_test(sweep_is_the_slow_one),
         cmocka_unit_test(codes_are_the_slow_ones),
+        cmocka_unit_test(codes_that_are_a_chain_are_halved),
+        cmocka_unit_test(scale_changes_no_tree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -40,6 +40,10 @@ static void compute(enum fake_probe probe, uint32_t i, const float *in, float *r
             twist(probe, i, k, in, &x);
         result[k] = x;
     }
+    if (probe == FUNCTIONS && i < 2) /* NaN, then zeros of both signs, in both orders */
+        assert_true(isnan(i ? a : b) && (i ? b : a) == 1);
+    if (probe == FUNCTIONS && i >= 2 && i < 4)
+        assert_true(a == 0 && b == 0 && !signbit(a) == (i == 3) && !signbit(b) == (i == 2));
     if (probe == FUNCTIONS && i >= 4) {
         roots += a > 0;
         root_at[0] = roots == 1 && a > 0 ? i : root_at[0];

@@ -73,6 +73,50 @@ static void make_right(struct probe_op op[PROBE_OPS])
         op[k] = (struct probe_op){.name = "op", .ordinary = 100, .special = 50};
 }
 
+/* Every line whole: kinds without an operation have none. */
+static void probe_text_has_a_line_for_each_kind(void **state)
+{
+    (void)state;
+    static const char exact[] = "as in C to the bit:";
+    static const char zeros[] = "as in C but for subnormals, which are zeros:";
+    struct probe_op op[PROBE_OPS];
+    char text[2048], want[2048];
+    for (uint32_t kinds = 0; kinds < 8; kinds++) {
+        uint32_t of[3] = {0, 0, 0};
+        char *end = want;
+        make_right(op);
+        /* Operation k is exact, flushed or wrong: the kinds of the set in turn. */
+        for (uint32_t k = 0, kind = 0; k < PROBE_OPS; k++, kind = (kind + 1) % 3) {
+            while (kinds && !(kinds >> kind & 1))
+                kind = (kind + 1) % 3;
+            if (kind > 0)
+                op[k].special_differs = op[k].flushed = 1 + k;
+            if (kind > 1)
+                op[k].special_differs++;
+            of[kind]++;
+        }
+        for (uint32_t kind = 0; kind < 2; kind++) {
+            if (of[kind])
+                end += sprintf(end, "%s", kind ? zeros : exact);
+            for (uint32_t k = 0; k < PROBE_OPS; k++)
+                if (kind == 0 && op[k].special_differs == 0)
+                    end += sprintf(end, " op");
+                else if (kind == 1 && op[k].flushed && op[k].flushed == op[k].special_differs)
+                    end += sprintf(end, " op (%u of 50)", 1 + k);
+            if (of[kind])
+                end += sprintf(end, "\n");
+        }
+        for (uint32_t k = 0; k < PROBE_OPS; k++)
+            if (op[k].special_differs > op[k].flushed)
+                end += sprintf(end,
+                               "op: 0 of 100 differ, at most 0 ulp; %u of 50 with zeros, "
+                               "subnormals, infinities or NaN, %u of them by flushing\n",
+                               2 + k, 1 + k);
+        probe_text(op, text, sizeof text);
+        assert_string_equal(text, want);
+    }
+}
+
 static void probe_model_follows_what_was_measured(void **state)
 {
     (void)state;
@@ -256,6 +300,7 @@ int main(void)
         cmocka_unit_test(probe_finds_what_vulkan_promises),
         cmocka_unit_test(probe_finds_lavapipe_exact),
         cmocka_unit_test(probe_text_names_exact_and_other_operations),
+        cmocka_unit_test(probe_text_has_a_line_for_each_kind),
         cmocka_unit_test(probe_model_follows_what_was_measured),
         cmocka_unit_test(probe_notices_a_wrong_operator),
         cmocka_unit_test(engine_model_is_measured),
