@@ -18,7 +18,7 @@ struct left {
 static void keep(struct left *left, double slope, double bound)
 {
     if (slope > 0.0)
-        left->hi = fmin(left->hi, bound / slope * (bound > 0.0 ? OUTWARD : 1.0 / OUTWARD));
+        left->hi = fmin(left->hi, bound / slope * OUTWARD);
     else if (slope < 0.0)
         left->lo = fmax(left->lo, bound / slope / OUTWARD);
     else if (bound < 0.0)
@@ -75,10 +75,10 @@ static bool divisor_fits(const struct quotients *s, double divisor)
     return true;
 }
 
-bool quotients_fit(const struct quotients *given, int sign)
+bool quotients_fit(const struct quotients *given, bool negative)
 {
     struct quotients s = *given;
-    if (sign < 0) {
+    if (negative) {
         s.divisor = scatter_negate(&s.divisor);
         for (int i = 0; i < s.parts; i++)
             s.part[i].number = scatter_negate(&s.part[i].number);
@@ -107,5 +107,5 @@ bool quotients_fit(const struct quotients *given, int sign)
 
 bool quotients_fit_either(const struct quotients *given)
 {
-    return quotients_fit(given, 1) || quotients_fit(given, -1);
+    return quotients_fit(given, false) || quotients_fit(given, true);
 }

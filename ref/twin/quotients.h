@@ -25,8 +25,8 @@ struct quotients {
     double mean_lo, mean_hi, pad;
 };
 
-/* True unless no divisor of that sign (1 or -1) gives all quotients. */
-bool quotients_fit(const struct quotients *given, int sign);
+/* True unless no divisor of that sign gives all quotients. */
+bool quotients_fit(const struct quotients *given, bool negative);
 
 /* The same of either sign. */
 bool quotients_fit_either(const struct quotients *given);

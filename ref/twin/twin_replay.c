@@ -218,8 +218,8 @@ static bool pluecker(const struct replay *w)
     replay_part(w, &depth, dot(k, a[0], n), 0);
     replay_part(w, &weights, weight[1], 1);
     replay_part(w, &weights, weight[2], 2);
-    return (quotients_fit(&depth, 1) && quotients_fit(&weights, 1)) ||
-           (quotients_fit(&depth, -1) && quotients_fit(&weights, -1));
+    return (quotients_fit(&depth, false) && quotients_fit(&weights, false)) ||
+           (quotients_fit(&depth, true) && quotients_fit(&weights, true));
 }
 
 /* A component of Embree's normal: by either pair of edges. */
