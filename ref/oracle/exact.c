@@ -1,6 +1,6 @@
 #include "ref/oracle/exact.h"
 
-#include "ref/oracle/oracle_grid.h"
+#include "ref/integers/oracle_grid.h"
 #include "ref/oracle/medium.h"
 #include "ref/oracle/small.h"
 

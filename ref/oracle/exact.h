@@ -3,7 +3,7 @@
 #define ORACLE_EXACT_H
 
 #include "ref/abi.h"
-#include "ref/oracle/fraction.h"
+#include "ref/integers/fraction.h"
 
 /* Signs and quotients of w0, w1, w2, D and T. */
 struct exact {

@@ -1,7 +1,7 @@
-/* Fractions (ref/oracle/fraction.h) against GMP rationals: compared, enclosed between doubles, and
+/* Fractions (ref/integers/fraction.h) against GMP rationals: compared, enclosed between doubles, and
  * as text in buffers of every size; and the grid that ref/oracle/small.h puts a ray and a triangle
  * on. */
-#include "ref/oracle/oracle_grid.h"
+#include "ref/integers/oracle_grid.h"
 #include "ref/oracle/small.h"
 #include "ref/base/rng.h"
 

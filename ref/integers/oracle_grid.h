@@ -1,9 +1,9 @@
-/* Float32 numbers as integers on a common grid: x = m * 2^exponent. For the oracle's own files. */
+/* Float32 numbers as integers on a common grid: x = m * 2^exponent.. */
 #ifndef ORACLE_GRID_H
 #define ORACLE_GRID_H
 
 #include "ref/base/base.h"
-#include "ref/oracle/wide.h"
+#include "ref/integers/wide.h"
 
 #include <math.h>
 #include <string.h>

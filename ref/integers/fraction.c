@@ -1,6 +1,6 @@
-#include "ref/oracle/fraction.h"
+#include "ref/integers/fraction.h"
 
-#include "ref/oracle/oracle_grid.h"
+#include "ref/integers/oracle_grid.h"
 
 #include <math.h>
 #include <stdio.h>

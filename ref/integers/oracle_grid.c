@@ -1,4 +1,4 @@
-#include "ref/oracle/oracle_grid.h"
+#include "ref/integers/oracle_grid.h"
 
 struct odd odd_of(float x)
 {

@@ -1,4 +1,4 @@
-#include "ref/oracle/wide.h"
+#include "ref/integers/wide.h"
 
 #include <assert.h>
 #include <stdbool.h>

@@ -2,7 +2,7 @@
 #ifndef ORACLE_FRACTION_H
 #define ORACLE_FRACTION_H
 
-#include "ref/oracle/wide.h"
+#include "ref/integers/wide.h"
 
 #include <stdbool.h>
 #include <stddef.h>
