@@ -130,6 +130,19 @@ ABI_SIZE(struct hit, 16)
 #define ABI_FILTER_CELLS     3u
 #define ABI_FILTER_GRID      4u
 
+#define ABI_INSTANCE_IDENTITY 16u /* instance_record.flags: rays are not transformed */
+
+/* An instance as engines read it. ref/world/transform.h says what w and t are for. */
+struct instance_record {
+    float w[9]; /* the inverse of M, row by row */
+    float t[3];
+    U32 first;       /* number of its first placed triangle */
+    U32 mesh;        /* 0xFFFFFFFF: inactive */
+    U32 custom_mask; /* custom index; in the upper 8 bits the mask */
+    U32 flags;       /* ABI_INSTANCE_* */
+};
+ABI_SIZE(struct instance_record, 64)
+
 /* What a ray of a world may meet. */
 struct ray_mode {
     U32 mask;  /* 8 bits */
