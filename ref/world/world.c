@@ -273,7 +273,7 @@ bool world_culls(const struct instance *instance, bool opaque, bool front, struc
     return (mode.flags & (front ? ABI_RAY_CULL_FRONT : ABI_RAY_CULL_BACK)) != 0;
 }
 
-/* Mixes one more number into a hash: the finaliser of MurmurHash3, which is a bijection of words. */
+/* Mixes one more number into a hash, by the finaliser of MurmurHash3: a bijection of words. */
 static uint32_t mix(uint32_t hash, uint32_t number)
 {
     hash ^= number;

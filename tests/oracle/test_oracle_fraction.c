@@ -1,4 +1,4 @@
-/* Fractions (ref/integers/fraction.h) against GMP rationals: compared, enclosed between doubles, and
+/* Fractions (ref/integers/fraction.h) against GMP rationals: compared, enclosed in doubles, and
  * as text in buffers of every size; and the grid that ref/oracle/small.h puts a ray and a triangle
  * on. */
 #include "ref/integers/oracle_grid.h"

@@ -119,7 +119,7 @@ static void filters_pass_their_share_by_each_number(void **state)
     }
 }
 
-/* Cells are quarters of u and of v, half open, and what lies outside belongs to the first or last. */
+/* Cells are quarters of u and of v, half open; what lies outside belongs to the first or last. */
 static void cells_are_quarters_half_open(void **state)
 {
     (void)state;
