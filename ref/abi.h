@@ -100,61 +100,6 @@ struct hit {
 };
 ABI_SIZE(struct hit, 16)
 
-/* --- worlds: ref/world/world.h --------------------------------------------------------------- */
-
-#define ABI_CUSTOM_MOST 0xFFFFFFu /* largest custom index of an instance */
-
-/* Flags of an instance; the values of VkGeometryInstanceFlagBitsKHR. */
-#define ABI_INSTANCE_CULL_DISABLE    1u
-#define ABI_INSTANCE_FLIP_FACING     2u
-#define ABI_INSTANCE_FORCE_OPAQUE    4u
-#define ABI_INSTANCE_FORCE_NO_OPAQUE 8u
-#define ABI_INSTANCE_FLAGS           15u
-
-/* Flags of a ray; the values of SPIR-V's ray flags. */
-#define ABI_RAY_OPAQUE         0x01u
-#define ABI_RAY_NO_OPAQUE      0x02u
-#define ABI_RAY_FIRST          0x04u /* ends at the first confirmed hit, like ABI_QUERY_ANY */
-#define ABI_RAY_SKIP_CLOSEST   0x08u /* no closest-hit shader: of no meaning to a query */
-#define ABI_RAY_CULL_BACK      0x10u
-#define ABI_RAY_CULL_FRONT     0x20u
-#define ABI_RAY_CULL_OPAQUE    0x40u
-#define ABI_RAY_CULL_NO_OPAQUE 0x80u
-#define ABI_RAY_SKIP_TRIANGLES 0x100u
-#define ABI_RAY_FLAGS          0x1FFu
-
-/* Filters, and the cells of one along u and along v. */
-#define ABI_FILTER_ALL       0u
-#define ABI_FILTER_NONE      1u
-#define ABI_FILTER_TRIANGLES 2u
-#define ABI_FILTER_CELLS     3u
-#define ABI_FILTER_GRID      4u
-
-#define ABI_INSTANCE_IDENTITY 16u /* instance_record.flags: rays are not transformed */
-
-/* An instance as engines read it. ref/world/transform.h says what w and t are for. */
-struct instance_record {
-    float w[9]; /* the inverse of M, row by row */
-    float t[3];
-    U32 first;       /* number of its first placed triangle */
-    U32 mesh;        /* 0xFFFFFFFF: inactive */
-    U32 custom_mask; /* custom index; in the upper 8 bits the mask */
-    U32 flags;       /* ABI_INSTANCE_* */
-};
-ABI_SIZE(struct instance_record, 64)
-
-/* What a ray of a world may meet. */
-struct ray_mode {
-    U32 mask;  /* 8 bits */
-    U32 flags; /* ABI_RAY_* */
-};
-ABI_SIZE(struct ray_mode, 8)
-
-/* What a hit in a world says besides struct hit: the custom index of its instance, and which side
- * was seen. 0 for a miss. */
-#define ABI_TAG_CUSTOM 0xFFFFFFu
-#define ABI_TAG_FRONT  0x80000000u
-
 /* Push constants of the tracing shaders. */
 struct push {
     U32 ray_count;

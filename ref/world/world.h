@@ -10,7 +10,7 @@
 #ifndef WORLD_H
 #define WORLD_H
 
-#include "ref/abi.h"
+#include "ref/abi_world.h"
 #include "ref/scene/scene.h"
 
 /* The triangles first .. first + count - 1 of a mesh. */

@@ -9,10 +9,10 @@
  * t: it counts in multiples of the direction, whatever the transform does to its length.
  * An instance at the identity (ABI_INSTANCE_IDENTITY) takes the ray as it is: the sums above would
  * turn -0 into 0 and may flush subnormals. */
-#ifndef TRANSFORM_H
-#define TRANSFORM_H
+#ifndef OBJECT_RAY_H
+#define OBJECT_RAY_H
 
-#include "ref/abi.h"
+#include "ref/abi_world.h"
 #include "ref/base/base.h"
 
 /* The ray in the space of the mesh of `instance`. */
