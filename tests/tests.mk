@@ -45,6 +45,7 @@ $(TRIAL_TESTS): TEST_LIBS += $(GMP_LIBS)
 
 $(B)/tests/test_scatter: $(B)/obj/tests/trace/scatter_truth.o
 $(B)/tests/test_scatter: TEST_LIBS += $(GMP_LIBS)
+$(addprefix $(B)/tests/test_world_,inverse boxes): TEST_LIBS += $(GMP_LIBS)
 
 # Published triangle tests, compiled with the flags of their users.
 $(B)/tests/test_judge_blackbox $(B)/tests/test_match_edges: $(addprefix $(B)/obj/tests/judge/,honest_plain.o honest_fast.o)

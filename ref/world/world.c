@@ -223,9 +223,14 @@ uint32_t world_instance_of(const struct world *world, uint32_t prim)
 
 struct place world_place(const struct world *world, uint32_t prim)
 {
-    struct place place = {.instance = world_instance_of(world, prim)};
-    place.mesh = world->instance[place.instance].mesh;
-    place.prim = prim - world->first[place.instance];
+    uint32_t instance = world_instance_of(world, prim);
+    return world_place_in(world, instance, prim - world->first[instance]);
+}
+
+struct place world_place_in(const struct world *world, uint32_t instance, uint32_t prim)
+{
+    struct place place = {
+        .instance = instance, .mesh = world->instance[instance].mesh, .prim = prim};
     const struct world_mesh *mesh = &world->mesh[place.mesh];
     uint32_t from = 0, to = mesh->geometry_count;
     while (to - from > 1) {

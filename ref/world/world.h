@@ -100,6 +100,9 @@ static inline uint32_t world_tri_count(const struct world *world)
 /* Where placed triangle `prim` is, which is below world_tri_count. */
 struct place world_place(const struct world *world, uint32_t prim);
 
+/* The same of triangle `prim` of the mesh of an instance, which has that triangle. */
+struct place world_place_in(const struct world *world, uint32_t instance, uint32_t prim);
+
 /* The instance that placed triangle `prim` belongs to. */
 uint32_t world_instance_of(const struct world *world, uint32_t prim);
 
