@@ -512,7 +512,7 @@ expect 0 . scene convert "$dir/b.json" "$dir/c.obj"
 grep -q 'not kept' "$dir/out" || bad "convert says what the format cannot hold"
 expect 0 . scene convert "$dir/c.obj" "$dir/d.ply"
 cmp -s "$dir/a.ply" "$dir/d.ply" || bad "a scene keeps every bit through all formats"
-expect 2 'unknown ending' scene convert soup "$dir/x.stl"
+expect 2 'unknown ending' scene convert soup "$dir/x.off"
 expect 2 'cannot write' scene convert soup "$dir/no-such-folder/x.ply"
 [ -z "$(ls "$dir" | grep -i tmp)" ] || bad "a temporary file was left behind"
 
