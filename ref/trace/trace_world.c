@@ -2,7 +2,7 @@
 
 #include "ref/trace/trace_walk.h"
 #include "ref/two_level/packed_world.h"
-#include "ref/world/transform.h"
+#include "ref/world/object_ray.h"
 
 /* A walk through both levels. The bottom's walk starts anew in every instance, but for its best hit
  * and its list. */

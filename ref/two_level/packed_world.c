@@ -1,7 +1,7 @@
 #include "ref/two_level/packed_world.h"
 
 #include "ref/store.h"
-#include "ref/world/transform.h"
+#include "ref/world/object_ray.h"
 
 #include <stdlib.h>
 #include <string.h>

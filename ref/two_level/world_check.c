@@ -2,7 +2,7 @@
 
 #include "ref/packed/packed_check.h"
 #include "ref/world/placed.h"
-#include "ref/world/transform.h"
+#include "ref/world/object_ray.h"
 
 #include <stdarg.h>
 #include <stdio.h>

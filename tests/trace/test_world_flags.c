@@ -3,7 +3,7 @@
 #include "ref/store.h"
 #include "ref/trace/trace_world.h"
 #include "ref/two_level/world_check.h"
-#include "ref/world/transform.h"
+#include "ref/world/object_ray.h"
 #include "tests/trace/world_fixture.h"
 
 #include <setjmp.h>

@@ -1,6 +1,6 @@
 /* Inverses of transforms against rationals: each number is the nearest float32, ties to even. */
 #include "ref/base/rng.h"
-#include "ref/world/transform.h"
+#include "ref/world/object_ray.h"
 #include "ref/world/world.h"
 
 #include <float.h>

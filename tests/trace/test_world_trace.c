@@ -3,7 +3,7 @@
 #include "ref/store.h"
 #include "ref/trace/trace_world.h"
 #include "ref/two_level/world_check.h"
-#include "ref/world/transform.h"
+#include "ref/world/object_ray.h"
 #include "tests/trace/world_fixture.h"
 
 #include <setjmp.h>
@@ -15,7 +15,7 @@
 
 #include "tests/trace/world_stand.h"
 
-/* The ray in the space of a mesh, as ref/world/transform.h has it, written once more. */
+/* The ray in the space of a mesh, as ref/world/object_ray.h has it, written once more. */
 static struct ray moved(const struct instance *instance, const struct ray *ray)
 {
     struct ray out = *ray;

@@ -1,4 +1,4 @@
-#include "ref/world/transform.h"
+#include "ref/world/object_ray.h"
 
 #include "ref/integers/fraction.h"
 #include "ref/integers/oracle_grid.h"
