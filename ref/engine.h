@@ -2,6 +2,7 @@
 #ifndef ENGINE_H
 #define ENGINE_H
 
+#include "ref/abi_world.h"
 #include "ref/layout.h"
 #include "ref/primitives/primitives.h"
 

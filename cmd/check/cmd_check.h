@@ -10,8 +10,10 @@
 /* One scene and all its rows. */
 struct check_scene {
     const char *spec;
-    uint32_t tri_count, vertex_count;
-    double move; /* --move: extents; 0: nothing moved */
+    uint32_t tri_count, vertex_count; /* of a world: placed ones */
+    uint32_t instance_count;          /* of a world; 0: a scene */
+    const char *modes;                /* of a world: what rays may meet; else NULL */
+    double move;                      /* --move: extents; 0: nothing moved */
     const char *rays;
     size_t ray_count;
     uint64_t seed;
@@ -66,12 +68,32 @@ enum status check_write_json(const char *path, const struct check_scene *scene, 
                              const struct turnout *turnout, int exit_code,
                              struct reason *reason) MUST_USE;
 
+struct check_options;
+
+/* A scene or a world, and rays into it. */
+struct check_subject {
+    struct scene scene, rest; /* rest: before --move */
+    struct world world;
+    bool is_world; /* else a scene */
+    struct ray *ray;
+    struct ray_mode *mode; /* of a world */
+};
+
+/* Opens what a text names, draws rays and fills in the members of `result` that say what it is.
+ * Errors: as world_open, world_bake and ray_set_new; STATUS_INPUT an option that is of worlds
+ * alone, or of scenes alone. On error *out is to be freed, too. */
+enum status check_open(const struct check_options *options, const char *spec,
+                       struct check_scene *result, struct check_subject *out,
+                       struct reason *reason) MUST_USE;
+void check_close(struct check_subject *subject);
+
 /* Values of the options. */
 struct check_options {
     struct list layout, store, engine, builder, box, tri, query;
     bool layout_auto, layout_named, engine_named; /* engine_named: not by "all" */
     struct build_options build;
-    size_t rays;
+    size_t rays, modes;
+    bool modes_named;
     uint64_t count, seed, repeats, brute, brute_rays, bits; /* bits 0: not given */
     struct engine_options engines;
     float move;

@@ -17,6 +17,9 @@ static enum status take_layouts(void *options, const struct option_value *given,
 
 #define ROWS_OF struct check_options
 
+/* As ray_modes_name. */
+static const char *const modes[] = {"all", "mixed", "drawn", NULL};
+
 static const struct option_row rows[] = {
     {"layout", "L,..",
      "layouts, or patterns such as 'bvh8_*'; 'all' that products run over, 'every' one, or 'auto' "
@@ -39,6 +42,10 @@ static const struct option_row rows[] = {
     {"query", "Q,..", "closest, any, all (every triangle along the ray)",
      OF_LIST(query, TABLE_QUERIES), .value = "closest"},
     {"rays", "SET", "ray set", OF_ONE(rays, TABLE_RAY_SETS), .value = "mixed"},
+    {"modes", "M",
+     "of a world, what rays may meet: all of it, what masks and flags drawn at random admit, or "
+     "mixed: every second ray",
+     OF_CHOICE(modes, modes), .value = "mixed"},
     {"count", "N", "rays, 1 or more; 1e6 is accepted", OF_COUNT(count, 1, 1u << 30),
      .value = "100000"},
     SEED_ROW(seed),

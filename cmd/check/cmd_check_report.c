@@ -263,8 +263,13 @@ static void print_tree(const struct row *row)
 void check_print(const struct check_scene *scene, const struct screen *screen)
 {
     const struct row *first = scene->row_count ? &scene->row[0] : NULL;
-    printf("%s: %u triangles, %u vertices; %zu rays, set %s, seed %llu\n", scene->spec,
-           scene->tri_count, scene->vertex_count, scene->ray_count, scene->rays,
+    char instances[32] = "", modes[32] = "";
+    if (scene->modes) {
+        snprintf(instances, sizeof instances, "%u instances, ", scene->instance_count);
+        snprintf(modes, sizeof modes, ", modes %s", scene->modes);
+    }
+    printf("%s: %s%u triangles, %u vertices; %zu rays, set %s%s, seed %llu\n", scene->spec,
+           instances, scene->tri_count, scene->vertex_count, scene->ray_count, scene->rays, modes,
            (unsigned long long)scene->seed);
     for (size_t i = 0; i < scene->row_count; i++)
         if (scene->row[i].status == ROW_OK && scene->row[i].layout) {

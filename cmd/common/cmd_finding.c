@@ -29,7 +29,7 @@ bool finding_command(const struct row *row, const struct finding *finding, const
     /* One run cannot explain answers that vary, and a closest hit cannot explain a whole list. */
     if (kind == WRONG_NOT_REPEATABLE || kind == WRONG_TWICE || kind == WRONG_ORDER)
         return false;
-    if (row->options.rest) /* explain cannot move the scene */
+    if (row->options.rest || row->of_world) /* explain has neither motion nor worlds */
         return false;
     if (row->options.store && row->options.store->head)
         return false; /* no file has the decoded scene */
@@ -56,6 +56,28 @@ void finding_line(const struct finding *finding, char *line, size_t line_bytes)
         judge_line(&finding->ray, &finding->judgement, &finding->got, line, line_bytes);
 }
 
+static void print_place(const char *what, uint32_t prim, const struct place *place)
+{
+    if (prim == ABI_NO_PRIM)
+        printf(", %s a miss", what);
+    else
+        printf(", %s instance %u geometry %u triangle %u", what, place->instance, place->geometry,
+               place->tri);
+}
+
+/* A second line: what the ray may meet, and where the triangles are. */
+static void print_world(const struct finding *finding)
+{
+    const struct world_finding *w = &finding->world;
+    printf("  world: mask 0x%02X flags 0x%X", w->mode.mask, w->mode.flags);
+    print_place("answered", finding->got.prim, &w->got);
+    if (finding->got.prim != ABI_NO_PRIM)
+        printf(" custom %u %s", w->tag & ABI_TAG_CUSTOM, w->tag & ABI_TAG_FRONT ? "front" : "back");
+    print_place("expected", finding->bits ? finding->expected.prim : finding->judgement.expected,
+                &w->expected);
+    printf("\n");
+}
+
 void finding_print(const struct row *row, const struct finding *finding, const char *spec,
                    uint64_t seed, const char *driver)
 {
@@ -65,6 +87,8 @@ void finding_print(const struct row *row, const struct finding *finding, const c
            finding->bits ? "differ from engine cpu's:" : wrong_name(finding->judgement.wrong),
            query_name(row->options.query), row->engine->name, row->layout ? row->layout->name : "-",
            row->options.tri->name, finding->ray_index, line);
+    if (finding->world.is)
+        print_world(finding);
     if (finding_command(row, finding, spec, seed, driver, command))
         printf("  explain: %s\n", command);
 }
