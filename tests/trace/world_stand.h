@@ -81,7 +81,8 @@ static inline struct ray stand_ray(const struct box *box, uint64_t seed, uint64_
 }
 
 /* Ray `number` towards an instance of a packed world that is active, from around it or from around
- * all. */
+ * all. It does not go on for thousands of sizes: from so far triangle tests hit what is not there,
+ * and boxes do not keep that. */
 static inline struct ray stand_aim(const struct packed_world *packed, uint64_t seed,
                                    uint64_t number)
 {
@@ -95,7 +96,9 @@ static inline struct ray stand_aim(const struct packed_world *packed, uint64_t s
     while (packed->record[at].mesh == WORLD_NO_MESH);
     struct ray near = stand_ray(&packed->box[at], seed, number);
     struct ray far = stand_ray(&all, seed, number);
-    for (int k = 0; k < 3 && number % 2; k++) {
+    bool wide = box_half_area(&all) > 1e6 * box_half_area(&packed->box[at]);
+    near.tmax = wide ? 100 : near.tmax;
+    for (int k = 0; k < 3 && number % 2 && !wide; k++) {
         near.dir[k] += near.org[k] - far.org[k];
         near.org[k] = far.org[k];
     }
