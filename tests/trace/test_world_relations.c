@@ -78,6 +78,14 @@ static struct ray whole_ray(const struct scene *baked, uint64_t seed, uint64_t n
     return ray;
 }
 
+/* The same numbers: a mirror changes signs of zeros. */
+static void assert_same_hits(const struct hit *a, const struct hit *b, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        assert_true(a[i].t == b[i].t && a[i].u == b[i].u && a[i].v == b[i].v &&
+                    a[i].prim == b[i].prim);
+}
+
 static uint32_t assert_baked(const struct world *world, const struct scene *baked,
                              const struct packed_world *packed, const struct tri_test *tri,
                              const struct ray *ray)
@@ -90,7 +98,7 @@ static uint32_t assert_baked(const struct world *world, const struct scene *bake
     uint32_t same =
         trace_world_brute_all(world, record, tri, ray, ray_mode_all(), TRIS, placed, tags);
     assert_int_equal(same, count);
-    assert_memory_equal(placed, hits, count * sizeof *hits);
+    assert_same_hits(placed, hits, count);
     struct world_job job = stand_job(world, packed, QUERY_CLOSEST);
     job.tri = tri;
     stand_all(&job, ray, ray_mode_all(), &all);
