@@ -3,7 +3,7 @@
 #include "ref/store.h"
 #include "ref/trace/trace_world.h"
 #include "ref/two_level/world_check.h"
-#include "tests/trace/world_fixture.h"
+#include "tests/two_level/world_fixture.h"
 
 #include <float.h>
 #include <setjmp.h>
@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <cmocka.h>
 
-#include "tests/trace/world_stand.h"
+#include "tests/two_level/world_stand.h"
 
 /* Two meshes, one of them in two geometries; instances of all kinds, some not active. */
 static struct world mixed_world(uint32_t count)

@@ -1,12 +1,12 @@
 /* A world with its trees, packed, and rays at it. Include after cmocka.h. */
-#ifndef TRACE_WORLD_STAND_H
-#define TRACE_WORLD_STAND_H
+#ifndef TWO_LEVEL_WORLD_STAND_H
+#define TWO_LEVEL_WORLD_STAND_H
 
 #include "ref/store.h"
 #include "ref/trace/trace_world.h"
 #include "ref/two_level/packed_world.h"
 #include "ref/two_level/world_check.h"
-#include "tests/trace/world_fixture.h"
+#include "tests/two_level/world_fixture.h"
 
 #include <string.h>
 
