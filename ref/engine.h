@@ -113,8 +113,8 @@ struct frame_renderer {
 struct world_tracer {
     /* As engine.prepare, and apart from it: after either, only traces of that kind are allowed. */
     enum status (*prepare_world)(void *self, const struct world_job *job, struct reason *reason);
-    /* As engine.trace. Ray i meets what mode[i] lets it meet; modes have passed ray_mode_check; NULL:
-     * ray_mode_all() for every ray. hit[i].prim is the number of a placed triangle
+    /* As engine.trace. Ray i meets what mode[i] lets it meet; modes have passed ray_mode_check;
+     * NULL: ray_mode_all() for every ray. hit[i].prim is the number of a placed triangle
      * (ref/world/world.h), tag[i] what ref/abi.h has under ABI_TAG_CUSTOM; 0 for a miss. */
     enum status (*trace_world)(void *self, const struct ray *ray, const struct ray_mode *mode,
                                size_t ray_count, struct hit *hit, uint32_t *tag,

@@ -1,5 +1,5 @@
-/* Worlds for the engines that trace single rays in C (ref/engines/cpu_rays.h), which opens and closes
- * them. */
+/* Worlds for the engines that trace single rays in C (ref/engines/cpu_rays.h), which opens and
+ * closes them. */
 #ifndef CPU_WORLDS_H
 #define CPU_WORLDS_H
 

@@ -11,12 +11,14 @@
  *   test takes the box of its root for the extent of the world. Items of its leaves are instances,
  *   in slot order. An instance that world_meets() refuses is skipped. For others the ray is
  *   transformed (transform_ray) and traverses the tree of the mesh as trace_ray does, with the same
- *   box test, from the test of its root's box on; the watertight test takes that box for the extent.
- *   The best hit, its t and so the end of the range are carried from instance to instance.
+ *   box test, from the test of its root's box on; the watertight test takes that box for the
+ *   extent. The best hit, its t and so the end of the range are carried from instance to instance.
+ *
  *   A triangle that passes the triangle test in range, and is nearer than the best hit, is a
  *   candidate: at equal t the first found stays. A candidate becomes the best hit if it is neither
  *   culled (world_culls) nor, if it is not opaque (world_is_opaque), passed over by the filter
  *   (filter_passes); otherwise it changes nothing.
+ *
  *   Facing is the sign of candidate_side (ref/trace/candidate.h) of the transformed direction; 0
  *   and NaN, which arise only by rounding, count as positive.
  * The ray ends at the first hit of QUERY_ANY, and so it does of QUERY_CLOSEST with ABI_RAY_FIRST.
@@ -24,9 +26,9 @@
  *   tag     custom index of its instance, ABI_TAG_FRONT if the front is seen; 0 for a miss
  *   counts  may be NULL; added to
  * An exact hit lies in the exact box of its instance. So instances that are entered at one place
- * need boxes that contain their placed triangles exactly, and no more allowance than that of the box
- * test: an error of the transform moves the ray in the space of the mesh, where the bottom's boxes
- * are tested with the moved ray.
+ * need boxes that contain their placed triangles exactly, and no more allowance than that of the
+ * box test: an error of the transform moves the ray in the space of the mesh, where the bottom's
+ * boxes are tested with the moved ray.
  * Returns STATUS_OK; STATUS_LIMIT as trace_ray, of either level: then *out is a miss, *tag 0. */
 enum status trace_world_ray(const struct world_job *job, const struct ray *ray,
                             struct ray_mode mode, struct hit *out, uint32_t *tag,

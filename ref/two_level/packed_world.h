@@ -6,8 +6,8 @@
 #include "ref/layout.h"
 #include "ref/two_level/world_trees.h"
 
-/* Owns its arrays (see packed_world_free). Items of `top` are numbers of instances and are stored by
- * `indexed`; items of bottom[m] are triangles of mesh m. An instance that is not active
+/* Owns its arrays (see packed_world_free). Items of `top` are numbers of instances and are stored
+ * by `indexed`; items of bottom[m] are triangles of mesh m. An instance that is not active
  * (world_is_active) is in no leaf and keeps its number. */
 struct packed_world {
     struct packed top;
@@ -21,11 +21,11 @@ struct packed_world {
     bool split; /* a bottom is from a split tree: all hits can list a triangle twice */
 };
 
-/* Packs the trees of a world. Layouts as published (layout.faithful) have their faults as tops, too:
- * they lose the last instance. Errors, each with the level or the mesh it is about: those of
+/* Packs the trees of a world. Layouts as published (layout.faithful) have their faults as tops,
+ * too: they lose the last instance. Errors, each with the level or the mesh it is about: those of
  * world_records_make; those of packed_make_stored, which has the limits of the layouts: where it
- * names triangles of the top these are instances; STATUS_LIMIT a stack over packed_world_stack_most;
- * STATUS_MEMORY. */
+ * names triangles of the top these are instances; STATUS_LIMIT a stack over
+ * packed_world_stack_most; STATUS_MEMORY. */
 enum status packed_world_make(const struct world *world, const struct world_trees *trees,
                               const struct layout *top, const struct layout *bottom,
                               const struct tri_store *store, struct packed_world *out,
@@ -33,9 +33,9 @@ enum status packed_world_make(const struct world *world, const struct world_tree
 
 void packed_world_free(struct packed_world *packed); /* a zero one is fine */
 
-/* Makes the records of all instances, instance_count of them; that of an instance that is not active
- * has no inverse, zeros, and mesh WORLD_NO_MESH. Caller frees *out. Errors: STATUS_LIMIT the inverse
- * of a transform is beyond float32, with the instance; STATUS_MEMORY. */
+/* Makes the records of all instances, instance_count of them; that of an instance that is not
+ * active has no inverse, zeros, and mesh WORLD_NO_MESH. Caller frees *out. Errors: STATUS_LIMIT the
+ * inverse of a transform is beyond float32, with the instance; STATUS_MEMORY. */
 enum status world_records_make(const struct world *world, struct instance_record **out,
                                struct reason *reason) MUST_USE;
 

@@ -30,9 +30,9 @@ struct world_faults {
 /* Checks that each record is that of its instance, bit for bit; that each box contains M v + T of
  * every vertex of every triangle of its instance, by integers; that the top and every bottom pass
  * packed_check, so that each active instance is reached once, each triangle of a mesh in its bottom
- * (in a split one every part of it), and nothing else; that the stack is as large as needed. Returns
- * STATUS_OK if it finds no fault, else STATUS_INPUT with the first fault in `reason`; *faults (may be
- * NULL) has the counts. STATUS_MEMORY leaves *faults zero. */
+ * (in a split one every part of it), and nothing else; that the stack is as large as needed.
+ * Returns STATUS_OK if it finds no fault, else STATUS_INPUT with the first fault in `reason`;
+ * *faults (may be NULL) has the counts. STATUS_MEMORY leaves *faults zero. */
 enum status world_pack_check(const struct world *world, const struct packed_world *packed,
                              struct world_faults *faults, struct reason *reason) MUST_USE;
 

@@ -1,10 +1,9 @@
-/* Two levels against none: rays transformed here by the contract and traced through each mesh alone,
- * the brute traversal, and the trees, in all layouts of both levels. */
+/* Worlds at their ends: nothing in them, instances that no ray meets, very many, equally near ones,
+ * ranges, stacks that are too short. */
 #include "ref/store.h"
 #include "ref/trace/trace_world.h"
 #include "ref/two_level/world_check.h"
-#include "ref/world/object_ray.h"
-#include "tests/trace/world_fixture.h"
+#include "tests/two_level/world_fixture.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,193 +12,8 @@
 #include <stdlib.h>
 #include <cmocka.h>
 
-#include "tests/trace/world_stand.h"
-
-/* The ray in the space of a mesh, as ref/world/object_ray.h has it, written once more. */
-static struct ray moved(const struct instance *instance, const struct ray *ray)
-{
-    struct ray out = *ray;
-    float w[9];
-    if (instance_is_identity(instance))
-        return out;
-    assert_int_equal(transform_inverse(instance->m, w, NULL), STATUS_OK);
-    const float x = ray->org[0] - instance->m[0][3], y = ray->org[1] - instance->m[1][3],
-                z = ray->org[2] - instance->m[2][3];
-    for (int k = 0; k < 3; k++) {
-        const float *row = w + 3 * k;
-        float a = row[0] * x, b = row[1] * y, c = row[2] * z;
-        out.org[k] = (a + b) + c;
-        a = row[0] * ray->dir[0], b = row[1] * ray->dir[1], c = row[2] * ray->dir[2];
-        out.dir[k] = (a + b) + c;
-    }
-    return out;
-}
-
-/* The nearest hit of all instances, each traced alone; the first of equal ones. */
-static struct hit nearest(const struct world *world, const struct tri_test *tri,
-                          const struct ray *ray)
-{
-    struct hit best = hit_none();
-    for (uint32_t i = 0; i < world->instance_count; i++) {
-        struct ray inside = moved(&world->instance[i], ray);
-        struct hit hit;
-        trace_brute(world_scene(world, i), tri, QUERY_CLOSEST, &inside, &hit);
-        if (hit.prim == ABI_NO_PRIM || (best.prim != ABI_NO_PRIM && !(hit.t < best.t)))
-            continue;
-        best = hit;
-        best.prim += world->first[i];
-    }
-    return best;
-}
-
-static struct instance_record *records(const struct world *world)
-{
-    struct instance_record *record;
-    assert_int_equal(world_records_make(world, &record, NULL), STATUS_OK);
-    return record;
-}
-
-static void brute_is_each_mesh_alone(void **state)
-{
-    (void)state;
-    for (uint32_t kind = 0; kind < WORLD_KINDS; kind++) {
-        struct world world = fixture_world("soup:n=12,size=0.5", kind, 9, kind);
-        struct packed_world packed = stand_world(&world, "f32");
-        struct instance_record *record = records(&world);
-        uint32_t hits = 0, later = 0;
-        for (size_t t = 0; tri_tests[t]; t++)
-            for (uint64_t i = 0; i < STAND_RAYS; i++) {
-                struct ray ray = stand_aim(&packed, kind, i);
-                struct hit expected = nearest(&world, tri_tests[t], &ray);
-                struct tagged hit;
-                trace_world_brute(&world, record, tri_tests[t], QUERY_CLOSEST, &ray, ray_mode_all(),
-                                  &hit.hit, &hit.tag);
-                assert_memory_equal(&hit.hit, &expected, sizeof expected);
-                hits += hit.hit.prim != ABI_NO_PRIM;
-                later += hit.hit.prim != ABI_NO_PRIM && hit.hit.prim >= 12;
-                if (hit.hit.prim == ABI_NO_PRIM)
-                    assert_int_equal(hit.tag, 0);
-                else
-                    assert_int_equal(hit.tag & ABI_TAG_CUSTOM,
-                                     world.instance[hit.hit.prim / 12].custom);
-            }
-        assert_true(hits > 100);
-        assert_true(kind == WORLD_SAME || later > 50);
-        free(record);
-        packed_world_free(&packed);
-        world_free(&world);
-    }
-}
-
-/* --- trees against none ----------------------------------------------------------------------- */
-
-/* What a world looks like without trees. */
-struct brute_answers {
-    struct tagged nearest;
-    struct tagged_list all;
-};
-
-static void brute_answer(const struct world *world, const struct instance_record *record,
-                         const struct tri_test *tri, const struct ray *ray,
-                         struct brute_answers *out)
-{
-    static struct hit hit[STAND_LIST];
-    static uint32_t tag[STAND_LIST];
-    trace_world_brute(world, record, tri, QUERY_CLOSEST, ray, ray_mode_all(), &out->nearest.hit,
-                      &out->nearest.tag);
-    out->all.count =
-        trace_world_brute_all(world, record, tri, ray, ray_mode_all(), STAND_LIST, hit, tag);
-    assert_true(out->all.count <= STAND_LIST);
-    tagged_fill(&out->all, hit, tag, false);
-}
-
-static bool is_listed(const struct tagged_list *all, const struct tagged *hit)
-{
-    for (uint32_t i = 0; i < all->count; i++)
-        if (memcmp(&all->entry[i], hit, sizeof *hit) == 0)
-            return true;
-    return false;
-}
-
-/* The same answers but for the choice among equally near hits. */
-static void assert_answers(struct world_job job, const struct ray *ray,
-                           const struct brute_answers *expected)
-{
-    static struct tagged_list all;
-    job.query = QUERY_CLOSEST;
-    struct tagged hit = stand_trace(&job, ray, ray_mode_all());
-    if (float_bits(hit.hit.t) != float_bits(expected->nearest.hit.t) ||
-        (hit.hit.prim == ABI_NO_PRIM) != (expected->all.count == 0))
-        fail_msg("%s over %s: triangle %u at %a, without trees %u at %a",
-                 job.packed->top.layout->name, job.packed->bottom->layout->name, hit.hit.prim,
-                 (double)hit.hit.t, expected->nearest.hit.prim, (double)expected->nearest.hit.t);
-    assert_true(hit.hit.prim == ABI_NO_PRIM || is_listed(&expected->all, &hit));
-    stand_all(&job, ray, ray_mode_all(), &all);
-    assert_int_equal(all.count, expected->all.count);
-    assert_memory_equal(all.entry, expected->all.entry, all.count * sizeof *all.entry);
-    job.query = QUERY_ANY;
-    hit = stand_trace(&job, ray, ray_mode_all());
-    assert_int_equal(hit.hit.prim != ABI_NO_PRIM, expected->all.count > 0);
-    assert_true(hit.hit.prim == ABI_NO_PRIM || is_listed(&expected->all, &hit));
-}
-
-static void assert_trees(const struct world *world, const char *builder, const char *top,
-                         const char *bottom, uint64_t seed, uint32_t rays)
-{
-    static struct brute_answers expected;
-    struct world_trees trees = stand_trees(world, builder, 2);
-    struct packed_world packed = stand_packed(world, &trees, top, bottom);
-    struct instance_record *record = records(world);
-    struct world_job job = stand_job(world, &packed, QUERY_CLOSEST);
-    uint32_t hits = 0;
-    static const char *const tests[] = {"mt", "woop"};
-    for (uint64_t i = 0; i < rays; i++) {
-        struct ray ray = stand_aim(&packed, seed, i);
-        job.tri = tri_test_find(tests[i % 2]);
-        brute_answer(world, record, job.tri, &ray, &expected);
-        assert_answers(job, &ray, &expected);
-        hits += expected.all.count > 0;
-    }
-    assert_true(hits > rays / 8);
-    free(record);
-    packed_world_free(&packed);
-    world_trees_free(&trees);
-}
-
-/* The published builder cuts boxes, so that its trees lose hits. */
-static void trees_of_every_builder_lose_nothing(void **state)
-{
-    (void)state;
-    for (uint32_t kind = 0; kind < WORLD_KINDS; kind++) {
-        struct world world = fixture_world("soup:n=30,size=0.4", kind, 25, 40 + kind);
-        for (size_t b = 0; builders_all[b]; b++)
-            if (!builders_all[b]->faithful)
-                assert_trees(&world, builders_all[b]->name, "f32", "f32", 100 + kind, 64);
-        world_free(&world);
-    }
-}
-
-static void every_layout_is_a_top_and_a_bottom(void **state)
-{
-    (void)state;
-    struct world world = fixture_world("soup:n=30,size=0.4", WORLD_TURNED, 25, 3);
-    uint32_t count = 0;
-    for (size_t i = 0; layouts_all[i]; i++) {
-        const char *name = layouts_all[i]->name;
-        if (layouts_all[i]->faithful)
-            continue;
-        assert_trees(&world, "median", name, "f32", 200, 32);
-        assert_trees(&world, "median", "f32", name, 201, 32);
-        assert_trees(&world, "median", name, name, 202, 32);
-        assert_trees(&world, "median", name,
-                     layouts_all[i / 2]->faithful ? "cwbvh80" : layouts_all[i / 2]->name, 203, 32);
-        count++;
-    }
-    assert_true(count > 50);
-    world_free(&world);
-}
-
-/* --- corners ---------------------------------------------------------------------------------- */
+#include "tests/two_level/world_stand.h"
+#include "tests/two_level/world_against_brute.h"
 
 static void assert_misses(const struct world *world)
 {
@@ -411,9 +225,6 @@ static void short_stacks_are_noticed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(brute_is_each_mesh_alone),
-        cmocka_unit_test(trees_of_every_builder_lose_nothing),
-        cmocka_unit_test(every_layout_is_a_top_and_a_bottom),
         cmocka_unit_test(nothing_is_met_where_nothing_is),
         cmocka_unit_test(inactive_instances_keep_their_numbers),
         cmocka_unit_test(many_small_instances),
@@ -421,5 +232,5 @@ int main(void)
         cmocka_unit_test(ranges_are_those_of_the_world),
         cmocka_unit_test(short_stacks_are_noticed),
     };
-    return cmocka_run_group_tests_name("world_trace", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("world_corners", tests, NULL, NULL);
 }

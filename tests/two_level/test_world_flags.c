@@ -4,7 +4,7 @@
 #include "ref/trace/trace_world.h"
 #include "ref/two_level/world_check.h"
 #include "ref/world/object_ray.h"
-#include "tests/trace/world_fixture.h"
+#include "tests/two_level/world_fixture.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <cmocka.h>
 
-#include "tests/trace/world_stand.h"
+#include "tests/two_level/world_stand.h"
 
 /* Several meshes and geometries, instances of all flags and masks. */
 static struct world mixed_world(uint64_t seed, enum filter_kind filter)
@@ -337,67 +337,6 @@ static void a_cleared_mask_removes_the_instance(void **state)
     world_free(&world);
 }
 
-/* The first candidate of a ray is passed over, the second ends it. */
-static void a_ray_ends_at_the_first_that_counts(void **state)
-{
-    (void)state;
-    struct world world = fixture_room(1, 2);
-    fixture_mesh(&world, 0, "sphere:n=4", 1);
-    world.mesh->geometry->opaque = false;
-    world.instance[1].m[2][3] = -10;
-    world.instance[1].flags = ABI_INSTANCE_FORCE_OPAQUE;
-    world.filter.kind = FILTER_NONE;
-    fixture_finish(&world);
-    struct packed_world packed = stand_world(&world, "f32");
-    struct world_job job = stand_job(&world, &packed, QUERY_ANY);
-    struct ray ray = {.org = {0.1f, 0.2f, 5}, .dir = {0, 0, -1}, .tmax = STAND_TMAX};
-    for (int q = 0; q < 2; q++) {
-        job.query = q ? QUERY_ANY : QUERY_CLOSEST;
-        struct tagged hit = stand_trace(&job, &ray, (struct ray_mode){0xFF, ABI_RAY_FIRST});
-        assert_int_equal(world_instance_of(&world, hit.hit.prim), 1);
-        hit = stand_trace(&job, &ray, (struct ray_mode){0xFF, ABI_RAY_FIRST | ABI_RAY_NO_OPAQUE});
-        assert_int_equal(hit.hit.prim, ABI_NO_PRIM);
-        hit = stand_trace(&job, &ray, (struct ray_mode){0xFF, ABI_RAY_OPAQUE});
-        assert_int_equal(world_instance_of(&world, hit.hit.prim), 0);
-    }
-    packed_world_free(&packed);
-    world_free(&world);
-}
-
-/* It really ends: a ray through a row of instances meets one of them. */
-static void first_hits_save_work(void **state)
-{
-    (void)state;
-    struct world world = fixture_world("sphere:n=4", WORLD_SAME, 64, 1);
-    for (uint32_t i = 0; i < 64; i++)
-        world.instance[i].m[2][3] = -4 * (float)i;
-    fixture_finish(&world);
-    struct packed_world packed = stand_world(&world, "f32");
-    struct world_job job = stand_job(&world, &packed, QUERY_CLOSEST);
-    struct ray ray = {.org = {0.1f, 0.2f, -500}, .dir = {0, 0, 1}, .tmax = STAND_TMAX};
-    struct trace_counts one = {0, 0}, every = {0, 0};
-    struct tagged hit;
-    static struct hit hits[STAND_LIST];
-    static uint32_t tags[STAND_LIST];
-    uint32_t count;
-    assert_int_equal(trace_world_ray(&job, &ray, (struct ray_mode){0xFF, ABI_RAY_FIRST}, &hit.hit,
-                                     &hit.tag, &one),
-                     STATUS_OK);
-    assert_int_equal(trace_world_ray_all(&job, &ray, (struct ray_mode){0xFF, ABI_RAY_FIRST},
-                                         STAND_LIST, hits, tags, &count, &every),
-                     STATUS_OK);
-    assert_int_equal(count, 128);
-    assert_true(one.tris * 20 < every.tris && one.boxes * 8 < every.boxes);
-    /* The nearest hit ends the range for the instances behind it. */
-    struct trace_counts nearest = {0, 0};
-    assert_int_equal(trace_world_ray(&job, &ray, ray_mode_all(), &hit.hit, &hit.tag, &nearest),
-                     STATUS_OK);
-    assert_int_equal(world_instance_of(&world, hit.hit.prim), 63);
-    assert_true(nearest.tris * 10 < every.tris);
-    packed_world_free(&packed);
-    world_free(&world);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -406,8 +345,6 @@ int main(void)
         cmocka_unit_test(mirrors_change_no_facing),
         cmocka_unit_test(the_front_is_counterclockwise),
         cmocka_unit_test(a_cleared_mask_removes_the_instance),
-        cmocka_unit_test(a_ray_ends_at_the_first_that_counts),
-        cmocka_unit_test(first_hits_save_work),
     };
     return cmocka_run_group_tests_name("world_flags", tests, NULL, NULL);
 }

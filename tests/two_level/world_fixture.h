@@ -1,6 +1,6 @@
 /* Worlds for the tests of two levels. Include after cmocka.h, or without it. */
-#ifndef TRACE_WORLD_FIXTURE_H
-#define TRACE_WORLD_FIXTURE_H
+#ifndef TWO_LEVEL_WORLD_FIXTURE_H
+#define TWO_LEVEL_WORLD_FIXTURE_H
 
 #include "ref/base/rng.h"
 #include "ref/world/world.h"

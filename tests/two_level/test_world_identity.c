@@ -3,7 +3,7 @@
 #include "ref/store.h"
 #include "ref/trace/trace_world.h"
 #include "ref/two_level/world_check.h"
-#include "tests/trace/world_fixture.h"
+#include "tests/two_level/world_fixture.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <cmocka.h>
 
-#include "tests/trace/world_stand.h"
+#include "tests/two_level/world_stand.h"
 
 #define RAYS 40
 
