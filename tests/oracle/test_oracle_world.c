@@ -1,6 +1,6 @@
-/* The oracle of a world against GMP rationals, pair by pair, over kinds of transforms: class, range,
- * signs, enclosures, facing, what counts; the order of two hits; t as text. A few hundred pairs a
- * kind; RAYDIFF_SLOW=1: 10^6. */
+/* The oracle of a world against GMP rationals, pair by pair, over kinds of transforms: class,
+ * range, signs, enclosures, facing, what counts; the order of two hits; t as text. A few hundred
+ * pairs a kind; RAYDIFF_SLOW=1: 10^6. */
 #include "tests/exact/gmp_world.h"
 #include "tests/exact/oracle_batch.h"
 #include "tests/exact/pair_fault.h"
