@@ -18,8 +18,8 @@ bool spec_names(const char *spec, const char *name);
 enum status spec_values(const struct spec_maker *maker, const char *spec, double *value,
                         uint64_t *seed, struct reason *reason) MUST_USE;
 
-/* Checks one value per param. Errors: STATUS_LIMIT a value outside least..most or NaN; STATUS_INPUT a
- * fraction for a param of whole numbers. */
+/* Checks one value per param. Errors: STATUS_LIMIT a value outside least..most or NaN; STATUS_INPUT
+ * a fraction for a param of whole numbers. */
 enum status spec_check(const struct spec_maker *maker, const double *value,
                        struct reason *reason) MUST_USE;
 

@@ -36,8 +36,8 @@ enum status world_generator_make(const struct world_generator *generator, const 
  *   any text that scene_open takes    a world of one opaque mesh in one instance at the identity
  * Files that a world file names are in its folder or below; a generator there has the seed 1 if its
  * text gives none, so that files do not depend on `seed`. A world may be empty.
- * Errors: STATUS_INPUT one line with file, place and rule, also for world files that name each other
- * in a circle; STATUS_MEMORY. */
+ * Errors: STATUS_INPUT one line with file, place and rule, also for world files that name each
+ * other in a circle; STATUS_MEMORY. */
 enum status world_open(const char *spec, uint64_t seed, struct world *out,
                        struct reason *reason) MUST_USE;
 

@@ -23,8 +23,8 @@ enum status file_read(const char *path, char **bytes, size_t *size, struct reaso
 enum status file_read_most(const char *path, size_t most, char **bytes, size_t *size,
                            struct reason *reason) MUST_USE;
 
-/* As file_read for a file that is never zipped, whatever its first bytes, and that must be a regular
- * one: what another file names. */
+/* As file_read for what another file names: a regular file, which is never zipped, whatever its
+ * first bytes. */
 enum status file_read_stored(const char *path, char **bytes, size_t *size,
                              struct reason *reason) MUST_USE;
 

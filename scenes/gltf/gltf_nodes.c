@@ -161,16 +161,17 @@ static struct gltf_transform of_matrix(const double matrix[16])
 }
 
 /* Scales, then rotates, then translates. Dividing by the squared length makes it the rotation of
- * the quaternion of length 1 without a root. */
+ * the quaternion of length 1 without a root, and a quarter turn exact. */
 static struct gltf_transform of_parts(const struct node_read *read)
 {
-    const double *q = read->rotation, twice = 2 / length2(q);
+    const double *q = read->rotation, length = length2(q), w2 = q[3] * q[3];
     struct gltf_transform out;
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
-        out.m[i][i] = (1 - twice * (q[j] * q[j] + q[k] * q[k])) * read->scale[i];
-        out.m[i][j] = twice * (q[i] * q[j] - q[k] * q[3]) * read->scale[j];
-        out.m[i][k] = twice * (q[i] * q[k] + q[j] * q[3]) * read->scale[k];
+        double own = (w2 + q[i] * q[i]) - (q[j] * q[j] + q[k] * q[k]);
+        out.m[i][i] = own / length * read->scale[i];
+        out.m[i][j] = 2 * (q[i] * q[j] - q[k] * q[3]) / length * read->scale[j];
+        out.m[i][k] = 2 * (q[i] * q[k] + q[j] * q[3]) / length * read->scale[k];
         out.m[i][3] = read->translation[i];
     }
     return out;

@@ -90,7 +90,8 @@ enum status json_walk_key(struct json_walk *walk, json_t **out)
 enum status json_walk_end(struct json_walk *walk)
 {
     skip_space(walk);
-    return walk->at == walk->end ? STATUS_OK : refuse(walk, 1, 1, "nothing may follow the scene");
+    return walk->at == walk->end ? STATUS_OK
+                                 : refuse(walk, 1, 1, "nothing may follow the last bracket");
 }
 
 char json_walk_peek(struct json_walk *walk)

@@ -244,8 +244,9 @@ enum status read_stl(const char *name, const char *bytes, size_t size, struct sc
                       name, HEADER);
     else
         status = fail(reason, STATUS_INPUT,
-                      "%s: byte 80: %llu triangles take %llu bytes, but the file has %zu", name,
-                      (unsigned long long)count, (unsigned long long)whole, size);
+                      "%s: byte 80: %llu triangles take %llu bytes, but the file has %zu (one in "
+                      "ASCII begins with \"solid\")",
+                      name, (unsigned long long)count, (unsigned long long)whole, size);
     free(stl.slot);
     if (!status)
         return mesh_finish(&stl.mesh, name, out, reason);

@@ -39,8 +39,8 @@ struct world_notes {
  *                    3 numbers each, and "indices", 3 for each triangle; and "geometries", an array
  *                    of {"count": triangles, "opaque": true or false}, which cover the triangles in
  *                    order: without it the mesh is one opaque geometry
- *   "instances"      an array of objects: "mesh", an index or null; "transform", 12 numbers, M and T
- *                    row by row, without it the identity; the members of world_fields.h
+ *   "instances"      an array of objects: "mesh", an index or null; "transform", 12 numbers, M and
+ *                    T row by row, without it the identity; the members of world_fields.h
  *   "filter"         see world_fields.h; without it every candidate passes
  * The float is the one nearest to the decimal. An unknown member is refused. */
 enum status read_world(const char *name, const char *bytes, size_t size,
@@ -52,14 +52,14 @@ enum status read_world(const char *name, const char *bytes, size_t size,
  * Instances are the nodes with a mesh of the default scene (the first, if none is named; all nodes,
  * if there is no scene), in the order of the nodes. Matrices are multiplied in double, from the
  * node up to its root, and rounded to float32 once; a rotation is that of the quaternion divided by
- * its length. A node may have extras.raydiff with the members of an instance (world_fields.h); it is
- * then an instance even without a mesh. The file may have extras.raydiff with a "filter".
+ * its length. A node may have extras.raydiff with the members of an instance (world_fields.h); it
+ * is then an instance even without a mesh. The file may have extras.raydiff with a "filter".
  *
  * A mesh has one geometry for each of its primitives of triangles, strips or fans, in order;
  * primitives of points and lines are left out, and a mesh of nothing else has one empty geometry. A
  * geometry is opaque unless its material has alphaMode MASK or BLEND. If all of a mesh's primitives
- * are double-sided, its instances have ABI_INSTANCE_CULL_DISABLE, unless their extras say what flags
- * they have. Skins and morph targets are left out, and so is what else a world does not have.
+ * are double-sided, its instances have ABI_INSTANCE_CULL_DISABLE, unless their extras have flags.
+ * Skins and morph targets are left out, and so is what else a world does not have.
  *
  * Refused are: a required extension; positions that are not VEC3 of FLOAT, or not finite; sparse
  * accessors and those without a buffer view, if used; nodes that are their own ancestors, have two

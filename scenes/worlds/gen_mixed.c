@@ -32,7 +32,7 @@ static uint32_t draw_flags(struct placer *placer)
     return facing | forced[rng_below(&placer->rng, ARRAY_COUNT(forced))];
 }
 
-/* One instance in eight has no mesh, one in eight mask 0, one in four a custom index of all bits. */
+/* One instance in eight has no mesh, one in eight mask 0, one in four a large custom index. */
 static void draw_instance(struct placer *placer, uint32_t i)
 {
     double t[3];
