@@ -36,7 +36,8 @@ ORACLE_TESTS := $(filter $(B)/tests/test_oracle%,$(TESTS))
 $(ORACLE_TESTS): $(B)/obj/tests/exact/exact_gmp.o $(B)/obj/tests/exact/exact_gmp_bounds.o \
     $(B)/obj/tests/exact/exact_gmp_allow.o \
     $(B)/obj/tests/exact/exact_gmp_bounds_baldwin.o $(B)/obj/tests/exact/exact_gmp_redecide.o \
-    $(B)/obj/tests/exact/exact_gmp_replay.o $(B)/obj/tests/exact/oracle_cases.o
+    $(B)/obj/tests/exact/exact_gmp_replay.o $(B)/obj/tests/exact/oracle_cases.o \
+    $(addprefix $(B)/obj/tests/exact/,pair_fault.o gmp_world.o world_cases.o)
 $(ORACLE_TESTS): TEST_LIBS += $(GMP_LIBS)
 BOUNDS_TESTS := $(filter $(B)/tests/test_bounds% $(B)/tests/test_judge_noise $(B)/tests/test_judge_range $(B)/tests/test_judge_unnamed,$(TESTS))
 TRIAL_TESTS := $(BOUNDS_TESTS) $(B)/tests/test_judge_exact

@@ -77,7 +77,13 @@ void fraction_enclose(const struct fraction *a, double *lo, double *hi)
     bool exact = n_whole && d_whole && n_wide % d == 0 && (below & 0x1FFF) == 0; /* 51 bits left */
     int exponent = n_exponent - d_exponent - 62 + a->scale;
     double small = times_power((double)(uint64_t)below, exponent), large = small;
-    if (!exact) { /* (double) rounds either way */
+    if (exponent + 61 >= 1000) { /* |a| is in 2^exponent times (2^61, 2^64) */
+        small = FRACTION_MOST;
+        large = INFINITY;
+    } else if (exponent + 64 <= -1000) {
+        small = 0;
+        large = FRACTION_LEAST;
+    } else if (!exact) { /* (double) rounds either way */
         small = neighbour(small, -1);
         large = neighbour(times_power((double)(above + 1), exponent), 1);
     }

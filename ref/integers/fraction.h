@@ -7,7 +7,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* den is not 0, of either sign. num and den have at most 839 bits. */
+/* den is not 0, of either sign. num has at most 1671 bits, den 1394, or less in sum
+ * (ref/integers/wide.h). */
 struct fraction {
     struct oracle_wide num, den;
     int scale;
@@ -19,8 +20,13 @@ int fraction_compare(const struct fraction *a, const struct fraction *b);
 /* Sign of a - x; x may be infinite, not NaN. */
 int fraction_compare_double(const struct fraction *a, double x);
 
+/* What is smaller than FRACTION_LEAST or larger than FRACTION_MOST may be enclosed by these alone. */
+#define FRACTION_LEAST 0x1p-1000
+#define FRACTION_MOST  0x1p1000
+
 /* The doubles next to a on both sides: *lo <= a <= *hi, equal if a is a double of at most 53 bits
- * that is easily seen to be one, else at most 3 neighbours apart. |a| in [2^-1000, 2^1000] or 0. */
+ * that is easily seen to be one, else at most 3 neighbours apart. Of |a| from FRACTION_MOST on it
+ * may be [FRACTION_MOST, INFINITY], up to FRACTION_LEAST [0, FRACTION_LEAST] if it is not 0. */
 void fraction_enclose(const struct fraction *a, double *lo, double *hi);
 
 /* Writes "num/den" in lowest terms, with "*2^k" behind it if that keeps both odd and |k| is over

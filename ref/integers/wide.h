@@ -1,12 +1,15 @@
-/* Integers of a fixed width that holds all products of a pair of triangles: every finite
- * float32 is a whole multiple of 2^-149 below 2^277, differences stay below 2^278, so the triple
- * products stay below 2^839 and the products of two of them below 2^1677: 27 limbs of 64 bits. */
+/* Integers of a fixed width that holds all products of a pair of triangles, placed ones included.
+ * Every finite float32 is a whole multiple of 2^-149 below 2^277 of them. A placed vertex relative
+ * to the origin, M v + T - o, is one of 2^-298 below 2^556 of them, an edge below 2^557. So
+ * T, a determinant of three such, is below (sqrt(3) 2^556)^3 < 2^1671: 27 limbs; D, a direction
+ * times a product of two edges, below 2^1394: 22 limbs. Two t are compared by products of a T and a
+ * D: 49 limbs. Of a scene, whose vertices are floats themselves, all are half as long. */
 #ifndef ORACLE_WIDE_H
 #define ORACLE_WIDE_H
 
 #include <stdint.h>
 
-#define WIDE_LIMBS 28
+#define WIDE_LIMBS 50
 
 /* Sign and magnitude. Only the lowest `count` limbs are defined; the highest of them is not 0, and
  * sign is 0 exactly when count is. */
