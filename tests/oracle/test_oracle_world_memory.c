@@ -1,6 +1,6 @@
 /* Memory that runs out while the oracle of a world is made, or its crossings are listed: each
- * allocation in turn fails. It must be said in one line, with nothing made and nothing kept. And what
- * an instance takes. */
+ * allocation in turn fails. It must be said in one line, with nothing made and nothing kept. And
+ * what an instance takes. */
 #include "tests/support/allocations.h"
 
 #include "tests/exact/oracle_batch.h"
