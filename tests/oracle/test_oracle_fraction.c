@@ -1,6 +1,6 @@
-/* Fractions (ref/integers/fraction.h) against GMP rationals: compared, enclosed between doubles,
- * and as text in buffers of every size; and the grid that ref/oracle/small.h puts a ray and a
- * triangle on. */
+/* Fractions (ref/integers/fraction.h) against GMP rationals: compared, enclosed between doubles, and
+ * as text in buffers of every size; and the grid that ref/oracle/small.h puts a ray and a triangle
+ * on. */
 #include "ref/integers/oracle_grid.h"
 #include "ref/oracle/small.h"
 #include "ref/base/rng.h"
