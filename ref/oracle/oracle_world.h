@@ -16,7 +16,7 @@
 #include "ref/world/world.h"
 
 /* Makes the oracle of `world`, which is borrowed and must have passed world_finish: an oracle a
- * mesh, however many instances it has, and some 250 bytes and 3 us an instance. Errors as
+ * mesh, however many instances it has, and some 150 bytes and 2 us an instance. Errors as
  * oracle_make. */
 enum status oracle_make_world(const struct world *world, struct oracle **out,
                               struct reason *reason) MUST_USE;
@@ -67,8 +67,8 @@ bool oracle_filter_is_open(const struct oracle *oracle, const struct ray *ray, s
  * else as oracle_closest. Ties are counted across instances. ORACLE_SAW_IN_PLANE is set for
  * triangles that oracle_admit admits.
  *   mode   one per ray, each as ray_mode_check takes it; NULL: ray_mode_all
- * ABI_RAY_FIRST changes nothing. ORACLE_AUTO is ORACLE_TREE: about 2 us a ray on a thousand
- * instances of a mesh of 10^4 triangles. Errors: none. */
+ * ABI_RAY_FIRST changes nothing. ORACLE_AUTO is ORACLE_TREE: about 1 to 4 us a ray on a
+ * thousand instances of a mesh of 10^4 triangles. Errors: none. */
 enum status oracle_closest_world(const struct oracle *oracle, enum oracle_path path,
                                  enum oracle_ends ends, const struct ray *ray,
                                  const struct ray_mode *mode, size_t count, unsigned threads,

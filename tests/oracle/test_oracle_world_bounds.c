@@ -155,8 +155,14 @@ static void draw(const struct world_turn *turn, struct rng *rng, struct placed_t
             out->v[c][k] = rng_range(rng, -1, 1);
         out->ray.org[k] = rng_range(rng, -far, far);
         out->ray.dir[k] = rng_range(rng, -1, 1);
-        if (rng_below(rng, 3) == 0) /* near the instance's own place */
-            out->ray.org[k] = out->at.m[k][3] + rng_range(rng, -1, 1);
+    }
+    uint32_t near = rng_below(rng, 3); /* to what the origin is so near that sums cancel */
+    for (int k = 0; k < 3 && near < 2; k++) {
+        double at = (double)out->at.m[k][3];
+        for (int j = 0; j < 3 && near; j++)
+            at += (double)out->at.m[k][j] * (double)out->v[1][j];
+        if (fabs(at) < 1e38)
+            out->ray.org[k] = (float)at + (near ? 0 : rng_range(rng, -1, 1));
     }
 }
 
