@@ -70,6 +70,18 @@ static void first_hits_save_work(void **state)
                      STATUS_OK);
     assert_int_equal(world_instance_of(&world, hit.hit.prim), 63);
     assert_true(nearest.tris * 10 < every.tris);
+    /* Where all are at one place the nearest hit takes all of them, the first one. */
+    for (uint32_t i = 0; i < 64; i++)
+        world.instance[i].m[2][3] = 0;
+    packed_world_free(&packed);
+    fixture_finish(&world);
+    packed = stand_world(&world, "f32");
+    one = nearest = (struct trace_counts){0, 0};
+    for (uint32_t flags = 0; flags <= ABI_RAY_FIRST; flags += ABI_RAY_FIRST)
+        assert_int_equal(trace_world_ray(&job, &ray, (struct ray_mode){0xFF, flags}, &hit.hit,
+                                         &hit.tag, flags ? &one : &nearest),
+                         STATUS_OK);
+    assert_true(one.tris * 30 < nearest.tris);
     packed_world_free(&packed);
     world_free(&world);
 }
