@@ -47,16 +47,22 @@ static bool enter_instance(struct world_walk *both, uint32_t index)
     return both->status || (top->query == QUERY_ANY && top->best.prim != ABI_NO_PRIM);
 }
 
+/* Whether a number in the top is that of an instance which the ray may meet. Words of a packed world
+ * that its check refuses do no harm. */
+static bool is_met(const struct world_walk *both, uint32_t index)
+{
+    const struct world *world = both->at.world;
+    return index < world->instance_count && world_meets(&world->instance[index], both->at.mode) &&
+           both->job->packed->record[index].mesh < world->mesh_count;
+}
+
 /* Goes through the instances of a leaf of the top. */
 static bool enter_leaf(struct walk *top, const struct wide *leaf)
 {
     struct world_walk *both = (struct world_walk *)top;
-    const struct world *world = both->at.world;
     for (uint32_t i = 0; i < leaf->item_count; i++) {
         uint32_t index = walk_item(top, leaf, i);
-        if (index < world->instance_count && world_meets(&world->instance[index], both->at.mode) &&
-            both->job->packed->record[index].mesh < world->mesh_count &&
-            enter_instance(both, index))
+        if (is_met(both, index) && enter_instance(both, index))
             return true;
     }
     return false;

@@ -81,11 +81,13 @@ static uint32_t divide(const struct oracle_wide *num, const struct oracle_wide *
     return quotient >> 1;
 }
 
-/* The fraction rounded to float32, by integers; infinite if it is beyond. */
-static float round_exactly(const struct fraction *a)
+/* The fraction rounded to float32; infinite if it is beyond. */
+static float round_once(const struct fraction *a)
 {
     struct oracle_wide left, right;
     int sign = a->num.sign * a->den.sign, half;
+    if (sign == 0)
+        return 0.0f;
     /* 2^exponent <= |a| < 2^(exponent + 1): the quotient of two numbers of so many bits begins with
      * that bit or the one below. */
     int bits = (int)wide_bits(&a->num) - (int)wide_bits(&a->den);
@@ -105,18 +107,6 @@ static float round_exactly(const struct fraction *a)
     uint32_t whole = divide(&a->num, &a->den, a->scale - lowest, &half);
     whole += half == 2 || (half == 1 && (whole & 1));
     return (float)ldexp(sign * (double)whole, lowest);
-}
-
-/* The fraction rounded to float32. Two doubles around it mostly round to the same number; then so
- * does the fraction, since rounding is monotone. */
-static float round_once(const struct fraction *a)
-{
-    double lo, hi;
-    if (a->num.sign == 0)
-        return 0.0f;
-    fraction_enclose(a, &lo, &hi);
-    float low = (float)lo, high = (float)hi;
-    return float_bits(low) == float_bits(high) ? low : round_exactly(a);
 }
 
 enum status transform_inverse(const float m[3][4], float w[9], struct reason *reason)

@@ -3,6 +3,8 @@
 #include "ref/store.h"
 #include "ref/trace/trace_world.h"
 #include "ref/two_level/world_check.h"
+#include "ref/world/placed.h"
+#include "ref/world/transform.h"
 #include "tests/two_level/world_fixture.h"
 
 #include <setjmp.h>
@@ -222,6 +224,56 @@ static void short_stacks_are_noticed(void **state)
     }
 }
 
+/* Not a bit of a ray changes at the identity: neither the sign of a zero nor what a product with
+ * infinity would spoil. */
+static void the_identity_leaves_rays_alone(void **state)
+{
+    (void)state;
+    struct world world = fixture_world("sphere:n=1", WORLD_SAME, 1, 1);
+    struct instance_record *record = records(&world);
+    const struct ray ray = {
+        .org = {-0.0f, INFINITY, 0x1p-149f}, .tmin = -0.0f, .dir = {-0.0f, 1, -0.0f}, .tmax = 3};
+    struct ray inside = transform_ray(record, &ray);
+    assert_memory_equal(&inside, &ray, sizeof ray);
+    assert_true(record->flags & ABI_INSTANCE_IDENTITY);
+    free(record);
+    world_free(&world);
+}
+
+/* The watertight box test allows for what a mesh has behind the ray: what the mesh has in its own
+ * space, as if it was traced alone. */
+static void the_extent_is_that_of_the_mesh(void **state)
+{
+    (void)state;
+    struct world world = fixture_world("soup:n=200", WORLD_TURNED, 1, 5);
+    struct scene *scene = world.mesh->scene;
+    for (uint32_t c = 0; c < 3; c++)
+        scene->vertex[3 * scene->index[c]] -= 1e6f;
+    fixture_finish(&world);
+    struct packed_world packed = stand_world(&world, "f32");
+    struct world_job job = stand_job(&world, &packed, QUERY_CLOSEST);
+    struct job alone = {.scene = scene, .packed = packed.bottom, .box = job.box, .tri = job.tri};
+    uint64_t tests = 0;
+    for (uint64_t i = 0; i < 64; i++) {
+        const struct box unit = {{0, 0, 0}, {1, 1, 1}};
+        struct box near = placed_box_bounds(world.instance->m, &unit);
+        struct ray ray = stand_ray(&near, 3, i), inside = transform_ray(packed.record, &ray);
+        struct trace_counts both = {0, 0}, one = {0, 0};
+        struct tagged hit;
+        struct hit expected;
+        assert_int_equal(trace_world_ray(&job, &ray, ray_mode_all(), &hit.hit, &hit.tag, &both),
+                         STATUS_OK);
+        assert_int_equal(trace_ray(&alone, &inside, &expected, &one), STATUS_OK);
+        assert_memory_equal(&hit.hit, &expected, sizeof expected);
+        if (both.boxes > 2) /* it meets the top's box, and that of the instance */
+            assert_int_equal(both.tris, one.tris);
+        tests += both.tris;
+    }
+    assert_true(tests > 64);
+    packed_world_free(&packed);
+    world_free(&world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -231,6 +283,8 @@ int main(void)
         cmocka_unit_test(ties_of_instances),
         cmocka_unit_test(ranges_are_those_of_the_world),
         cmocka_unit_test(short_stacks_are_noticed),
+        cmocka_unit_test(the_identity_leaves_rays_alone),
+        cmocka_unit_test(the_extent_is_that_of_the_mesh),
     };
     return cmocka_run_group_tests_name("world_corners", tests, NULL, NULL);
 }
