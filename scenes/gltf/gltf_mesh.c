@@ -16,9 +16,10 @@ static bool path_of_uri(const char *uri, char *path)
             continue;
         const char *high = uri[0] ? strchr(digits, uri[0]) : NULL;
         const char *low = high && uri[1] ? strchr(digits, uri[1]) : NULL;
-        path[-1] = low ? (char)((high - digits) % 16 * 16 + (low - digits) % 16) : '\0';
-        if (path[-1] == '\0')
+        long byte = low ? (high - digits) % 16 * 16 + (low - digits) % 16 : 0;
+        if (byte == 0)
             return false;
+        path[-1] = (char)byte;
         uri += 2;
     }
     *path = '\0';

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What check and leaks write as JSON holds against docs/schemas; a wrong key, type, word or a key that is
+# What check and leaks write as JSON, and scene convert as world JSON, holds against docs/schemas; a wrong key, type, word or a key that is
 # gone does not.
 #   sh tests/docs/schemas.sh RAYDIFF
 set -u
@@ -36,5 +36,14 @@ for schema in check leaks; do
     planted $schema 's/"exit": *0/"exit": "0"/'
     planted $schema 's/"raydiff"/"extra": 1, "raydiff"/'
 done
+# Worlds: of each kind of member, and each of its words.
+for seed in 1 2 3; do
+    "$raydiff" scene convert mixed:count=60 "$dir/world.json" --seed $seed >"$dir/text" 2>&1 || bad "mixed $seed: not written"
+    holds world "$dir/world.json" || bad "mixed $seed: not as its schema"
+done
+for change in 's/"mask"/"maks"/' 's/"raydiff_world": 1/"raydiff_world": 2/' 's/"kind": "cells"/"kind": "cell"/' \
+    's/"force_opaque"/"opaque"/' 's/"opaque": false/"opaque": 0/' 's/"mesh": null/"mesh": "null"/'; do
+    planted world "$change"
+done
 [ "$failed" = 0 ] || { echo "$failed failed"; exit 1; }
-echo "what check and leaks write is as docs/schemas has it; 8 planted faults seen"
+echo "what check, leaks and scene convert write is as docs/schemas has it; 14 planted faults seen"

@@ -179,6 +179,23 @@ static void a_product_is_rounded_once(void **state)
     free(whole);
 }
 
+/* 1 + 2^-24, 1 + 2^-30 and 1 - 2^-25, from the node up: after two of them float32 has 1 + 2^-23,
+ * and then the third does not bring it back to 1, which is nearest to the product of all. */
+static void products_are_not_rounded_on_the_way(void **state)
+{
+    (void)state;
+    struct world world;
+    static const char text[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"nodes\":["
+        "{\"children\":[1],\"scale\":[0.9999999701976776123046875,1,1]},"
+        "{\"children\":[2],\"scale\":[1.000000000931322574615478515625,1,1]},"
+        "{\"scale\":[1.000000059604644775390625,1,1],\"extras\":{\"raydiff\":{}}}]}";
+    assert_int_equal(read_gltf_text(text, &world), STATUS_OK);
+    assert_int_equal(world.instance_count, 1);
+    assert_int_equal(float_bits(world.instance[0].m[0][0]), 0x3F800000u);
+    world_free(&world);
+}
+
 /* A node without a transform changes nothing, not even the sign of a zero. */
 static void plain_nodes_leave_every_bit(void **state)
 {
@@ -318,6 +335,7 @@ int main(void)
         cmocka_unit_test(the_scene_decides_which_nodes_are_placed),
         cmocka_unit_test(a_quaternion_turns_as_it_should),
         cmocka_unit_test(a_product_is_rounded_once),
+        cmocka_unit_test(products_are_not_rounded_on_the_way),
         cmocka_unit_test(plain_nodes_leave_every_bit),
         cmocka_unit_test(what_is_left_out_is_counted),
         cmocka_unit_test(a_mesh_of_points_is_empty),

@@ -197,9 +197,11 @@ static inline void make_wild_world(struct rng *rng, struct world *out)
             for (int k = 0; k < 12; k++)
                 instance->m[k / 4][k % 4] = wild_float(rng);
         while (instance_det_sign(instance->m) == 0);
-        instance->custom = rng_below(rng, ABI_CUSTOM_MOST + 1);
-        instance->mask = rng_below(rng, 256);
-        instance->flags = rng_below(rng, 12); /* not both of the force flags */
+        /* Each has its default as often as not, so that every set of them is met. */
+        uint32_t told = rng_below(rng, 8);
+        instance->custom = told & 1 ? rng_below(rng, ABI_CUSTOM_MOST + 1) : 0;
+        instance->mask = told & 2 ? rng_below(rng, 256) : 0xFF;
+        instance->flags = told & 4 ? rng_below(rng, 12) : 0; /* not both of the force flags */
     }
     out->filter.kind = (enum filter_kind)rng_below(rng, 4);
     out->filter.seed = (uint32_t)rng_u64(rng);
