@@ -12,6 +12,7 @@ struct listing {
     const struct judge *judge;
     const struct ray *ray;
     const struct hit *hit;
+    const uint32_t *tag; /* of each; NULL in a scene */
     size_t count;
     struct judge_found found;
     struct oracle_crossing *crossing;
@@ -69,12 +70,14 @@ static void index_list(struct listing *l)
 }
 
 /* Judges each listed triangle alone. */
-static void judge_listed(struct listing *l)
+static enum status judge_listed(struct listing *l)
 {
+    enum status status = STATUS_OK;
     const struct oracle_answer nothing = {.prim = ABI_NO_PRIM}; /* not possible: a phantom */
     struct judgement *sum = &l->out->judgement;
     bool unknown = l->judge->model.formula == TWIN_UNKNOWN;
-    for (size_t i = 0; i < l->count && !is_wrong(l); i++) {
+    for (size_t i = 0; i < l->count && !is_wrong(l) && !status; i++) {
+        bool anothers = false;
         struct judgement one = {.verdict = VERDICT_RIGHT};
         enum verdict verdict =
             unknown ? judge_named_by_distance(l->judge, l->ray, &nothing, &l->hit[i], &one)
@@ -83,10 +86,13 @@ static void judge_listed(struct listing *l)
         sum->displacement = fmax(sum->displacement, one.displacement);
         sum->share = fmax(sum->share, one.share);
         if (verdict == VERDICT_WRONG)
-            wrong(l, one.wrong, l->hit[i]);
+            status = judge_is_anothers(l->judge, l->ray, &l->hit[i], &anothers);
+        if (verdict == VERDICT_WRONG)
+            wrong(l, anothers ? WRONG_INSTANCE : one.wrong, l->hit[i]);
         else
             need(l, verdict);
     }
+    return status;
 }
 
 /* Each t is within its bound of the exact one, so sorted ones are in order up to both bounds. */
@@ -174,7 +180,7 @@ static enum status left_out(struct listing *l, const struct oracle_crossing *cro
 }
 
 /* Judges every exact hit: whether it is listed, and in its place. */
-static enum status judge_crossings(struct listing *l)
+static enum status judge_left_out(struct listing *l)
 {
     bool unknown = l->judge->model.formula == TWIN_UNKNOWN;
     const struct judge_slot *before = NULL;
@@ -201,10 +207,17 @@ static bool settled(struct listing *l)
 {
     const struct judge *judge = l->judge;
     for (size_t i = 0; i < l->count; i++)
-        if (l->hit[i].prim >= judge->scene->tri_count) {
+        if (l->hit[i].prim >= judge->tri_count) {
             wrong(l, WRONG_PHANTOM, l->hit[i]); /* whatever the ray */
             return true;
         }
+    for (size_t i = 0; i < l->count && l->tag; i++) {
+        enum wrong ruled = judge_ruled_out(judge, l->ray, &l->hit[i], l->tag[i]);
+        if (ruled) {
+            wrong(l, ruled, l->hit[i]);
+            return true;
+        }
+    }
     if (!judge->in_contract || !ray_in_contract(l->ray)) {
         l->out->judgement.verdict = VERDICT_OUT_OF_CONTRACT;
         return true;
@@ -219,10 +232,12 @@ static bool settled(struct listing *l)
     return false;
 }
 
-enum status judge_list(const struct judge *judge, const struct ray *ray, const struct hit *hit,
-                       size_t count, struct list_judgement *out)
+enum status judge_list_tagged(const struct judge *judge, const struct ray *ray,
+                              const struct hit *hit, const uint32_t *tag, size_t count,
+                              struct list_judgement *out)
 {
-    struct listing l = {.judge = judge, .ray = ray, .hit = hit, .count = count, .out = out};
+    struct listing l = {
+        .judge = judge, .ray = ray, .hit = hit, .tag = tag, .count = count, .out = out};
     size_t capacity = 0;
     *out = (struct list_judgement){.judgement = {.verdict = VERDICT_RIGHT, .expected = ABI_NO_PRIM},
                                    .at_fault = hit_none()};
@@ -231,13 +246,15 @@ enum status judge_list(const struct judge *judge, const struct ray *ray, const s
     l.found.slot = alloc_zeroed(count, sizeof *l.found.slot);
     enum status status = l.found.slot ? STATUS_OK : STATUS_MEMORY;
     if (!status)
-        status = oracle_crossings(judge->oracle, ray, (double)INFINITY, &l.crossing, &capacity,
-                                  &l.crossings, NULL);
+        status =
+            judge_crossings(judge, ray, (double)INFINITY, &l.crossing, &capacity, &l.crossings);
     if (!status) {
         index_list(&l);
-        judge_listed(&l);
+        status = judge_listed(&l);
         judge_order(&l);
-        status = judge_crossings(&l);
+    }
+    if (!status) {
+        status = judge_left_out(&l);
     }
     if (!status && judge->model.formula == TWIN_UNKNOWN)
         note_one(&l);
@@ -246,4 +263,10 @@ enum status judge_list(const struct judge *judge, const struct ray *ray, const s
     if (status)
         out->judgement.verdict = VERDICT_OUT_OF_CONTRACT;
     return status;
+}
+
+enum status judge_list(const struct judge *judge, const struct ray *ray, const struct hit *hit,
+                       size_t count, struct list_judgement *out)
+{
+    return judge_list_tagged(judge, ray, hit, NULL, count, out);
 }

@@ -42,7 +42,7 @@ void twin_ray_of(const struct twin_place *place, struct rounding rounding, bool 
                  const struct ray *ray, struct twin_ray *out);
 
 /* The twin of a triangle of the mesh; that of twin_eval, bit for bit, where the place is the
- * identity. twin->t, u and v are C's. The ray is in contract, the formula one of ref/primitives/. */
+ * identity. twin->t, u and v are C's. The ray is finite, the formula one of ref/primitives/. */
 struct twin twin_eval_placed(enum twin_formula formula, struct rounding rounding,
                              const struct twin_ray *ray, float v[3][3]);
 
