@@ -3,7 +3,7 @@
  * opacity, facing and the filter. Nothing about the numbers excuses an answer that this rules out.
  *
  * A formula of ours is judged by the twins of placed triangles (ref/twin/twin_placed.h): its engine
- * takes rays along as ref/world/transform.h has it. Other engines have transforms of their own and
+ * takes rays along as ref/world/object_ray.h has it. Other engines have transforms of their own and
  * are judged as unknown formulas, whatever their model says: by displacement in the world. */
 #ifndef JUDGE_WORLD_H
 #define JUDGE_WORLD_H
