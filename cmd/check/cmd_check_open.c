@@ -1,8 +1,10 @@
 /* What raydiff check is run on: a scene or a world, opened, and rays into it. */
 #include "cmd/check/cmd_check.h"
 
+#include "ref/store.h"
 #include "ref/world/bake.h"
 #include "scenes/move.h"
+#include "scenes/opening.h"
 #include "scenes/rays/ray_modes.h"
 #include "scenes/rays/rays.h"
 #include "scenes/worlds.h"

@@ -80,8 +80,9 @@ static bool make_room(struct match *match)
     match->again_tag = alloc_zeroed(tags, sizeof *match->again_tag);
     match->unstable = alloc_zeroed(count, 1);
     match->closest.hit = alloc_zeroed(count, sizeof *match->closest.hit);
+    match->closest.tag = alloc_zeroed(tags, sizeof *match->closest.tag);
     return match->truth && match->answer && match->again && match->answer_tag && match->again_tag &&
-           match->unstable && match->closest.hit;
+           match->unstable && match->closest.hit && match->closest.tag;
 }
 
 /* What is known of *out by now is what match_make and match_make_world were given. */

@@ -205,6 +205,7 @@ struct match {
     unsigned char *unstable;                    /* per ray: the two differ */
     struct {             /* the last closest hits, for any-hit to be compared with */
         struct hit *hit; /* room for all rays */
+        uint32_t *tag;   /* of a world: theirs */
         size_t count;    /* 0: none */
         const struct engine *engine;
         const struct box_test *box;

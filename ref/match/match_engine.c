@@ -105,6 +105,28 @@ void match_row_bytes(const struct match *match, struct row *row)
         row->scene_bytes = bytes_of_scene(match->scene);
 }
 
+static uint32_t more_of(uint32_t a, uint32_t b)
+{
+    return a > b ? a : b;
+}
+
+/* Of all trees together: nodes and leaves added up, the deepest way down both levels. */
+static struct bvh_stats stats_of(const struct world *world, const struct world_trees *trees)
+{
+    struct bvh_stats all = bvh_stats(&trees->top, &trees->items);
+    uint32_t bottom = 0;
+    for (uint32_t i = 0; i < trees->mesh_count; i++) {
+        const struct bvh_stats one = bvh_stats(&trees->bottom[i], world->mesh[i].scene);
+        all.node_count += one.node_count;
+        all.leaf_count += one.leaf_count;
+        all.largest_leaf = more_of(all.largest_leaf, one.largest_leaf);
+        all.loose_count += one.loose_count;
+        bottom = more_of(bottom, one.depth);
+    }
+    all.depth += bottom;
+    return all;
+}
+
 enum status match_rebuild_world(struct match *match, struct reason *reason)
 {
     const struct world_build build = {.top = match->options.builder,
@@ -112,7 +134,9 @@ enum status match_rebuild_world(struct match *match, struct reason *reason)
                                       .top_options = match->options.build,
                                       .bottom_options = match->options.build};
     world_trees_free(&match->trees);
-    return world_trees_make(match->world, &build, &match->trees, reason);
+    const enum status status = world_trees_make(match->world, &build, &match->trees, reason);
+    match->stats = status ? (struct bvh_stats){0} : stats_of(match->world, &match->trees);
+    return status;
 }
 
 enum status match_pack_world(struct match *match, const struct layout *layout,
