@@ -244,9 +244,12 @@ static void print_reasons(const struct check_scene *scene, const struct screen *
         bool repeated = false;
         for (size_t k = 0; k < i; k++)
             repeated |= strcmp(scene->row[k].reason.text, row->reason.text) == 0;
-        if (row->status != ROW_OK && !repeated)
-            screen_text(screen, "  %s %s: %s\n", subject_name(row), row_status_name(row->status),
-                        row->reason.text);
+        if (row->status == ROW_OK || repeated)
+            continue;
+        /* The reason of a vacuous row begins with that word. */
+        const char *status = row->status == ROW_VACUOUS ? "" : row_status_name(row->status);
+        screen_text(screen, "  %s%s%s: %s\n", subject_name(row), *status ? " " : "", status,
+                    row->reason.text);
     }
 }
 
