@@ -28,10 +28,11 @@ extern const struct option_set check_set;
 /* Prints the table of a scene, its findings, what was refused or skipped and why, and a summary. */
 void check_print(const struct check_scene *scene, const struct screen *screen);
 
-/* Prints the last line: how many rows agree, how many answers are WRONG, and the layout with the
- * most of f32's speed among those that agree on the same engine, builder, tests and query. Prints
- * nothing if there are no rows. */
-void check_print_conclusion(const struct check_scene *scene, size_t count,
+/* Prints the last line: how many rows agree, how many were refused, skipped, failed or are vacuous,
+ * how many answers are WRONG, and the layout with the most of f32's speed among those that agree on
+ * the same engine, builder, tests and query. `code`, the command's exit code, decides the colour.
+ * Prints nothing if there are no rows. */
+void check_print_conclusion(const struct check_scene *scene, size_t count, int code,
                             const struct screen *screen);
 
 /* Prints the table in columns that fit the screen: the verdict first. */

@@ -1,6 +1,7 @@
 /* The last line of raydiff check. */
 #include "cmd/check/cmd_check.h"
 
+#include "ref/base/command.h"
 #include "ref/base/text.h"
 #include "ref/store.h"
 
@@ -8,10 +9,11 @@
 #include <string.h>
 
 struct conclusion {
-    size_t rows, agree, counted; /* that ran; of them judged without fault; as published */
-    size_t judged, wrong;        /* answers */
-    const struct row *fastest;   /* among those beside f32 that agree; NULL: none is beside it */
-    double speed;                /* of it, in multiples of f32's */
+    size_t rows, agree, counted;   /* all; of them judged without fault; as published */
+    size_t ended[ROW_VACUOUS + 1]; /* rows by their status */
+    size_t judged, wrong;          /* answers */
+    const struct row *fastest;     /* among those beside f32 that agree; NULL: none is beside it */
+    double speed;                  /* of it, in multiples of f32's */
 };
 
 static bool agrees(const struct row *row)
@@ -53,9 +55,10 @@ static struct conclusion conclude(const struct check_scene *scene, size_t count)
     for (size_t s = 0; s < count; s++)
         for (size_t i = 0; i < scene[s].row_count; i++) {
             const struct row *row = &scene[s].row[i];
+            all.rows++;
+            all.ended[row->status]++;
             if (row->status != ROW_OK)
                 continue;
-            all.rows++;
             all.agree += agrees(row);
             all.counted += !row->judged;
             all.judged += row->judged ? row->rays : 0;
@@ -65,26 +68,26 @@ static struct conclusion conclude(const struct check_scene *scene, size_t count)
     return all;
 }
 
-void check_print_conclusion(const struct check_scene *scene, size_t count,
+void check_print_conclusion(const struct check_scene *scene, size_t count, int code,
                             const struct screen *screen)
 {
     const struct conclusion all = conclude(scene, count);
-    size_t rows = 0;
-    for (size_t i = 0; i < count; i++)
-        rows += scene[i].row_count;
-    if (rows == 0) /* no scene could be read */
+    if (all.rows == 0) /* no scene could be read */
         return;
     char text[512] = "", name[STORED_NAME_MOST];
     text_append(text, sizeof text, "%zu of %zu rows agree", all.agree, all.rows - all.counted);
     if (all.counted)
         text_append(text, sizeof text, ", %zu as published counted", all.counted);
-    text_append(text, sizeof text, ", %zu of %zu answers WRONG", all.wrong, all.judged);
+    for (enum row_status status = ROW_REFUSED; status <= ROW_VACUOUS; status++)
+        if (all.ended[status])
+            text_append(text, sizeof text, ", %zu %s", all.ended[status], row_status_name(status));
+    if (all.judged)
+        text_append(text, sizeof text, ", %zu of %zu answers WRONG", all.wrong, all.judged);
     if (all.fastest)
         text_append(text, sizeof text, "; %s on %s has %.2f times f32's speed",
                     stored_name(all.fastest->layout, all.fastest->options.store, name),
                     all.fastest->engine->name, all.speed);
-    bool good = all.wrong == 0 && all.agree + all.counted == all.rows;
-    screen_paint(screen, good ? PAINT_GOOD : PAINT_BAD);
+    screen_paint(screen, code == EXIT_AGREE ? PAINT_GOOD : PAINT_BAD);
     screen_text(screen, "conclusion: %s\n", text);
     screen_paint(screen, PAINT_PLAIN);
 }

@@ -22,6 +22,7 @@ function listed(part, count, names, of,  k, n, full) {
 BEGIN {
     kinds = split("right tie near_tie boundary border in_plane slab noise out_of_contract", kind, " ")
     wrongs = split("missed phantom triangle distance barycentric not_finite not_repeatable any_disagrees twice order", of_wrong, " ")
+    statuses = split("refused skipped failed vacuous", status, " ")
     scene = -1
     next_row = 0
 }
@@ -249,8 +250,8 @@ rows && NF >= 7 {
     concluded++
     for (r = 0; r < next_row; r++) {
         p = "rows." r
+        ended[v[p ".status"]]++
         if (v[p ".status"] != "ok") continue
-        ran++
         if (v[p ".judged"] != "true") { published++; continue }
         good = v[p ".differences"] == 0
         agreeing += good
@@ -266,9 +267,10 @@ rows && NF >= 7 {
             }
         }
     }
-    text = "conclusion: " agreeing + 0 " of " ran - published " rows agree"
+    text = "conclusion: " agreeing + 0 " of " next_row - published " rows agree"
     if (published) text = text ", " published " as published counted"
-    text = text ", " wrong_of_all + 0 " of " of_all + 0 " answers WRONG"
+    for (k = 1; k <= statuses; k++) if (ended[status[k]]) text = text ", " ended[status[k]] " " status[k]
+    if (of_all) text = text ", " wrong_of_all " of " of_all " answers WRONG"
     if (best) text = text "; " winner " has " sprintf("%.2f", best) " times f32's speed"
     equal("conclusion", $0, text)
     next

@@ -29,6 +29,14 @@ grep -q 'against the exact truth: 2 of 2 answers WRONG' "$dir/out" || bad 'judge
 # What is vacuous is told once.
 expect 1 . check soup:n=0 $few --layout f32 --engine cpu
 grep -q '^  cpu: vacuous: 0 hits of 500 rays prove nothing$' "$dir/out" || bad 'check: why a row is vacuous'
+ends 1 'conclusion: 0 of 1 rows agree, 1 vacuous' check soup:n=0 $few --layout f32 --engine cpu
+# Rows that did not run are counted, too.
+ends 3 'conclusion: 0 of 1 rows agree, 1 failed' check sphere:n=2 $few --engine 'pipe:sleep 100' --peer-time 1
+ends 77 'conclusion: 0 of 1 rows agree, 1 skipped' check sphere:n=2 $few --engine rayquery --driver no-such-driver
+ends 2 'conclusion: 1 of 2 rows agree, 1 refused, 0 of 500 answers WRONG' \
+    check sphere:n=300 $few --brute 0 --layout rf16,tiny8 --engine cpu
+ends 0 'conclusion: 1 of 1 rows agree, 1 as published counted, 0 of 500 answers WRONG' \
+    check rtrs $few --layout f32,rtrs_rf --engine cpu
 
 echo "concluded: $failed failed"
 [ "$failed" -eq 0 ]
