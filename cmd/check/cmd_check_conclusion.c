@@ -12,7 +12,8 @@ struct conclusion {
     size_t rows, agree, counted;   /* all; of them judged without fault; as published */
     size_t ended[ROW_VACUOUS + 1]; /* rows by their status */
     size_t judged, wrong;          /* answers */
-    const struct row *fastest;     /* among those beside f32 that agree; NULL: none is beside it */
+    bool beside;                   /* a row that agrees is beside one of f32 that agrees */
+    const struct row *fastest;     /* of those whose speed can be told from f32's; NULL: none */
     double speed;                  /* of it, in multiples of f32's */
 };
 
@@ -36,14 +37,29 @@ static const struct row *f32_beside(const struct check_scene *scene, const struc
     return NULL;
 }
 
+static double over(double a, double b)
+{
+    return b > 0 ? a / b : 0;
+}
+
+bool check_speeds_differ(const struct row *a, const struct row *b)
+{
+    const double span_a = over(a->mrays[2], a->mrays[1]), span_b = over(b->mrays[2], b->mrays[1]);
+    const double wider = span_a > span_b ? span_a : span_b;
+    const double apart =
+        a->mrays[1] > b->mrays[2] ? over(a->mrays[1], b->mrays[2]) : over(b->mrays[1], a->mrays[2]);
+    return wider > 1 && apart > wider;
+}
+
 static void look_whether_faster(const struct check_scene *scene, const struct row *row,
                                 struct conclusion *all)
 {
     const struct row *base = row->layout && agrees(row) ? f32_beside(scene, row) : NULL;
     if (!base || base == row || !agrees(base) || !(base->mrays[0] > 0))
         return;
+    all->beside = true;
     double speed = row->mrays[0] / base->mrays[0];
-    if (all->fastest && speed <= all->speed)
+    if (!check_speeds_differ(row, base) || (all->fastest && speed <= all->speed))
         return;
     all->fastest = row;
     all->speed = speed;
@@ -87,6 +103,8 @@ void check_print_conclusion(const struct check_scene *scene, size_t count, int c
         text_append(text, sizeof text, "; %s on %s has %.2f times f32's speed",
                     stored_name(all.fastest->layout, all.fastest->options.store, name),
                     all.fastest->engine->name, all.speed);
+    else if (all.beside)
+        text_append(text, sizeof text, "; speeds cannot be told apart");
     screen_paint(screen, code == EXIT_AGREE ? PAINT_GOOD : PAINT_BAD);
     screen_text(screen, "conclusion: %s\n", text);
     screen_paint(screen, PAINT_PLAIN);

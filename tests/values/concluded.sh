@@ -38,5 +38,10 @@ ends 2 'conclusion: 1 of 2 rows agree, 1 refused, 0 of 500 answers WRONG' \
 ends 0 'conclusion: 1 of 1 rows agree, 1 as published counted, 0 of 500 answers WRONG' \
     check rtrs $few --layout f32,rtrs_rf --engine cpu
 
+# Of one run each it is not known which layout is faster (that ranges are far enough apart is told by check.awk).
+ends 0 'conclusion: 2 of 2 rows agree, 0 of 1000 answers WRONG; speeds cannot be told apart' \
+    check sphere:n=8 $few --layout f32,rf16 --engine cpu
+grep -q "rf16 on cpu: .* times its speed, within noise\$" "$dir/out" || bad 'check: a speed of one run is told'
+
 echo "concluded: $failed failed"
 [ "$failed" -eq 0 ]
