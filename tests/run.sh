@@ -78,6 +78,7 @@ plain)
     suite options sh tests/scripts/options.sh "$build/raydiff"
     suite help sh tests/scripts/help.sh "$build/raydiff"
     suite named sh tests/scripts/named.sh "$build/raydiff"
+    suite concluded sh tests/values/concluded.sh "$build/raydiff"
     suite losers sh tests/scripts/losers.sh "$build/raydiff"
     suite named_others sh tests/scripts/named_others.sh "$build/raydiff"
     suite watertight sh tests/scripts/watertight.sh "$build/raydiff"

@@ -244,7 +244,7 @@ static int check_all(struct check_run *check, char *const *spec, size_t count)
             check_write_json(check->options.json, results, count, &check->turnout, code, &reason);
         code = exit_worse(code, exit_with_reason("check", status, &reason));
     }
-    check_print_conclusion(results, count, &screen);
+    check_print_conclusion(results, count, code, &screen);
     for (size_t i = 0; i < count; i++)
         free(results[i].row);
     free(results);

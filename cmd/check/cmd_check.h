@@ -30,10 +30,17 @@ extern const struct option_set check_set;
 /* Prints the table of a scene, its findings, what was refused or skipped and why, and a summary. */
 void check_print(const struct check_scene *scene, const struct screen *screen);
 
-/* Prints the last line: how many rows agree, how many answers are WRONG, and the layout with the
- * most of f32's speed among those that agree on the same engine, builder, tests and query. Prints
- * nothing if there are no rows. */
-void check_print_conclusion(const struct check_scene *scene, size_t count,
+/* True if the speeds of two rows can be told apart: their least-most ranges lie apart by a larger
+ * factor than the wider of them spans. Runs of one row follow each other, so that a machine that
+ * slows down meanwhile moves a whole range; and of a single run nothing is known. */
+bool check_speeds_differ(const struct row *a, const struct row *b);
+
+/* Prints the last line: how many rows agree, how many were refused, skipped, failed or are vacuous,
+ * how many answers are WRONG, and the layout with the most of f32's speed among those that agree on
+ * the same engine, builder, tests and query, if that can be told from f32's. `code`, the command's
+ * exit code, decides the colour.
+ * Prints nothing if there are no rows. */
+void check_print_conclusion(const struct check_scene *scene, size_t count, int code,
                             const struct screen *screen);
 
 /* Prints the table in columns that fit the screen: the verdict first. */

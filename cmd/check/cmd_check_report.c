@@ -105,12 +105,13 @@ static void print_winners(const struct check_scene *scene, const struct screen *
             screen_text(
                 screen,
                 "  %s on %s: %.2f of f32's node bytes (%.2f with f32's item array), %.2f times "
-                "its speed\n",
+                "its speed%s\n",
                 stored_name(row->layout, row->options.store, text), players[p],
                 (double)row->node_bytes / (double)base->node_bytes,
                 (double)(row->node_bytes + row->item_bytes) /
                     (double)(base->node_bytes + base->item_bytes),
-                row->mrays[0] / base->mrays[0]);
+                row->mrays[0] / base->mrays[0],
+                check_speeds_differ(row, base) ? "" : ", within noise");
         }
     }
     const struct row *cpu = row_of(scene, "cpu", NULL);
@@ -244,9 +245,12 @@ static void print_reasons(const struct check_scene *scene, const struct screen *
         bool repeated = false;
         for (size_t k = 0; k < i; k++)
             repeated |= strcmp(scene->row[k].reason.text, row->reason.text) == 0;
-        if (row->status != ROW_OK && !repeated)
-            screen_text(screen, "  %s %s: %s\n", subject_name(row), row_status_name(row->status),
-                        row->reason.text);
+        if (row->status == ROW_OK || repeated)
+            continue;
+        /* The reason of a vacuous row begins with that word. */
+        const char *status = row->status == ROW_VACUOUS ? "" : row_status_name(row->status);
+        screen_text(screen, "  %s%s%s: %s\n", subject_name(row), *status ? " " : "", status,
+                    row->reason.text);
     }
 }
 

@@ -345,6 +345,24 @@ enum status table_parse(enum table table, const char *flag, const char *text, st
     }
 }
 
+enum status list_bring_layouts(struct list *list, const char *text, struct reason *reason)
+{
+    struct list named;
+    enum status status = table_parse(TABLE_LAYOUTS, "--layout", text, &named, reason);
+    for (size_t i = 0; i < named.count && !status; i++) {
+        const struct layout *layout = layouts_all[named.index[i]];
+        if (!layout->outside)
+            return fail(
+                reason, STATUS_INPUT,
+                "--layout: takes only FILE.so, since a finding names its layout; '%s' is built in",
+                layout->name);
+        if (list_has(list, named.index[i]))
+            return fail(reason, STATUS_INPUT, "--layout: %s is named twice", layout->name);
+        list->index[list->count++] = named.index[i]; /* fits: no duplicates */
+    }
+    return status;
+}
+
 enum status table_parse_one(enum table table, const char *flag, const char *text, size_t *index,
                             struct reason *reason)
 {

@@ -202,8 +202,10 @@ void conform_report_add(struct conform_report *report, const char *name, enum st
     if (status == STATUS_OK)
         count_turnout(&report->turnout, row);
     report->rays += row->compared;
-    for (int v = 0; v < VERDICT_COUNT; v++)
+    for (int v = 0; v < VERDICT_WRONG; v++)
         report->count[v] += row->count[v];
+    *(row->judged ? &report->count[VERDICT_WRONG] : &report->published) +=
+        row->count[VERDICT_WRONG];
     if (outcome == OUTCOME_FAILED && !report->tap)
         print_findings(&report->screen, row);
 }
@@ -281,6 +283,8 @@ static void print_sums(const struct conform_report *report)
     snprintf(line, sizeof line, "%zu rays judged:", report->rays);
     for (enum verdict v = 0; v < VERDICT_COUNT; v++)
         text_append(line, sizeof line, " %s %zu", verdict_name(v), report->count[v]);
+    if (report->published)
+        text_append(line, sizeof line, "; as published, counted: %zu", report->published);
     screen_record(screen, PAINT_PLAIN, "%s\n", line);
     if (report->excused)
         screen_record(screen, PAINT_PLAIN,

@@ -24,8 +24,10 @@ static const struct option_row rows[] = {
      OF_CHOICE(options.form, export_form_names), .value = "c"},
     {"engine", "E", "for vulkan, vulkan_brute, rayquery, embree or embree_robust",
      OF_MEMBER(options.engine, TABLE_ENGINES), .shown = "the file's; else vulkan"},
-    {"layout", "L", "its tree's layout", OF_MEMBER(options.layout, TABLE_LAYOUTS),
-     .shown = "the file's; else f32"},
+    {"layout", "L",
+     "its tree's layout; FILE.so, one from outside, also where the finding is on it and no tree is "
+     "written",
+     OF_MEMBER(options.layout, TABLE_LAYOUTS), .shown = "the file's; else f32"},
     {"ray", "N", "this ray alone", OF_COUNT(options.ray, 0, FUZZ_RAYS_MOST), .shown = "all"},
     {0},
 };
@@ -89,10 +91,15 @@ static int check_use(const struct export_options *o, const struct finding_file *
     const struct engine *engine = o->engine             ? o->engine
                                   : file->has_signature ? engine_find(file->signature.engine)
                                                         : engine_find("vulkan");
-    const struct list list = list_of_one(TABLE_ENGINES, engine); /* empty: the peer is not loaded */
+    struct list list = list_of_one(TABLE_ENGINES, engine); /* empty: the peer is not loaded */
+    const bool brings = o->layout && o->layout->outside;   /* without it the file is not read */
+    if (brings && !list_needs_trees(&list))
+        list_add(&list, TABLE_ENGINES, engine_reference(true));
     const struct option_use use = {.engine = &list};
     const struct option_use ours = {.by = "an export of no vendor's engine",
-                                    .never = is_vendors(engine) ? "" : "layout threads"};
+                                    .never = is_vendors(engine) ? ""
+                                             : brings           ? "threads"
+                                                                : "layout threads"};
     int code = options_refused("export", &use);
     return code < 0 ? options_refused("export", &ours) : code;
 }

@@ -351,7 +351,9 @@ void match_run(struct match *match, const struct engine *engine, struct row *row
         row->rays = match->brute_count;
     row->cause = run_and_judge(match, engine, row);
     size_t floor = row->rays / VACUOUS_ONE_IN;
-    if (row->status == ROW_OK && row->judged && row->hits < (floor ? floor : 1)) {
+    /* What is already shown to be at fault is not vacuous. */
+    if (row->status == ROW_OK && row->judged && row->differences == 0 &&
+        row->hits < (floor ? floor : 1)) {
         row->status = ROW_VACUOUS;
         fail(&row->reason, STATUS_OK, "vacuous: %zu hits of %zu rays prove nothing", row->hits,
              row->rays);

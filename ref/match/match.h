@@ -91,7 +91,7 @@ enum row_status {
     ROW_REFUSED, /* the layout cannot hold the scene, or RTRS panics */
     ROW_SKIPPED, /* the engine cannot run here */
     ROW_FAILED,  /* the engine did not finish */
-    ROW_VACUOUS, /* too few hits to mean anything */
+    ROW_VACUOUS, /* no fault, but too few hits to mean anything */
 };
 
 /* Hits of one class of ref/match/match_edges.c, and how many of them were lost. */

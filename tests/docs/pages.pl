@@ -12,6 +12,7 @@
 # with 0. A block of another kind, without a mark, is an error: nothing is shown that nothing checks.
 # Times, speeds, versions and the width of gaps are masked. Each line of a page is also held against the
 # output with a letter of it changed: that must be noticed.
+# No two of the pages given have a campaign in the same folder.
 # Exit codes: 0 all as the page says; 1 not; 77 a block was skipped for what it needs.
 use strict;
 use warnings;
@@ -151,6 +152,16 @@ sub follow {
     }
     breach("$page:$first: a block without an end") if defined $language;
     chdir $root;
+}
+
+# Campaigns of two pages have two folders: a reader follows both in one.
+my %campaign;
+for my $page (@pages) {
+    open my $in, '<', $page or die "$page: cannot read\n";
+    for my $dir (map { /--dir ([^\s`]+)/g } <$in>) {
+        my $other = $campaign{$dir} //= $page;
+        breach("$page: --dir $dir is a folder of $other, too") if $other ne $page;
+    }
 }
 
 # What the pages do to the sources they do to a copy; meshes that were fetched are not copied.

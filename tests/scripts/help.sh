@@ -22,6 +22,11 @@ offers() {
         "$dir/raydiff.bash" raydiff "$@"
 }
 
+# What pages tell of an unknown formula is what the help has.
+units=$("$raydiff" check --help | tr -s '\n ' ' ' | sed 's/.*--displacement U[^[]*\[\([0-9]*\)\].*/\1/')
+grep -q "at most $units u of their distance" docs/my-engine.md && grep -q "Up to $units units are allowed" docs/black-box.md ||
+    bad "pages: an unknown formula may not need $units units"
+
 rows=0
 "$raydiff" help --commands >"$dir/commands"
 offers '' | grep -vx help | cmp -s - "$dir/commands" || bad "bash offers other commands"

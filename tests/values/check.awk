@@ -2,6 +2,13 @@
 # Every number of the text is computed anew from the numbers of the rows.
 function row_is(path) { return v["rows." path] }
 function rate(path) { return v["rows." path ".mrays_per_s.median"] }
+# Whether two rows' ranges lie apart by a larger factor than the wider spans.
+function told_apart(a, b,  lo_a, hi_a, lo_b, hi_b, wider) {
+    lo_a = v["rows." a ".mrays_per_s.min"]; hi_a = v["rows." a ".mrays_per_s.max"]
+    lo_b = v["rows." b ".mrays_per_s.min"]; hi_b = v["rows." b ".mrays_per_s.max"]
+    wider = hi_a / lo_a > hi_b / lo_b ? hi_a / lo_a : hi_b / lo_b
+    return wider > 1 && (lo_a / hi_b > wider || lo_b / hi_a > wider)
+}
 # The first row of the scene with that layout, engine, box and triangle test.
 function row_of(layout, engine, like,  r) {
     for (r = first; r < next_row; r++)
@@ -22,6 +29,7 @@ function listed(part, count, names, of,  k, n, full) {
 BEGIN {
     kinds = split("right tie near_tie boundary border in_plane slab noise out_of_contract", kind, " ")
     wrongs = split("missed phantom triangle distance barycentric not_finite not_repeatable any_disagrees twice order", of_wrong, " ")
+    statuses = split("refused skipped failed vacuous", status, " ")
     scene = -1
     next_row = 0
 }
@@ -182,6 +190,7 @@ rows && NF >= 7 {
     sub(/.*\), /, "", text)
     sub(/ .*/, "", text)
     same("speed of " $1 " on " $3, text, "%.2f", rate(r) / rate(base))
+    equal("speed of " $1 " on " $3 " can be told from f32's", !/ its speed, within noise$/, told_apart(r, base))
     next
 }
 /^  cpu on [a-z0-9_]+: [0-9.]+ times the speed of / {
@@ -249,8 +258,8 @@ rows && NF >= 7 {
     concluded++
     for (r = 0; r < next_row; r++) {
         p = "rows." r
+        ended[v[p ".status"]]++
         if (v[p ".status"] != "ok") continue
-        ran++
         if (v[p ".judged"] != "true") { published++; continue }
         good = v[p ".differences"] == 0
         agreeing += good
@@ -260,16 +269,20 @@ rows && NF >= 7 {
             b = "rows." base
             if (base != r && v[b ".scene"] == v[p ".scene"] && v[b ".layout"] == "f32" && v[b ".engine"] == v[p ".engine"] && v[p ".layout"] != "null" &&
                 v[b ".store"] == "indexed" && v[b ".judged"] == "true" && v[b ".differences"] == 0 && v[b ".box"] == v[p ".box"] && v[b ".tri"] == v[p ".tri"] &&
-                v[b ".query"] == v[p ".query"] && v[b ".builder"] == v[p ".builder"] && rate(r) / rate(base) > best) {
+                v[b ".query"] == v[p ".query"] && v[b ".builder"] == v[p ".builder"]) {
+                beside = 1
+                if (!told_apart(r, base) || rate(r) / rate(base) <= best) continue
                 best = rate(r) / rate(base)
                 winner = v[p ".layout"] (v[p ".store"] == "indexed" ? "" : ":" v[p ".store"]) " on " v[p ".engine"]
             }
         }
     }
-    text = "conclusion: " agreeing + 0 " of " ran - published " rows agree"
+    text = "conclusion: " agreeing + 0 " of " next_row - published " rows agree"
     if (published) text = text ", " published " as published counted"
-    text = text ", " wrong_of_all + 0 " of " of_all + 0 " answers WRONG"
+    for (k = 1; k <= statuses; k++) if (ended[status[k]]) text = text ", " ended[status[k]] " " status[k]
+    if (of_all) text = text ", " wrong_of_all " of " of_all " answers WRONG"
     if (best) text = text "; " winner " has " sprintf("%.2f", best) " times f32's speed"
+    else if (beside) text = text "; speeds cannot be told apart"
     equal("conclusion", $0, text)
     next
 }

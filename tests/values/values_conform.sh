@@ -69,6 +69,14 @@ for told in 'cornell edges' 'sphere mixed' 'terrain corners'; do
     grep -qF ": $(cat "$dir/line")" "$dir/one" || { bad "conform $told: not as check tells: $(cat "$dir/line")"; head -n 2 "$dir/one"; }
 done
 
+# What members as published get wrong is counted beside what is judged.
+told='closest.cpu.rtrs_rf.median.rtrs.mt_rtrs.*.1'
+"$raydiff" conform "$told" --count 100 --verbose >"$dir/out" 2>&1
+[ $? -eq 0 ] || bad "conform $told: members as published fail"
+counted=$(sed -nE 's/.* wrong ([0-9]+) \(as published, counted\).*/\1/p' "$dir/out" | awk '{ sum += $1 } END { print sum + 0 }')
+[ "$counted" -gt 0 ] && grep -q "^[0-9]* rays judged: .* wrong 0; as published, counted: $counted\$" "$dir/out" ||
+    bad "conform: $counted answers of members as published are not told apart"
+
 # Pairs: fields 1 to 8 of a name are members of as many tables; '-' is none.
 pairs=$(awk '
     /^<testcase / && !/\.answered"/ {

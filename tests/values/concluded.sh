@@ -1,0 +1,47 @@
+#!/bin/sh
+# The last line of a command counts every row that it printed: what is WRONG, what agrees, and what failed, was
+# refused or skipped, or proves nothing.
+#   sh tests/values/concluded.sh BUILD/raydiff
+set -u
+raydiff=$1
+. tests/scripts/expect.sh
+samples=$(dirname "$raydiff")/samples
+[ -x "$samples/refuser" ] || samples=build/samples # a planted bug's program has none of its own
+misses="pipe:$samples/refuser 1000000"             # answers every ray with a miss
+few='--count 500 --repeat 1 --wide'
+
+# Expected code, the whole last line as a pattern, arguments.
+ends() {
+    code=$1 line=$2
+    shift 2
+    expect "$code" . "$@"
+    tail -n 1 "$dir/out" | grep -qE -- "^$line\$" || bad "raydiff $*: the last line is not /$line/"
+}
+
+# Answers that are WRONG are no result that proves nothing.
+ends 1 'conclusion: 1 of 2 rows agree, 220 of 1000 answers WRONG' check sphere:n=4 $few --layout f32 --engine "cpu,$misses"
+ends 1 'conclusion: 0 of 1 rows agree, 220 of 500 answers WRONG' check sphere:n=4 $few --engine "$misses"
+grep -q 'vacuous' "$dir/out" && bad 'check: what is WRONG is called vacuous'
+printf 'r 0.3 0.2 -9 0 0 0 1 100\nr 0.1 0.3 -9 0 0 0 1 100\n' >"$dir/rays"
+printf 'm\nm\n' >"$dir/hits"
+expect 1 . judge sphere:n=2 "$dir/rays" "$dir/hits"
+grep -q 'against the exact truth: 2 of 2 answers WRONG' "$dir/out" || bad 'judge: what is WRONG is not counted'
+# What is vacuous is told once.
+expect 1 . check soup:n=0 $few --layout f32 --engine cpu
+grep -q '^  cpu: vacuous: 0 hits of 500 rays prove nothing$' "$dir/out" || bad 'check: why a row is vacuous'
+ends 1 'conclusion: 0 of 1 rows agree, 1 vacuous' check soup:n=0 $few --layout f32 --engine cpu
+# Rows that did not run are counted, too.
+ends 3 'conclusion: 0 of 1 rows agree, 1 failed' check sphere:n=2 $few --engine 'pipe:sleep 100' --peer-time 1
+ends 77 'conclusion: 0 of 1 rows agree, 1 skipped' check sphere:n=2 $few --engine rayquery --driver no-such-driver
+ends 2 'conclusion: 1 of 2 rows agree, 1 refused, 0 of 500 answers WRONG' \
+    check sphere:n=300 $few --brute 0 --layout rf16,tiny8 --engine cpu
+ends 0 'conclusion: 1 of 1 rows agree, 1 as published counted, 0 of 500 answers WRONG' \
+    check rtrs $few --layout f32,rtrs_rf --engine cpu
+
+# Of one run each it is not known which layout is faster (that ranges are far enough apart is told by check.awk).
+ends 0 'conclusion: 2 of 2 rows agree, 0 of 1000 answers WRONG; speeds cannot be told apart' \
+    check sphere:n=8 $few --layout f32,rf16 --engine cpu
+grep -q "rf16 on cpu: .* times its speed, within noise\$" "$dir/out" || bad 'check: a speed of one run is told'
+
+echo "concluded: $failed failed"
+[ "$failed" -eq 0 ]
