@@ -47,8 +47,8 @@ static bool enter_instance(struct world_walk *both, uint32_t index)
     return both->status || (top->query == QUERY_ANY && top->best.prim != ABI_NO_PRIM);
 }
 
-/* Whether a number in the top is that of an instance which the ray may meet. Words of a packed world
- * that its check refuses do no harm. */
+/* Whether a number in the top is that of an instance which the ray may meet. Words of a packed
+ * world that its check refuses do no harm. */
 static bool is_met(const struct world_walk *both, uint32_t index)
 {
     const struct world *world = both->at.world;

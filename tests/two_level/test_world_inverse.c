@@ -218,9 +218,9 @@ static void subnormal_ties(void **state)
     assert_true(met.ties > 30 && met.subnormal > 1000 && met.vanished > 10);
 }
 
-/* Element 0, 2 of the inverse is (m01 m12 - m02 m11) / (m00 m11 m22). Here it is a tie, an odd number
- * of `bits` bits times 2^exponent, but for a relative error of 2^-48 or less, which the last number
- * leaves: no double tells on which side it lies. */
+/* Element 0, 2 of the inverse is (m01 m12 - m02 m11) / (m00 m11 m22). Here it is a tie, an odd
+ * number of `bits` bits times 2^exponent, but for a relative error of 2^-48 or less, which the last
+ * number leaves: no double tells on which side it lies. */
 static void nearly_a_tie(struct rng *rng, int bits, int exponent, float m[3][4])
 {
     int64_t tie = (1ll << (bits - 1)) + 2 * (int64_t)rng_below(rng, 1u << (bits - 2)) + 1;
