@@ -221,9 +221,9 @@ enum status match_make(const struct scene *scene, const struct ray *ray, size_t 
                        const struct match_options *options, struct pool *pool, struct match *out,
                        struct reason *reason) MUST_USE;
 
-/* The same of a world that has passed world_finish: hits name placed triangles. The options' builder
- * builds all trees, and a layout packs both levels. The options have neither tree nor rest. Errors:
- * as match_make; STATUS_LIMIT also those of world_trees_make. */
+/* The same of a world that has passed world_finish: hits name placed triangles. The options'
+ * builder builds all trees, and a layout packs both levels. The options have neither tree nor
+ * rest. Errors: as match_make; STATUS_LIMIT also those of world_trees_make. */
 enum status match_make_world(const struct world *world, const struct ray *ray,
                              const struct ray_mode *mode, size_t ray_count,
                              const struct match_options *options, struct pool *pool,

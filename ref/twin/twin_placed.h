@@ -1,7 +1,7 @@
-/* Twins of placed triangles: the same formulas on a ray that an engine of ours took into the space
- * of the mesh (ref/world/object_ray.h), so that its numbers carry errors of their own. The exact ray
- * there is M^-1 (o - T), M^-1 d of real numbers; t is the same as in the world. What is proven is
- * proven for the exact ray and for every evaluation, as in ref/twin/twin.h. Derivation:
+/* Twins of placed triangles: the same formulas on a ray that an engine of ours took into the
+ * space of the mesh (ref/world/object_ray.h), so that its numbers carry errors of their own. The
+ * exact ray there is M^-1 (o - T), M^-1 d of real numbers; t is the same as in the world. What is
+ * proven is proven for the exact ray and for every evaluation, as in ref/twin/twin.h. Derivation:
  * docs/numerics.md, "Twins of placed triangles". */
 #ifndef TWIN_PLACED_H
 #define TWIN_PLACED_H

@@ -2,7 +2,7 @@
  * each formula and each rounding, evaluations as bad as the rounding allows against rationals.
  * Prints how near errors come to their bounds. */
 #include "tests/exact/legal_operations.h"
-#include "tests/exact/placed.h"
+#include "tests/exact/placed_trials.h"
 
 #include "ref/twin/twin_replay.h"
 

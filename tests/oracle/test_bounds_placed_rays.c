@@ -2,7 +2,7 @@
  * contract of a ray in the space of the mesh. An instance at the identity has the twins of its
  * scene. */
 #include "tests/exact/exact_gmp_replay.h"
-#include "tests/exact/placed.h"
+#include "tests/exact/placed_trials.h"
 
 #include <math.h>
 #include <stdlib.h>

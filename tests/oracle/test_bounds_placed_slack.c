@@ -10,7 +10,7 @@ static double grid_rounded = 0x1p-24, grid_fused = 0x1p-48;
 #include "ref/twin/twin_place.c"
 #include "ref/twin/twin_placed.c"
 
-#include "tests/exact/placed.h"
+#include "tests/exact/placed_trials.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -70,13 +70,13 @@ static void add_product(struct world_rationals *q, mpq_t out, const mpq_t x, con
 }
 
 /* One instance, triangle and ray, and all that follows from them. */
-struct placed_trial {
+struct bounded_trial {
     struct instance at;
     struct ray ray;
     float v[3][3];
 };
 
-static void fill(struct world_rationals *q, const struct placed_trial *trial)
+static void fill(struct world_rationals *q, const struct bounded_trial *trial)
 {
     for (int k = 0; k < 3; k++) {
         for (int j = 0; j < 4; j++)
@@ -145,9 +145,9 @@ static void invert(struct world_rationals *q)
     mpq_clear(det);
 }
 
-static void draw(const struct world_turn *turn, struct rng *rng, struct placed_trial *out)
+static void draw(const struct world_turn *turn, struct rng *rng, struct bounded_trial *out)
 {
-    *out = (struct placed_trial){.at = {.mask = 0xFF}};
+    *out = (struct bounded_trial){.at = {.mask = 0xFF}};
     world_turn_draw(turn, rng, out->at.m);
     float far = rng_below(rng, 2) ? 1 : 1000;
     for (int k = 0; k < 3; k++) {
@@ -177,7 +177,7 @@ static void the_filter_of_placed_triangles_has_this_much_slack(void **state)
     for (int kind = 0; kind < WORLD_TURNS; kind++) {
         struct rng rng = far_rng((uint64_t)kind + 60);
         for (uint64_t n = 0; n < trials_each(); n++) {
-            struct placed_trial trial;
+            struct bounded_trial trial;
             struct placed_filter placed;
             const struct filter *f = &placed.filter;
             draw(&world_turns[kind], &rng, &trial);
@@ -211,7 +211,7 @@ static void rays_in_a_mesh_have_this_much_slack(void **state)
     for (int kind = 0; kind < WORLD_TURNS; kind++) {
         struct rng rng = far_rng((uint64_t)kind + 90);
         for (uint64_t n = 0; n < trials_each(); n++) {
-            struct placed_trial trial;
+            struct bounded_trial trial;
             struct inverse inverse;
             struct sight sight;
             draw(&world_turns[kind], &rng, &trial);
@@ -264,7 +264,7 @@ static int beyond(struct world_rationals *q, float x, const struct instance *at,
 }
 
 /* A box and a transform whose sums often cancel to less than a last place of their terms. */
-static void draw_box(const struct world_turn *turn, struct rng *rng, struct placed_trial *trial,
+static void draw_box(const struct world_turn *turn, struct rng *rng, struct bounded_trial *trial,
                      struct box *box)
 {
     draw(turn, rng, trial);
@@ -290,7 +290,7 @@ static void world_boxes_contain_all_corners(void **state)
     for (int kind = 0; kind < WORLD_TURNS; kind++) {
         struct rng rng = far_rng((uint64_t)kind + 120);
         for (uint64_t n = 0; n < trials_each(); n++) {
-            struct placed_trial trial;
+            struct bounded_trial trial;
             struct box box;
             draw_box(&world_turns[kind], &rng, &trial, &box);
             fill(&q, &trial);

@@ -3,7 +3,7 @@
 #include "ref/base/rng.h"
 #include "ref/world/placed.h"
 #include "ref/world/world_boxes.h"
-#include "tests/two_level/world_fixture.h"
+#include "tests/two_level/two_level_fixture.h"
 
 #include <float.h>
 #include <gmp.h>

@@ -4,7 +4,7 @@
 #include "ref/trace/trace_world.h"
 #include "ref/two_level/world_check.h"
 #include "ref/world/object_ray.h"
-#include "tests/two_level/world_fixture.h"
+#include "tests/two_level/two_level_fixture.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

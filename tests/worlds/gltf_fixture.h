@@ -4,7 +4,7 @@
 #define TESTS_GLTF_FIXTURE_H
 
 #include "scenes/gltf/gltf.h"
-#include "tests/worlds/world_fixture.h"
+#include "tests/worlds/files_fixture.h"
 
 /* Vertices 16 bytes apart, indices of 1, 2 and 4 bytes, three more vertices without a gap. */
 #define GLTF_BYTES 132

@@ -2,7 +2,7 @@
 #define _GNU_SOURCE /* open_memstream */
 #include "ref/scene/topology.h"
 #include "scenes/worlds.h"
-#include "tests/worlds/world_fixture.h"
+#include "tests/worlds/files_fixture.h"
 
 static void open_spec(const char *spec, uint64_t seed, struct world *out)
 {

@@ -1,7 +1,7 @@
 /* World JSON: what is read, to the bit, what is refused, and that what is written is read. */
 #define _GNU_SOURCE /* open_memstream */
 #include "ref/base/rng.h"
-#include "tests/worlds/world_fixture.h"
+#include "tests/worlds/files_fixture.h"
 
 static enum status read_json(const char *bytes, size_t size, struct world *out)
 {

@@ -3,7 +3,7 @@
 #define _GNU_SOURCE /* mkdtemp */
 #include "ref/files/file.h"
 #include "scenes/worlds.h"
-#include "tests/worlds/world_fixture.h"
+#include "tests/worlds/files_fixture.h"
 
 #include <sys/stat.h>
 #include <unistd.h>

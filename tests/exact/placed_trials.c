@@ -1,4 +1,4 @@
-#include "tests/exact/placed.h"
+#include "tests/exact/placed_trials.h"
 
 #include "ref/base/base.h"
 
@@ -7,13 +7,13 @@
 /* --- transforms -------------------------------------------------------------------------------
  */
 
-struct linear {
+struct exact_linear {
     double a[3][3];
 };
 
-static struct linear times(const struct linear *x, const struct linear *y)
+static struct exact_linear times(const struct exact_linear *x, const struct exact_linear *y)
 {
-    struct linear out = {{{0}}};
+    struct exact_linear out = {{{0}}};
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             for (int k = 0; k < 3; k++)
@@ -21,19 +21,19 @@ static struct linear times(const struct linear *x, const struct linear *y)
     return out;
 }
 
-static struct linear diagonal(double x, double y, double z)
+static struct exact_linear diagonal(double x, double y, double z)
 {
-    return (struct linear){{{x, 0, 0}, {0, y, 0}, {0, 0, z}}};
+    return (struct exact_linear){{{x, 0, 0}, {0, y, 0}, {0, 0, z}}};
 }
 
 /* By random angles about all three axes. */
-static struct linear rotation(struct rng *rng)
+static struct exact_linear rotation(struct rng *rng)
 {
-    struct linear out = diagonal(1, 1, 1);
+    struct exact_linear out = diagonal(1, 1, 1);
     for (int k = 0; k < 3; k++) {
         double angle = 6.283185307179586 * (double)rng_float(rng), c = cos(angle), s = sin(angle);
         int i = (k + 1) % 3, j = (k + 2) % 3;
-        struct linear turn = diagonal(1, 1, 1);
+        struct exact_linear turn = diagonal(1, 1, 1);
         turn.a[i][i] = turn.a[j][j] = c;
         turn.a[i][j] = -s;
         turn.a[j][i] = s;
@@ -42,7 +42,7 @@ static struct linear rotation(struct rng *rng)
     return out;
 }
 
-static void put(const struct linear *m, struct instance *out)
+static void put(const struct exact_linear *m, struct instance *out)
 {
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
@@ -63,7 +63,7 @@ static double number(struct rng *rng, int power)
 
 static void make_identity(struct rng *rng, struct instance *out)
 {
-    struct linear m = diagonal(1, 1, 1);
+    struct exact_linear m = diagonal(1, 1, 1);
     (void)rng;
     put(&m, out);
 }
@@ -76,7 +76,7 @@ static void make_translated(struct rng *rng, struct instance *out)
 
 static void make_rotated(struct rng *rng, struct instance *out)
 {
-    struct linear m = rotation(rng);
+    struct exact_linear m = rotation(rng);
     put(&m, out);
     if (rng_below(rng, 2))
         put_translation(rng, 4, out);
@@ -84,7 +84,7 @@ static void make_rotated(struct rng *rng, struct instance *out)
 
 static void make_rotated_far(struct rng *rng, struct instance *out)
 {
-    struct linear m = rotation(rng);
+    struct exact_linear m = rotation(rng);
     put(&m, out);
     put_translation(rng, 1e6f, out);
 }
@@ -104,8 +104,8 @@ static void make_exact(struct rng *rng, struct instance *out)
 
 static void make_scaled_small(struct rng *rng, struct instance *out)
 {
-    struct linear turn = rotation(rng), scale = diagonal(1e-6, 1e-6, 1e-6);
-    struct linear m = times(&turn, &scale);
+    struct exact_linear turn = rotation(rng), scale = diagonal(1e-6, 1e-6, 1e-6);
+    struct exact_linear m = times(&turn, &scale);
     put(&m, out);
     float far = rng_below(rng, 2) ? 1.0f : 1e-6f;
     put_translation(rng, far, out);
@@ -114,8 +114,8 @@ static void make_scaled_small(struct rng *rng, struct instance *out)
 /* 1e6 : 1 along the axes of the mesh, which costs nothing, or along others, which costs kappa. */
 static void make_uneven(struct rng *rng, struct instance *out)
 {
-    struct linear turn = rotation(rng), back = rotation(rng);
-    struct linear scale = diagonal(1e3, 1, 1e-3), m = times(&turn, &scale);
+    struct exact_linear turn = rotation(rng), back = rotation(rng);
+    struct exact_linear scale = diagonal(1e3, 1, 1e-3), m = times(&turn, &scale);
     if (rng_below(rng, 2))
         m = times(&m, &back);
     put(&m, out);
@@ -124,16 +124,17 @@ static void make_uneven(struct rng *rng, struct instance *out)
 
 static void make_mirrored(struct rng *rng, struct instance *out)
 {
-    struct linear turn = rotation(rng), mirror = diagonal(-1, 1, 1), m = times(&turn, &mirror);
+    struct exact_linear turn = rotation(rng), mirror = diagonal(-1, 1, 1);
+    struct exact_linear m = times(&turn, &mirror);
     put(&m, out);
     put_translation(rng, 1, out);
 }
 
 static void make_nearly_singular(struct rng *rng, struct instance *out)
 {
-    struct linear turn = rotation(rng), back = rotation(rng);
+    struct exact_linear turn = rotation(rng), back = rotation(rng);
     double thin = ldexp(1, -(int)rng_below(rng, 21));
-    struct linear flat = diagonal(1, 1, thin), m = times(&turn, &flat);
+    struct exact_linear flat = diagonal(1, 1, thin), m = times(&turn, &flat);
     m = times(&m, &back);
     put(&m, out);
     put_translation(rng, 2, out);
@@ -141,7 +142,7 @@ static void make_nearly_singular(struct rng *rng, struct instance *out)
 
 static void make_sheared(struct rng *rng, struct instance *out)
 {
-    struct linear m = diagonal(1, 1, 1);
+    struct exact_linear m = diagonal(1, 1, 1);
     for (int i = 0; i < 3; i++)
         for (int j = i + 1; j < 3; j++)
             m.a[i][j] = number(rng, (int)rng_below(rng, 10));
@@ -152,7 +153,7 @@ static void make_sheared(struct rng *rng, struct instance *out)
 /* Off the diagonal numbers whose inverse is subnormal, or next to it. */
 static void make_subnormal(struct rng *rng, struct instance *out)
 {
-    struct linear m = diagonal(1, 1, 1);
+    struct exact_linear m = diagonal(1, 1, 1);
     if (rng_below(rng, 2))
         m.a[0][0] = (double)rng_range(rng, 1, 2);
     if (rng_below(rng, 2))
@@ -167,9 +168,9 @@ static void make_subnormal(struct rng *rng, struct instance *out)
 
 static void make_at_ends(struct rng *rng, struct instance *out)
 {
-    struct linear turn = rotation(rng);
+    struct exact_linear turn = rotation(rng);
     double size = ldexp(1, 60 - (int)rng_below(rng, 120));
-    struct linear scale = diagonal(size, size, size), m = times(&turn, &scale);
+    struct exact_linear scale = diagonal(size, size, size), m = times(&turn, &scale);
     put(&m, out);
     put_translation(rng, (float)size, out);
 }
