@@ -5,9 +5,29 @@
 #include <stdlib.h>
 #include <string.h>
 
-static enum status walk_scene(struct walk *w, const struct job *job)
+static enum status walk_robust(struct walk *w, uint32_t tri_id)
 {
-    return walk_with(w, WALK_SCENE, job->box->id, job->tri->id);
+    if (tri_id == ABI_TRI_WOOP)
+        return walk_tree(w, WALK_SCENE, ABI_BOX_ROBUST, ABI_TRI_WOOP);
+    if (tri_id == ABI_TRI_MT) /* the default, without a choice among all of them per triangle */
+        return walk_tree(w, WALK_SCENE, ABI_BOX_ROBUST, ABI_TRI_MT);
+    return walk_tree(w, WALK_SCENE, ABI_BOX_ROBUST, tri_id);
+}
+
+static enum status walk_watertight(struct walk *w, uint32_t tri_id)
+{
+    if (tri_id == ABI_TRI_WOOP)
+        return walk_tree(w, WALK_SCENE, ABI_BOX_WATERTIGHT, ABI_TRI_WOOP);
+    return walk_tree(w, WALK_SCENE, ABI_BOX_WATERTIGHT, tri_id);
+}
+
+static enum status walk_with(struct walk *w, const struct job *job)
+{
+    if (job->box->id == ABI_BOX_ROBUST)
+        return walk_robust(w, job->tri->id);
+    if (job->box->id == ABI_BOX_WATERTIGHT)
+        return walk_watertight(w, job->tri->id);
+    return walk_tree(w, WALK_SCENE, job->box->id, job->tri->id);
 }
 
 static void walk_start(struct walk *w, const struct job *job, const struct wide *decoded,
@@ -36,7 +56,7 @@ enum status trace_ray(const struct job *job, const struct ray *ray, struct hit *
 {
     struct walk w;
     walk_start(&w, job, NULL, ray);
-    enum status status = walk_scene(&w, job);
+    enum status status = walk_with(&w, job);
     *out = status ? hit_none() : w.best;
     walk_count(&w, counts);
     return status;
@@ -61,7 +81,7 @@ enum status trace_rays(const struct job *job, const struct ray *ray, size_t coun
     for (size_t i = 0; i < count; i++) {
         struct walk w;
         walk_start(&w, job, decoded, &ray[i]);
-        bool finished = walk_scene(&w, job) == STATUS_OK;
+        bool finished = walk_with(&w, job) == STATUS_OK;
         out[i] = finished ? w.best : hit_none();
         flag[i] = finished ? ABI_FLAG_DONE : ABI_FLAG_EXHAUSTED;
         if (work)
@@ -80,7 +100,7 @@ enum status trace_ray_all(const struct job *job, const struct ray *ray, uint32_t
     w.query = QUERY_ALL;
     w.list = out;
     w.capacity = capacity;
-    enum status status = walk_scene(&w, job);
+    enum status status = walk_with(&w, job);
     *count = status ? 0 : w.found;
     walk_count(&w, counts);
     return status;

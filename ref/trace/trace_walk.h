@@ -280,21 +280,4 @@ WALK_INLINE enum status walk_tree(struct walk *w, enum walk_level level, uint32_
     return STATUS_LIMIT;
 }
 
-/* The same, with a loop of its own for each pair of tests that is in use much. */
-WALK_INLINE enum status walk_with(struct walk *w, enum walk_level level, uint32_t box_id,
-                                  uint32_t tri_id)
-{
-    if (box_id == ABI_BOX_ROBUST && tri_id == ABI_TRI_WOOP)
-        return walk_tree(w, level, ABI_BOX_ROBUST, ABI_TRI_WOOP);
-    if (box_id == ABI_BOX_ROBUST && tri_id == ABI_TRI_MT) /* the default */
-        return walk_tree(w, level, ABI_BOX_ROBUST, ABI_TRI_MT);
-    if (box_id == ABI_BOX_ROBUST)
-        return walk_tree(w, level, ABI_BOX_ROBUST, tri_id);
-    if (box_id == ABI_BOX_WATERTIGHT && tri_id == ABI_TRI_WOOP)
-        return walk_tree(w, level, ABI_BOX_WATERTIGHT, ABI_TRI_WOOP);
-    if (box_id == ABI_BOX_WATERTIGHT)
-        return walk_tree(w, level, ABI_BOX_WATERTIGHT, tri_id);
-    return walk_tree(w, level, box_id, tri_id);
-}
-
 #endif

@@ -24,7 +24,11 @@ static enum status walk_top(struct walk *w, uint32_t box_id)
 
 static enum status walk_bottom(struct walk *w, const struct world_job *job)
 {
-    return walk_with(w, WALK_BOTTOM, job->box->id, job->tri->id);
+    if (job->box->id == ABI_BOX_ROBUST && job->tri->id == ABI_TRI_MT)
+        return walk_tree(w, WALK_BOTTOM, ABI_BOX_ROBUST, ABI_TRI_MT);
+    if (job->box->id == ABI_BOX_WATERTIGHT && job->tri->id == ABI_TRI_WOOP)
+        return walk_tree(w, WALK_BOTTOM, ABI_BOX_WATERTIGHT, ABI_TRI_WOOP);
+    return walk_tree(w, WALK_BOTTOM, job->box->id, job->tri->id);
 }
 
 /* Walks through one instance. Returns true if the ray ends there. */

@@ -311,6 +311,28 @@ static void tops_name_active_instances_once(void **state)
     world_free(&world);
 }
 
+/* A top that names what it should, and an instance besides that no ray meets. */
+static void tops_leave_out_what_no_ray_meets(void **state)
+{
+    (void)state;
+    struct world world = fixture_world("sphere:n=1", WORLD_MOVED, 9, 4);
+    struct packed_world all = stand_world(&world, "f32");
+    world.instance[4].mask = 0;
+    struct packed_world some = stand_world(&world, "f32");
+    struct packed top = some.top;
+    some.top = all.top;
+    some.stack_need = ABI_STACK_MAX;
+    struct reason reason = {""};
+    assert_found(&world, &some, WORLD_TOP);
+    assert_int_equal(world_pack_check(&world, &some, NULL, &reason), STATUS_INPUT);
+    assert_non_null(strstr(reason.text, "names triangle 4, which is left out"));
+    some.top = top;
+    assert_sound(&world, &some);
+    packed_world_free(&all);
+    packed_world_free(&some);
+    world_free(&world);
+}
+
 static void bottoms_are_trees_of_their_meshes(void **state)
 {
     (void)state;
@@ -368,6 +390,7 @@ int main(void)
         cmocka_unit_test(boxes_one_float_too_small_are_found),
         cmocka_unit_test(the_top_contains_the_boxes),
         cmocka_unit_test(tops_name_active_instances_once),
+        cmocka_unit_test(tops_leave_out_what_no_ray_meets),
         cmocka_unit_test(bottoms_are_trees_of_their_meshes),
         cmocka_unit_test(numbers_and_stacks),
     };
