@@ -57,7 +57,7 @@ $(B)/obj/tests/judge/honest_fast.o: CFLAGS += -ffast-math -ffp-contract=fast $(i
 $(B)/tests/test_adversaries: $(addprefix $(B)/obj/tests/adversaries/,cheats.o outsiders.o outsiders_table.o table.o)
 
 # Their allocations are made to fail, or measured.
-$(B)/tests/test_out_of_memory $(B)/tests/test_hits_memory $(B)/tests/test_memory $(B)/tests/test_vulkan_memory: TEST_LIBS += \
+$(B)/tests/test_out_of_memory $(B)/tests/test_oracle_world_memory $(B)/tests/test_hits_memory $(B)/tests/test_memory $(B)/tests/test_vulkan_memory: TEST_LIBS += \
     -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 
 # A Vulkan within the program, which the loader of the library finds in it.

@@ -20,7 +20,7 @@ int fraction_compare(const struct fraction *a, const struct fraction *b);
 /* Sign of a - x; x may be infinite, not NaN. */
 int fraction_compare_double(const struct fraction *a, double x);
 
-/* What is smaller than FRACTION_LEAST or larger than FRACTION_MOST may be enclosed by these alone. */
+/* What is smaller than the one or larger than the other may be enclosed by these alone. */
 #define FRACTION_LEAST 0x1p-1000
 #define FRACTION_MOST  0x1p1000
 

@@ -1,7 +1,6 @@
-#include "ref/oracle/admission.h"
-
 #include "ref/oracle/environment.h"
 #include "ref/oracle/internal.h"
+#include "ref/oracle/world_walk.h"
 
 #include <math.h>
 

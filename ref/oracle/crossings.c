@@ -1,8 +1,7 @@
-#include "ref/oracle/crossings.h"
-
 #include "ref/oracle/environment.h"
 #include "ref/oracle/internal.h"
 #include "ref/oracle/tree_walk.h"
+#include "ref/oracle/world_walk.h"
 
 #include <assert.h>
 #include <math.h>
@@ -41,8 +40,8 @@ static int compare(const struct oracle *oracle, const struct ray *ray,
 }
 
 /* By insertion: lists are short, and nearly in order where a tree found them. */
-void crossings_sort(const struct oracle *oracle, const struct ray *ray,
-                    struct oracle_crossing *list, size_t count)
+static void sort(const struct oracle *oracle, const struct ray *ray, struct oracle_crossing *list,
+                 size_t count)
 {
     for (size_t i = 1; i < count; i++) {
         struct oracle_crossing moved = list[i];
@@ -55,8 +54,8 @@ void crossings_sort(const struct oracle *oracle, const struct ray *ray,
     }
 }
 
-enum status crossings_add(const struct decided *pair, double t_most, struct oracle_crossing **list,
-                          size_t *capacity, size_t *count)
+static enum status add(const struct decided *pair, double t_most, struct oracle_crossing **list,
+                       size_t *capacity, size_t *count)
 {
     if (!(pair->pair.t_lo <= t_most))
         return STATUS_OK;
@@ -68,7 +67,7 @@ enum status crossings_add(const struct decided *pair, double t_most, struct orac
 
 /* Enclosures of hits in range are at most 2^-40 wide, so t_lo <= t_most bounds t by this; or, of
  * tiny t, FRACTION_LEAST. */
-double crossings_reach(const struct ray *ray, double t_most)
+static double reach_to(const struct ray *ray, double t_most)
 {
     return fmin(t_most + fabs(t_most) * 0x1p-38 + 4 * FRACTION_LEAST, (double)ray->tmax);
 }
@@ -84,7 +83,7 @@ static enum status take(const struct oracle *oracle, const struct ray *ray, uint
     if (pair.pair.class == ORACLE_MISS || pair.pair.class == ORACLE_ZERO_AREA ||
         !oracle_in_range(&pair.pair, ORACLE_CLOSED))
         return STATUS_OK;
-    return crossings_add(&pair, t_most, list, capacity, count);
+    return add(&pair, t_most, list, capacity, count);
 }
 
 static enum status collect(const struct oracle *oracle, const struct ray *ray, double t_most,
@@ -93,7 +92,7 @@ static enum status collect(const struct oracle *oracle, const struct ray *ray, d
     struct early_ray early = early_ray_make(ray);
     struct tree_walk walk;
     struct tree_leaf leaf;
-    double reach = crossings_reach(ray, t_most);
+    double reach = reach_to(ray, t_most);
     tree_walk_start(&walk, &oracle->tree, ray);
     while (tree_walk_next(&walk, reach, &leaf)) {
         uint64_t left =
@@ -121,7 +120,46 @@ enum status oracle_crossings(const struct oracle *oracle, const struct ray *ray,
     if (status)
         *count = 0;
     else
-        crossings_sort(oracle, ray, *list, *count);
+        sort(oracle, ray, *list, *count);
+    environment_leave(saved);
+    return status ? fail(reason, status, "oracle: no memory for the crossings") : STATUS_OK;
+}
+
+/* --- worlds ----------------------------------------------------------------------------------- */
+
+/* The crossings of one ray, as a visitor. */
+struct crossings_visitor {
+    struct world_visitor visitor; /* first: the walk knows no more */
+    double t_most;
+    struct oracle_crossing **list;
+    size_t *capacity, *count;
+};
+
+static enum status take_placed(struct world_visitor *visitor, const struct ray *ray,
+                               struct decided *pair)
+{
+    struct crossings_visitor *all = (struct crossings_visitor *)visitor;
+    (void)ray;
+    return add(pair, all->t_most, all->list, all->capacity, all->count);
+}
+
+enum status oracle_crossings_world(const struct oracle *oracle, const struct ray *ray,
+                                   struct ray_mode mode, double t_most,
+                                   struct oracle_crossing **list, size_t *capacity, size_t *count,
+                                   struct reason *reason)
+{
+    struct crossings_visitor all = {
+        {.reach = reach_to(ray, t_most), .take = take_placed}, t_most, list, capacity, count};
+    *count = 0;
+    assert(oracle->placing);
+    if (!oracle_takes(ray) || ray_is_still(ray))
+        return STATUS_OK;
+    unsigned long saved = environment_enter();
+    enum status status = world_walk(oracle, ray, mode, false, &all.visitor);
+    if (status)
+        *count = 0;
+    else
+        sort(oracle, ray, *list, *count);
     environment_leave(saved);
     return status ? fail(reason, status, "oracle: no memory for the crossings") : STATUS_OK;
 }

@@ -17,8 +17,8 @@
  * Of a ray in the space of a mesh, o and d are known to o_err and d_err alone. With
  *   h = (d_err_x + d_err_z) / (|dz| - d_err_z) < 2^-10, the larger of it and of the same with y,
  *   g = o_err_x + o_err_z, likewise,
- * s is off by h more, and x' by E = (6.02 e + h) M + 1.01 g in all. Let L = M + 1.01 g / (6.1 e + h),
- * so that E <= (6.1 e + h) L and |x'| <= 2.01 L. The products' difference is then off by
+ * s is off by h more, and x' by E = (6.02 e + h) M + 1.01 g in all. Let L = M + 1.01 g / (6.1 e +
+ * h), so that E <= (6.1 e + h) L and |x'| <= 2.01 L. The products' difference is then off by
  * 8.04 (6.1 e + h) L^2 + 16.2 e L^2 <= (65.3 e + 8.04 h) L^2. So with L for M, both bounds times
  * 1 + h / (7 e) suffice. */
 #ifndef ORACLE_EARLY_H

@@ -4,7 +4,7 @@
 
 #define MEDIUM_BITS 120 /* of a sum, so that its terms fit an __int128 in any order */
 
-struct input {
+struct exact_numbers {
     const struct instance *at; /* NULL: the vertices are where they are */
     struct odd o[3], d[3], v[3][3], m[3][4];
     struct oracle_grid corner, turn; /* placed: of the vertices' numbers and of M's */
@@ -26,7 +26,7 @@ static struct oracle_grid placed_grid(struct oracle_grid turn, struct oracle_gri
 }
 
 static void read_input(const struct ray *ray, float v[3][3], const struct instance *at,
-                       struct input *in)
+                       struct exact_numbers *in)
 {
     struct odd all[12], turn[9];
     in->at = at;
@@ -54,7 +54,7 @@ static void read_input(const struct ray *ray, float v[3][3], const struct instan
 /* --- 128 bits --------------------------------------------------------------------------------- */
 
 /* Coordinate k of vertex c. */
-static __int128 int_corner(const struct input *in, int c, int k)
+static __int128 int_corner(const struct exact_numbers *in, int c, int k)
 {
     if (!in->at)
         return grid_int(in->place, in->v[c][k]);
@@ -75,7 +75,7 @@ static int bits_of(unsigned __int128 x)
 bool input_medium(const struct ray *ray, float v[3][3], const struct instance *at,
                   struct medium_input *out, int *scale)
 {
-    struct input in;
+    struct exact_numbers in;
     unsigned __int128 place = 0, way = 0;
     read_input(ray, v, at, &in);
     *scale = in.place.exponent - in.way.exponent;
@@ -120,7 +120,7 @@ bool input_small(const struct ray *ray, float v[3][3], const struct instance *at
 
 /* --- wide ------------------------------------------------------------------------------------- */
 
-static void wide_corner(const struct input *in, int c, int k, struct oracle_wide *out)
+static void wide_corner(const struct exact_numbers *in, int c, int k, struct oracle_wide *out)
 {
     struct oracle_wide m, v, term;
     if (!in->at) {
@@ -144,7 +144,7 @@ static void wide_corner(const struct input *in, int c, int k, struct oracle_wide
 void input_wide(const struct ray *ray, float v[3][3], const struct instance *at,
                 struct wide_input *out, int *scale)
 {
-    struct input in;
+    struct exact_numbers in;
     read_input(ray, v, at, &in);
     *scale = in.place.exponent - in.way.exponent;
     for (int k = 0; k < 3; k++) {

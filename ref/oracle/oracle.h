@@ -118,8 +118,8 @@ const struct scene *oracle_scene(const struct oracle *oracle);
  * STATUS_UNSUPPORTED with what is wrong. */
 enum status oracle_environment(struct reason *reason) MUST_USE;
 
-/* Exact nearest hits of `count` rays in the oracle's scene on `threads` threads (0: all). Any finite ray is decided,
- * whatever its scale; a zero direction misses everything.
+/* Exact nearest hits of `count` rays in the oracle's scene on `threads` threads (0: all). Any
+ * finite ray is decided, whatever its scale; a zero direction misses everything.
  *   stats   may be NULL; added to
  * The answer is the same on any path and any number of threads; ORACLE_TREE is the fastest, about
  * 1 us a ray on a mesh of 10^4 triangles. Errors: STATUS_MEMORY. */
@@ -141,10 +141,10 @@ struct oracle_crossing {
     struct oracle_pair pair;
 };
 
-/* Of the oracle's scene, every triangle of class INSIDE, EDGE, VERTEX or IN_PLANE whose exact t (or interval) meets the
- * range of the ray, ends included, and whose t_lo <= t_most; sorted by exact t (in plane: by t_lo),
- * then by index. *list is grown with array_reserve and kept by the caller for the next ray.
- * Errors: STATUS_MEMORY. */
+/* Of the oracle's scene, every triangle of class INSIDE, EDGE, VERTEX or IN_PLANE whose exact t (or
+ * interval) meets the range of the ray, ends included, and whose t_lo <= t_most; sorted by exact t
+ * (in plane: by t_lo), then by index. *list is grown with array_reserve and kept by the caller for
+ * the next ray. Errors: STATUS_MEMORY. */
 enum status oracle_crossings(const struct oracle *oracle, const struct ray *ray, double t_most,
                              struct oracle_crossing **list, size_t *capacity, size_t *count,
                              struct reason *reason) MUST_USE;

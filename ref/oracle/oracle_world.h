@@ -2,8 +2,9 @@
  * A placed triangle has the vertices M v + T of real numbers; t counts in multiples of the ray's
  * direction. Triangles are named by their numbers in the world.
  *
- * oracle_pair, oracle_compare, oracle_rational and oracle_t_text take an oracle of a world, too, and
- * decide geometry alone: no mask, flag or filter, and inactive instances that have a mesh as well.
+ * oracle_pair, oracle_compare, oracle_rational and oracle_t_text take an oracle of a world, too,
+ * and decide geometry alone: no mask, flag or filter, and inactive instances that have a mesh as
+ * well.
  *
  * Facing. With e1 and e2 two edges of the triangle in its mesh, (M e1) x (M e2) = det(M) M^-T (e1 x
  * e2). So D = d . ((M e1) x (M e2)) = det(M) (M^-1 d) . (e1 x e2) = det(M) D', and D', the D of the
@@ -15,7 +16,7 @@
 #include "ref/world/world.h"
 
 /* Makes the oracle of `world`, which is borrowed and must have passed world_finish: an oracle a
- * mesh, however many instances it has, and some 250 bytes and 3 us an instance. Errors as
+ * mesh, however many instances it has, and some 150 bytes and 2 us an instance. Errors as
  * oracle_make. */
 enum status oracle_make_world(const struct world *world, struct oracle **out,
                               struct reason *reason) MUST_USE;
@@ -54,8 +55,8 @@ const char *oracle_admission_name(enum oracle_admission admission);
 void oracle_weights(const struct oracle *oracle, const struct ray *ray, uint32_t prim, double u[2],
                     double v[2]);
 
-/* Whether the filter's answer on a triangle that is hit could be another if u were up to du and v up
- * to dv off: false if it is opaque, and of filters that do not read u and v. du, dv >= 0. It is
+/* Whether the filter's answer on a triangle that is hit could be another if u were up to du and v
+ * up to dv off: false if it is opaque, and of filters that do not read u and v. du, dv >= 0. It is
  * true, too, if a few neighbours in double farther off it could. */
 bool oracle_filter_is_open(const struct oracle *oracle, const struct ray *ray, struct ray_mode mode,
                            uint32_t prim, double du, double dv);
@@ -66,8 +67,8 @@ bool oracle_filter_is_open(const struct oracle *oracle, const struct ray *ray, s
  * else as oracle_closest. Ties are counted across instances. ORACLE_SAW_IN_PLANE is set for
  * triangles that oracle_admit admits.
  *   mode   one per ray, each as ray_mode_check takes it; NULL: ray_mode_all
- * ABI_RAY_FIRST changes nothing. ORACLE_AUTO is ORACLE_TREE: about 2 us a ray on a thousand
- * instances of a mesh of 10^4 triangles. Errors: none. */
+ * ABI_RAY_FIRST changes nothing. ORACLE_AUTO is ORACLE_TREE: about 1 to 4 us a ray on a
+ * thousand instances of a mesh of 10^4 triangles. Errors: none. */
 enum status oracle_closest_world(const struct oracle *oracle, enum oracle_path path,
                                  enum oracle_ends ends, const struct ray *ray,
                                  const struct ray_mode *mode, size_t count, unsigned threads,

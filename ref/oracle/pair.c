@@ -262,8 +262,8 @@ static bool share_axis_plane(float v[3][3], float w[3][3])
     return false;
 }
 
-/* Whether two triangles are in one space: a scene's, or placed by one instance or by two of the same
- * transform. */
+/* Whether two triangles are in one space: a scene's, or placed by one instance or by two of the
+ * same transform. */
 static bool same_space(const struct instance *a, const struct instance *b)
 {
     return a == b || (a && b && memcmp(a->m, b->m, sizeof a->m) == 0);

@@ -6,14 +6,14 @@
  * [lo, hi],
  *   t (d - d_err) <= hi - (o - o_err)  and  t (d + d_err) >= lo - (o + o_err):
  * two conditions linear in t, of numbers that are doubles (SIGHT_PAD covers their sums' roundings).
- * Each bounds t from below or from above, as its factor's sign says, or says nothing of t if that is
- * 0. A negative t is a positive one of the ray with the opposite direction.
+ * Each bounds t from below or from above, as its factor's sign says, or says nothing of t if that
+ * is 0. A negative t is a positive one of the ray with the opposite direction.
  * As in ref/oracle/oracle_tree.h, the computed bounds, with three roundings, are off by less than
  * 2^-51 of themselves, which TREE_PAD covers, as long as nothing over- or underflows. Numbers of W
  * are multiples of 2^-743, so o, d and their errors of 2^-950, and all are below 2^850; the
- * inverse of a factor is below 2^950. A product below 2^-1022 is off by at most 2^-1074: PLACED_PAD.
- * One that overflows bounds t from below by more than PLACED_FAR, which is taken instead, or from
- * above by a negative number. */
+ * inverse of a factor is below 2^950. A product below 2^-1022 is off by at most 2^-1074:
+ * PLACED_PAD. One that overflows bounds t from below by more than PLACED_FAR, which is taken
+ * instead, or from above by a negative number. */
 #ifndef ORACLE_PLACED_WALK_H
 #define ORACLE_PLACED_WALK_H
 
@@ -25,15 +25,19 @@
 
 /* The sense in which the ray runs along an axis. */
 enum placed_way {
-    PLACED_FORWARD,
-    PLACED_BACKWARD,
-    PLACED_LEVEL, /* may be either, or none */
+    PLACED_FORWARD,  /* it enters at lo and leaves at hi */
+    PLACED_BACKWARD, /* the other way round */
+    PLACED_LEVEL,    /* either, or neither: nothing bounds t from above */
 };
 
-/* One axis: t (hi_speed) <= hi - hi_from and t (lo_speed) >= lo - lo_from. */
+/* One condition: t speed <= bound - from, or >=. */
+struct placed_side {
+    double from, inverse; /* of the speed; 0 if that is */
+};
+
+/* Of one axis: the sides of lo and hi, or backward of hi and lo. */
 struct placed_axis {
-    double lo_from, hi_from;
-    double lo_inverse, hi_inverse; /* of the speeds; 0 if they are */
+    struct placed_side in, out;
     enum placed_way way;
 };
 
@@ -45,12 +49,12 @@ struct placed_walk {
 static inline void placed_slab(const struct placed_axis *axis, const struct tree_node *node, int k,
                                double near[2], double far[2])
 {
+    const float *in = axis->way == PLACED_BACKWARD ? node->hi[k] : node->lo[k];
+    const float *out = axis->way == PLACED_BACKWARD ? node->lo[k] : node->hi[k];
+    const struct placed_side enter = axis->in, leave = axis->out;
     for (int side = 0; side < 2; side++) {
-        double lo = ((double)node->lo[k][side] - axis->lo_from) * axis->lo_inverse;
-        double hi = ((double)node->hi[k][side] - axis->hi_from) * axis->hi_inverse;
-        bool forward = axis->way == PLACED_FORWARD;
-        near[side] = tree_max(near[side], forward ? lo : hi);
-        far[side] = tree_min(far[side], forward ? hi : lo);
+        near[side] = tree_max(near[side], ((double)in[side] - enter.from) * enter.inverse);
+        far[side] = tree_min(far[side], ((double)out[side] - leave.from) * leave.inverse);
     }
 }
 
@@ -60,12 +64,12 @@ static inline void placed_level(const struct placed_axis *axis, const struct tre
                                 double near[2], double far[2])
 {
     for (int side = 0; side < 2; side++) {
-        double lo = (double)node->lo[k][side] - axis->lo_from;
-        double hi = (double)node->hi[k][side] - axis->hi_from;
-        if ((axis->lo_inverse == 0 && lo > 0) || (axis->hi_inverse == 0 && hi < 0))
+        double lo = (double)node->lo[k][side] - axis->in.from;
+        double hi = (double)node->hi[k][side] - axis->out.from;
+        if ((axis->in.inverse == 0 && lo > 0) || (axis->out.inverse == 0 && hi < 0))
             far[side] = -1;
-        near[side] = tree_max(near[side], lo * axis->lo_inverse);
-        near[side] = tree_max(near[side], hi * axis->hi_inverse);
+        near[side] = tree_max(near[side], lo * axis->in.inverse);
+        near[side] = tree_max(near[side], hi * axis->out.inverse);
     }
 }
 
@@ -100,12 +104,12 @@ static inline void placed_walk_start(struct placed_walk *walk, const struct tree
         struct placed_axis *axis = &walk->axis[k];
         double d = back ? -sight->d[k] : sight->d[k];
         double lo_speed = d + sight->d_err[k], hi_speed = d - sight->d_err[k];
+        struct placed_side lo = {sight->o[k] + sight->o_err[k], lo_speed == 0 ? 0 : 1 / lo_speed};
+        struct placed_side hi = {sight->o[k] - sight->o_err[k], hi_speed == 0 ? 0 : 1 / hi_speed};
         walk->walk.o[k] = sight->o[k];
-        axis->lo_from = sight->o[k] + sight->o_err[k];
-        axis->hi_from = sight->o[k] - sight->o_err[k];
-        axis->lo_inverse = lo_speed == 0 ? 0 : 1 / lo_speed;
-        axis->hi_inverse = hi_speed == 0 ? 0 : 1 / hi_speed;
         axis->way = hi_speed > 0 ? PLACED_FORWARD : lo_speed < 0 ? PLACED_BACKWARD : PLACED_LEVEL;
+        axis->in = axis->way == PLACED_BACKWARD ? hi : lo;
+        axis->out = axis->way == PLACED_BACKWARD ? lo : hi;
     }
     placed_visit(walk, 0, reach);
 }

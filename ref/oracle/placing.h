@@ -1,5 +1,5 @@
-/* The instances of a world as the oracle walks them: a tree over their boxes, and each one's inverse
- * in double. For the oracle's own files. */
+/* The instances of a world as the oracle walks them: a tree over their boxes, and each one's
+ * inverse in double. For the oracle's own files. */
 #ifndef ORACLE_PLACING_H
 #define ORACLE_PLACING_H
 
@@ -34,8 +34,8 @@ void placing_invert(const float m[3][4], struct inverse *out);
  * has the size that this is a share of; the widening itself is rounded twice. */
 #define PLACING_PAD (6 * 0x1p-53)
 
-/* A box of floats, perhaps infinite ones, that surely contains M v + T of every v in `box`, which is
- * not empty. */
+/* A box of floats, perhaps infinite ones, that surely contains M v + T of every v in `box`, which
+ * is not empty. */
 struct box placing_bounds(const float m[3][4], const struct box *box);
 
 /* A ray in the space of a mesh, o' = W (o - T) and d' = W d, known to the errors. */
@@ -46,8 +46,8 @@ struct sight {
 
 /* Share of the sizes, sum |W| |x|, that bounds the errors of o' and d'. With e = 2^-53: W is off by
  * 6 e, x = o - T by e, a product and two sums by 3 e; so o' is off by 10.1 e of the exact sizes,
- * which the computed ones miss by as much, relatively. One more e is left for what rounds o' + o_err
- * and its like, which is at most the size of o', and all is rounded up. Nothing overflows or
+ * which the computed ones miss by as much, relatively. One more e is left for what rounds o' +
+ * o_err and its like, which is at most the size of o', and all is rounded up. Nothing overflows or
  * underflows: W is in 2^-690 .. 2^710 and x in 2^-149 .. 2^129. */
 #define SIGHT_PAD (14 * 0x1p-53)
 

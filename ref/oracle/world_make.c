@@ -10,6 +10,32 @@ static float finite(float x)
     return fminf(fmaxf(x, -FLT_MAX), FLT_MAX);
 }
 
+/* Nodes of the mesh's tree whose boxes are placed: their union is smaller than the whole box,
+ * placed, by a third of its sides and more if it is turned. */
+#define PLACED_LEVELS 4
+
+/* Grows *out by the boxes of what lies `levels` below a node, placed, or above it in leaves. */
+static void add_placed(const struct tree *tree, uint32_t at, unsigned levels, const float m[3][4],
+                       struct box *out)
+{
+    const struct tree_node *node = &tree->node[at];
+    for (int side = 0; side < 2; side++) {
+        struct box box;
+        for (int k = 0; k < 3; k++) {
+            box.lo[k] = node->lo[k][side];
+            box.hi[k] = node->hi[k][side];
+        }
+        if (box.lo[0] > box.hi[0]) /* an empty side of the root */
+            continue;
+        if (levels > 1 && node->count[side] == 0) {
+            add_placed(tree, node->child[side], levels - 1, m, out);
+        } else {
+            box = placing_bounds(m, &box);
+            box_add_box(out, &box);
+        }
+    }
+}
+
 /* The box of one instance, for the tree; false if the rays need not look for it. */
 static bool part_of(const struct placing *placing, uint32_t at, struct oracle_part *out)
 {
@@ -17,14 +43,12 @@ static bool part_of(const struct placing *placing, uint32_t at, struct oracle_pa
     const struct scene *scene = world_scene(placing->world, at);
     if (instance->mask == 0 || !scene || scene->tri_count == 0)
         return false;
-    const struct tree_node *root = &placing->mesh[instance->mesh]->tree.node[0];
-    struct box box;
-    for (int k = 0; k < 3; k++) { /* an empty side's bounds are the wrong way round */
-        box.lo[k] = fminf(root->lo[k][0], root->lo[k][1]);
-        box.hi[k] = fmaxf(root->hi[k][0], root->hi[k][1]);
-    }
     out->prim = at;
-    out->box = placing->inverse[at].identity ? box : placing_bounds(instance->m, &box);
+    for (int k = 0; k < 3; k++) {
+        out->box.lo[k] = INFINITY;
+        out->box.hi[k] = -INFINITY;
+    }
+    add_placed(&placing->mesh[instance->mesh]->tree, 0, PLACED_LEVELS, instance->m, &out->box);
     for (int k = 0; k < 3; k++)
         out->middle[k] = 0.5f * finite(out->box.lo[k]) + 0.5f * finite(out->box.hi[k]);
     return true;

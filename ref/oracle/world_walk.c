@@ -1,6 +1,5 @@
 #include "ref/oracle/world_walk.h"
 
-#include "ref/oracle/admission.h"
 #include "ref/oracle/internal.h"
 #include "ref/oracle/placed_walk.h"
 
@@ -8,7 +7,7 @@
 
 /* Which t of a triangle are taken: what is near 0 may be visited by two walks, one forth and one
  * back, and is of one of them. */
-enum half {
+enum walk_half {
     HALF_BOTH,
     HALF_FORTH, /* t >= 0; of an interval its start */
     HALF_BACK,
@@ -24,7 +23,7 @@ struct walking {
 
 /* Decides a triangle of an instance. */
 static enum status meet(const struct walking *walking, uint32_t instance, uint32_t tri,
-                        enum half half)
+                        enum walk_half half)
 {
     const struct placing *placing = walking->oracle->placing;
     struct decided pair;
@@ -41,11 +40,11 @@ static enum status meet(const struct walking *walking, uint32_t instance, uint32
     return walking->visitor->take(walking->visitor, walking->ray, &pair);
 }
 
-/* Decides the triangles of a leaf that are not certainly missed. The first look's proof has room for
- * places of moderate size alone. */
+/* Decides the triangles of a leaf that are not certainly missed. The first look's proof has room
+ * for places of moderate size alone. */
 static enum status meet_leaf(const struct walking *walking, uint32_t instance,
                              const struct early_ray *early, const struct tree_leaf *leaf,
-                             enum half half)
+                             enum walk_half half)
 {
     const struct placing *placing = walking->oracle->placing;
     const struct oracle *mesh = placing->mesh[placing->world->instance[instance].mesh];

@@ -20,4 +20,8 @@ struct world_visitor {
 enum status world_walk(const struct oracle *oracle, const struct ray *ray, struct ray_mode mode,
                        bool brute, struct world_visitor *visitor);
 
+/* As oracle_admit, of a decided pair. */
+enum oracle_admission admission_of(const struct oracle *oracle, const struct ray *ray,
+                                   struct ray_mode mode, const struct decided *pair);
+
 #endif

@@ -1,5 +1,5 @@
-/* How a ray gets into the space of a mesh: the contract of all engines of ours. C and shaders follow
- * it, each written from here, to the same bits.
+/* How a ray gets into the space of a mesh: the contract of all engines of ours. C and shaders
+ * follow it, each written from here, to the same bits.
  *
  * A mesh is placed at M p + T. With W, the inverse of M rounded once to float32:
  *     x_k  = o_k - T_k                              one subtraction

@@ -1,6 +1,6 @@
 /* What a ray meets of a world, by another road than ref/oracle: placed vertices and the ray in the
- * space of a mesh as GMP rationals, and the rules of ref/world/world.h applied to one placed triangle
- * after another. Of ref/world only the filter's hash is used. For tests. */
+ * space of a mesh as GMP rationals, and the rules of ref/world/world.h applied to one placed
+ * triangle after another. Of ref/world only the filter's hash is used. For tests. */
 #ifndef TESTS_GMP_WORLD_H
 #define TESTS_GMP_WORLD_H
 

@@ -1,5 +1,5 @@
-/* Worlds that decide whether the oracle's arithmetic is exact: kinds of transforms, and small worlds
- * of them with rays that have to do with their triangles. For tests of the oracle. */
+/* Worlds that decide whether the oracle's arithmetic is exact: kinds of transforms, and small
+ * worlds of them with rays that have to do with their triangles. For tests of the oracle. */
 #ifndef TESTS_WORLD_CASES_H
 #define TESTS_WORLD_CASES_H
 

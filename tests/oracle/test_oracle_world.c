@@ -1,6 +1,6 @@
-/* The oracle of a world against GMP rationals, pair by pair, over kinds of transforms: class, range,
- * signs, enclosures, facing, what counts; the order of two hits; t as text. A few hundred pairs a
- * kind; RAYDIFF_SLOW=1: 10^6. */
+/* The oracle of a world against GMP rationals, pair by pair, over kinds of transforms: class,
+ * range, signs, enclosures, facing, what counts; the order of two hits; t as text. A few hundred
+ * pairs a kind; RAYDIFF_SLOW=1: 10^6. */
 #include "tests/exact/gmp_world.h"
 #include "tests/exact/oracle_batch.h"
 #include "tests/exact/pair_fault.h"
@@ -51,6 +51,14 @@ static const char *standing_fault(const struct world_case *c, int ray, uint32_t 
         if (front != ((gmp_world_facing(&c->world, &c->ray[ray], prim) < 0) != flip))
             return "facing";
     }
+    double weight[2][2];
+    if (!in_plane)
+        oracle_weights(c->oracle, &c->ray[ray], prim, weight[0], weight[1]);
+    for (int i = 0; i < 2 && !in_plane; i++)
+        if (exact_gmp_compare(want->weight[i + 1], weight[i][0]) < 0 ||
+            exact_gmp_compare(want->weight[i + 1], weight[i][1]) > 0 ||
+            weight[i][1] - weight[i][0] > 0x1p-50 * weight[i][1] + 0x1p-990)
+            return "weights";
     enum oracle_admission admission =
         oracle_admit(c->oracle, &c->ray[ray], c->mode[ray], prim, got);
     tally->admission[admission]++;
