@@ -32,7 +32,7 @@ static bool is_finite_ray(const struct ray *ray)
     return finite;
 }
 
-/* --- the side that is seen --------------------------------------------------------------------- */
+/* --- the side that is seen -------------------------------------------------------------------- */
 
 /* Of an unknown formula: by the exact sign, where no rounding can turn it. */
 static int side_by_distance(const struct judge *judge, const struct ray *ray, uint32_t prim)
@@ -46,7 +46,8 @@ static int side_by_distance(const struct judge *judge, const struct ray *ray, ui
     return pair.det * instance_det_sign((const float(*)[4])judge->world->instance[at.instance].m);
 }
 
-/* The sign of d . ((v1 - v0) x (v2 - v0)) in the space of the mesh, in every evaluation; 0: open. */
+/* The sign of d . ((v1 - v0) x (v2 - v0)) in the space of the mesh, in every evaluation; 0: it is
+ * open. */
 static int side_of(const struct judge *judge, const struct ray *ray, uint32_t prim)
 {
     struct twin_ray placed;
@@ -65,7 +66,7 @@ static bool culls(const struct judge *judge, const struct standing_of *at, bool 
     return world_culls(at->instance, at->opaque, front, judge->mode);
 }
 
-/* --- the filter -------------------------------------------------------------------------------- */
+/* --- the filter ------------------------------------------------------------------------------- */
 
 /* A number in cell `cell`, or the nearest to x in it. */
 static double into_cell(double x, int cell)
@@ -146,7 +147,7 @@ static bool may_pass(const struct judge *judge, const struct ray *ray, const str
     return passes(judge, ray, answer->prim, at, &twin, false);
 }
 
-/* --- answers ----------------------------------------------------------------------------------- */
+/* --- answers ---------------------------------------------------------------------------------- */
 
 enum wrong judge_ruled_out(const struct judge *judge, const struct ray *ray,
                            const struct hit *answer, uint32_t tag)

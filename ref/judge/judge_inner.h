@@ -44,7 +44,7 @@ struct judge {
  * sure of its side: Woop with Vulkan's loosest rounding is within 24. */
 #define FAN_BAND 32.0
 
-/* The largest kappa (struct twin_place) of a transform through which an unknown formula is judged. */
+/* The largest kappa (struct twin_place) of a transform with which an unknown formula is judged. */
 #define JUDGE_KAPPA_MOST 0x1p10
 
 /* Twins of one ray that were computed before, together with those of other rays. */
@@ -75,8 +75,8 @@ void judge_tri(const struct judge *judge, uint32_t prim, float v[3][3]);
 void judge_take_along(const struct judge *judge, const struct ray *ray, uint32_t prim,
                       struct twin_ray *out);
 
-/* True if the judge promises anything of that triangle: false where the ray in the space of its mesh
- * is out of contract, or, for an unknown formula, its transform is ill-conditioned. */
+/* True if the judge promises anything of that triangle: false where the ray in the space of its
+ * mesh is out of contract, or, for an unknown formula, its transform is ill-conditioned. */
 bool judge_takes(const struct judge *judge, const struct ray *ray, uint32_t prim);
 
 /* The twin of a triangle; `known` may be NULL. */

@@ -151,7 +151,7 @@ static bool possible_by_distance(const struct judge *judge, const struct ray *ra
     return possible;
 }
 
-/* --- worlds, where no formula is known that answers so ----------------------------------------- */
+/* --- worlds, where no formula is known that answers so ---------------------------------------- */
 
 /* Where nothing is exactly hit: what may be, one by one. */
 static void judge_in_world(const struct judge *judge, const struct ray *ray, struct judgement *out)

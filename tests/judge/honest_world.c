@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- worlds ------------------------------------------------------------------------------------ */
+/* --- worlds ----------------------------------------------------------------------------------- */
 
 #define RINGS  3
 #define AROUND 4
@@ -133,7 +133,7 @@ void judged_world_free(struct judged_world *w)
     free(w->place);
 }
 
-/* --- rays -------------------------------------------------------------------------------------- */
+/* --- rays ------------------------------------------------------------------------------------- */
 
 /* The corners in the world. */
 static void corners_of(const struct world *world, uint32_t prim, double out[3][3])
@@ -215,7 +215,7 @@ struct oracle_answer judged_world_truth(const struct judged_world *w, const stru
     return truth;
 }
 
-/* --- the tracer -------------------------------------------------------------------------------- */
+/* --- the tracer ------------------------------------------------------------------------------- */
 
 static struct ray take_along(const struct judged_world *w, struct legal *legal, uint32_t instance,
                              const struct ray *ray)

@@ -83,7 +83,7 @@ static inline int side_at(const struct lying *l, uint32_t prim)
     return twin_placed_side(l->judge->model.rounding, &placed, v);
 }
 
-/* Hits that no evaluation can help finding, by the judge's own twins and the oracle's exact rules. */
+/* A hit that no evaluation can help finding, by the judge's twins and the oracle's rules. */
 static inline bool is_certain(const struct lying *l, const struct oracle_crossing *c)
 {
     struct twin twin = twin_at(l, c->prim);

@@ -87,13 +87,13 @@ static struct ray aim(const struct judged_world *w, struct rng *rng)
     return ray;
 }
 
-struct told {
+struct fan_tally {
     uint32_t rays, wrong; /* a miss is WRONG */
     uint32_t missed;      /* an honest tracer misses */
 };
 
 static void tell(const struct judged_world *w, struct rng *rng, struct ray_mode mode,
-                 struct told *told)
+                 struct fan_tally *told)
 {
     const struct hit miss = {.prim = ABI_NO_PRIM};
     struct judge *judge;
@@ -118,9 +118,10 @@ static void tell(const struct judged_world *w, struct rng *rng, struct ray_mode 
     judge_free(judge);
 }
 
-static struct told tell_all(uint32_t parts, struct ray_mode mode, uint32_t flags, bool filtered)
+static struct fan_tally tell_all(uint32_t parts, struct ray_mode mode, uint32_t flags,
+                                 bool filtered)
 {
-    struct told told = {0, 0, 0};
+    struct fan_tally told = {0, 0, 0};
     for (uint64_t i = 0; i < 60 * PLACED_KINDS; i++) {
         int kind = (int)(i % PLACED_KINDS);
         struct rng rng = rng_make(i, 23);
@@ -145,7 +146,7 @@ static struct told tell_all(uint32_t parts, struct ray_mode mode, uint32_t flags
 static void a_closed_fan_within_an_instance_cannot_be_missed(void **state)
 {
     (void)state;
-    struct told told = tell_all(1, ray_mode_all(), 0, false);
+    struct fan_tally told = tell_all(1, ray_mode_all(), 0, false);
     assert_int_equal(told.missed, 0);
     assert_true(told.wrong * 10 > told.rays * 9);
 }
@@ -154,7 +155,7 @@ static void a_closed_fan_within_an_instance_cannot_be_missed(void **state)
 static void nor_if_all_of_it_is_on_the_side_that_is_not_culled(void **state)
 {
     (void)state;
-    struct told told = tell_all(1, (struct ray_mode){0xFF, ABI_RAY_CULL_FRONT}, 0, false);
+    struct fan_tally told = tell_all(1, (struct ray_mode){0xFF, ABI_RAY_CULL_FRONT}, 0, false);
     assert_int_equal(told.missed, 0);
     assert_true(told.wrong * 10 > told.rays * 9);
     told =
@@ -166,7 +167,7 @@ static void nor_if_all_of_it_is_on_the_side_that_is_not_culled(void **state)
 static void a_neighbour_that_does_not_count_opens_it(void **state)
 {
     (void)state;
-    struct told told = tell_all(1, ray_mode_all(), 0, true);
+    struct fan_tally told = tell_all(1, ray_mode_all(), 0, true);
     assert_true(told.missed > 0);
     assert_true(told.wrong > 0 && told.wrong * 10 < told.rays * 9);
 }
@@ -174,7 +175,7 @@ static void a_neighbour_that_does_not_count_opens_it(void **state)
 static void across_instances_nothing_is_promised(void **state)
 {
     (void)state;
-    struct told told = tell_all(4, ray_mode_all(), 0, false);
+    struct fan_tally told = tell_all(4, ray_mode_all(), 0, false);
     assert_true(told.wrong * 4 < told.rays * 3);
 }
 

@@ -1,6 +1,6 @@
 /* No honest answer to a ray of a world is WRONG: each formula of ours, each rounding, closest, any
- * and all hits, behind transforms of many kinds. Some 40,000 answers; RAYDIFF_SLOW=1: over 10^6. And
- * of tracers with transforms of their own, judged as unknown formulas. */
+ * and all hits, behind transforms of many kinds. Some 40,000 answers; RAYDIFF_SLOW=1: over 10^6.
+ * And of tracers with transforms of their own, judged as unknown formulas. */
 #include "tests/judge/honest_world.h"
 
 #include <stdio.h>
@@ -26,7 +26,7 @@ static uint64_t worlds(void)
 
 static uint64_t verdicts[VERDICT_COUNT], ill;
 
-struct seat {
+struct honest_seat {
     const struct judged_world *w;
     struct judge *judge[3]; /* of each query */
     size_t f, r;
@@ -44,7 +44,7 @@ static struct model model_of(size_t f, size_t r, bool unknown)
                           .open = formulas[f].formula == TWIN_MT_RTRS};
 }
 
-static void not_wrong(const struct seat *s, const struct ray *ray, struct ray_mode mode,
+static void not_wrong(const struct honest_seat *s, const struct ray *ray, struct ray_mode mode,
                       const struct judgement *j, const struct hit *hit, const char *query)
 {
     verdicts[j->verdict]++;
@@ -57,7 +57,7 @@ static void not_wrong(const struct seat *s, const struct ray *ray, struct ray_mo
              query, (unsigned)mode.mask, (unsigned)mode.flags, wrong_name(j->wrong), line);
 }
 
-static void ask(struct seat *s, const struct ray *ray, struct ray_mode mode)
+static void ask(struct honest_seat *s, const struct ray *ray, struct ray_mode mode)
 {
     struct oracle_answer truth = judged_world_truth(s->w, ray, mode);
     enum twin_formula formula = formulas[s->f].formula;
@@ -81,12 +81,13 @@ static void ask(struct seat *s, const struct ray *ray, struct ray_mode mode)
     not_wrong(s, ray, mode, &listed.judgement, &listed.at_fault, "all");
 }
 
-static void sit(struct seat *s, const struct judged_world *w, size_t f, size_t r, bool unknown)
+static void sit(struct honest_seat *s, const struct judged_world *w, size_t f, size_t r,
+                bool unknown)
 {
     const enum query queries[3] = {QUERY_CLOSEST, QUERY_ANY, QUERY_ALL};
     struct model model = model_of(f, r, unknown);
     struct reason reason = {""};
-    *s = (struct seat){.w = w, .f = f, .r = r};
+    *s = (struct honest_seat){.w = w, .f = f, .r = r};
     s->legal = (struct legal){.rounding = model.rounding, .style = LEGAL_ALIKE};
     for (int q = 0; q < 3; q++)
         assert_int_equal(judge_make(w->oracle, &model, queries[q], &s->judge[q], &reason),
@@ -112,7 +113,7 @@ static bool is_near(const struct judged_world *w, const struct ray *ray)
 /* All rays of one world. */
 static void ask_all(const struct judged_world *w, uint64_t i, size_t f, size_t r, bool unknown)
 {
-    struct seat s;
+    struct honest_seat s;
     struct rng rng = rng_make(i, 11);
     sit(&s, w, f, r, unknown);
     for (int n = 0; n < RAYS; n++) {

@@ -45,7 +45,8 @@ static void spoil_entry(struct lying *l, struct hit *hit, uint32_t *tag, size_t 
     }
 }
 
-/* Puts what is exactly hit and does not count at the end of a right list, and leaves out what does. */
+/* Puts what is exactly hit and does not count at the end of a right list, and leaves out what
+ * does. */
 static void spoil_list(struct lying *l, struct hit *hit, uint32_t *tag, size_t count)
 {
     for (uint32_t prim = 0; prim < world_tri_count(&l->w->world); prim++) {
@@ -119,7 +120,7 @@ static void every_kind_of_lie_is_found_in_lists(void **state)
     assert_true(caught[WRONG_TWICE] > 100);
 }
 
-/* --- a black box ------------------------------------------------------------------------------- */
+/* --- a black box ------------------------------------------------------------------------------ */
 
 /* True if the transform may excuse more than a hundredth of a mesh of unit size. */
 static bool is_wide(const struct lying *l, uint32_t prim)
@@ -199,7 +200,7 @@ static void nothing_of_it_is_excused_of_a_black_box(void **state)
     assert_true(caught[WRONG_NOT] > 50 && off * 20 > caught[WRONG_NOT] * 19);
 }
 
-/* --- contract ---------------------------------------------------------------------------------- */
+/* --- contract --------------------------------------------------------------------------------- */
 
 /* One triangle across the x axis, sheared so little that the direction of the ray along that axis
  * gets a component below 2^-60 in the space of the mesh. */
