@@ -40,7 +40,9 @@ $(ORACLE_TESTS): $(B)/obj/tests/exact/exact_gmp.o $(B)/obj/tests/exact/exact_gmp
     $(addprefix $(B)/obj/tests/exact/,pair_fault.o gmp_world.o world_cases.o)
 $(ORACLE_TESTS): TEST_LIBS += $(GMP_LIBS)
 BOUNDS_TESTS := $(filter $(B)/tests/test_bounds% $(B)/tests/test_judge_noise $(B)/tests/test_judge_range $(B)/tests/test_judge_unnamed,$(TESTS))
-TRIAL_TESTS := $(BOUNDS_TESTS) $(B)/tests/test_judge_exact
+JUDGE_WORLD_TESTS := $(filter $(B)/tests/test_judge_world% $(B)/tests/test_bounds_world,$(TESTS))
+TRIAL_TESTS := $(BOUNDS_TESTS) $(B)/tests/test_judge_exact $(JUDGE_WORLD_TESTS)
+$(JUDGE_WORLD_TESTS): $(B)/obj/tests/judge/honest_world.o
 $(TRIAL_TESTS): $(addprefix $(B)/obj/tests/exact/,trials.o placed_trials.o legal.o legal_formulas.o exact_gmp.o oracle_cases.o)
 $(TRIAL_TESTS): TEST_LIBS += $(GMP_LIBS)
 $(B)/tests/test_bounds_placed_rays: $(B)/obj/tests/exact/exact_gmp_replay.o

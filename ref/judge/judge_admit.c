@@ -46,7 +46,8 @@ static int side_by_distance(const struct judge *judge, const struct ray *ray, ui
     return pair.det * instance_det_sign((const float(*)[4])judge->world->instance[at.instance].m);
 }
 
-/* Sign of d . ((v1 - v0) x (v2 - v0)) in the space of the mesh, in every evaluation; 0: open. */
+/* The sign of d . ((v1 - v0) x (v2 - v0)) in the space of the mesh, in every evaluation; 0: it is
+ * open. */
 static int side_of(const struct judge *judge, const struct ray *ray, uint32_t prim)
 {
     struct twin_ray placed;

@@ -25,8 +25,10 @@
 
 #define STEPS   16.0
 #define DIVIDED 10.0
+#ifndef TRANSFORM /* a test turns it */
 /* Of kappa u (|o| + |T| + |hit|): what the transform of an engine may move. */
 #define TRANSFORM 64.0
+#endif
 /* A product, sum or operand that is subnormal may be flushed. */
 #define FLUSHED 0x1p-126
 /* Products of three such, less 2^-24 of each on the way, are normal numbers. */

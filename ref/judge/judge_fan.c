@@ -76,7 +76,7 @@ static bool see_by_distance(const struct fan *fan, uint32_t prim, struct seen *s
 {
     float v[3][3];
     struct oracle_pair pair;
-    scene_tri(fan->judge->scene, prim, v);
+    judge_tri(fan->judge, prim, v); /* where it is: at the identity, if in a world */
     oracle_pair(fan->judge->oracle, fan->ray, prim, &pair);
     struct judge_rounding rounding = judge_rounding_of(fan->ray, v);
     seen->det = pair.det;
@@ -84,7 +84,8 @@ static bool see_by_distance(const struct fan *fan, uint32_t prim, struct seen *s
         seen->edge[c] = fabs(judge_edge_distance(&rounding, c)) > FAN_BAND ? pair.edge[c] : 0;
     double t = judge_plane_t(fan->ray, v), band = FAN_BAND * judge_unit_of_t(&rounding);
     seen->t_most = t + fmax(1.0, fan->judge->displacement / FAN_BAND) * band;
-    return t - band > (double)fan->ray->tmin && t + band < (double)fan->ray->tmax;
+    return t - band > (double)fan->ray->tmin && t + band < (double)fan->ray->tmax &&
+           judge_surely_counts(fan->judge, fan->ray, prim, NULL);
 }
 
 /* The one other triangle at the edge opposite corner `c`, which it runs along the other way;
@@ -175,9 +176,9 @@ enum status judge_fan(const struct judge *judge, const struct ray *ray, uint32_t
 {
     struct fan fan = {.judge = judge, .ray = ray, .limit = -INFINITY};
     *closed = false;
-    if (judge->world && judge->model.formula == TWIN_UNKNOWN)
-        return STATUS_OK; /* nothing is known of the ray that it tests */
     fan.at = judge_locate(judge, prim);
+    if (judge->world && !judge->own && !judge->place[fan.at.instance].identity)
+        return STATUS_OK; /* nothing is known of the ray that it tests */
     enum status status = topology_of(judge, &fan.at, &fan.topology);
     if (status)
         return status;

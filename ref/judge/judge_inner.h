@@ -44,8 +44,7 @@ struct judge {
  * sure of its side: Woop with Vulkan's loosest rounding is within 24. */
 #define FAN_BAND 32.0
 
-/* The largest kappa (struct twin_place) of a transform through which an unknown formula is
- * judged. */
+/* The largest kappa (struct twin_place) of a transform with which an unknown formula is judged. */
 #define JUDGE_KAPPA_MOST 0x1p10
 
 /* Twins of one ray that were computed before, together with those of other rays. */

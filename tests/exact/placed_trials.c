@@ -218,7 +218,7 @@ void placed_transform(int kind, struct rng *rng, struct instance *out)
 
 /* --- truth ------------------------------------------------------------------------------------ */
 
-void placed_init(struct placed_trial *placed)
+void placed_init(struct exact_placed *placed)
 {
     for (int k = 0; k < 3; k++)
         mpq_inits(placed->org[k], placed->dir[k], NULL);
@@ -226,7 +226,7 @@ void placed_init(struct placed_trial *placed)
         mpq_init(placed->inverse[i]);
 }
 
-void placed_clear(struct placed_trial *placed)
+void placed_clear(struct exact_placed *placed)
 {
     for (int k = 0; k < 3; k++)
         mpq_clears(placed->org[k], placed->dir[k], NULL);
@@ -273,7 +273,7 @@ static void set_vector(mpq_t out[3], const float x[3])
 }
 
 /* By the rows of the adjugate: r1 x r2 and so on, over the determinant, are its columns. */
-static void invert(struct placed_trial *placed)
+static void invert(struct exact_placed *placed)
 {
     rational row[3], column;
     mpq_t det;
@@ -294,7 +294,7 @@ static void invert(struct placed_trial *placed)
 }
 
 /* The ray in the space of the mesh. */
-static void take_along(struct placed_trial *placed)
+static void take_along(struct exact_placed *placed)
 {
     const struct ray *ray = &placed->trial.ray;
     rational x, d;
@@ -314,7 +314,7 @@ static void take_along(struct placed_trial *placed)
 }
 
 /* o + t d = v0 + u e1 + v e2 by determinants. */
-static void solve(struct placed_trial *placed)
+static void solve(struct exact_placed *placed)
 {
     struct truth *truth = &placed->trial.truth;
     rational v[3], n, s, q, weight;
@@ -360,7 +360,7 @@ static void solve(struct placed_trial *placed)
         mpq_clears(v[c][0], v[c][1], v[c][2], NULL);
 }
 
-bool placed_truth(struct placed_trial *placed)
+bool placed_truth(struct exact_placed *placed)
 {
     const struct ray *ray = &placed->trial.ray;
     for (int k = 0; k < 3; k++)
@@ -376,7 +376,7 @@ bool placed_truth(struct placed_trial *placed)
 }
 
 bool placed_make(int kind, int pair_kind, uint64_t index, struct gmp_pair *pair,
-                 struct placed_trial *out)
+                 struct exact_placed *out)
 {
     struct rng rng = rng_make(index, 1000 + (uint64_t)kind);
     trial_make(pair_kind, index, pair, &out->trial);

@@ -8,7 +8,7 @@
 #define PLACED_KINDS 13
 const char *placed_kind(int kind);
 
-struct placed_trial {
+struct exact_placed {
     struct trials_trial trial; /* its ray is one of the world, its vertices are the mesh's */
     struct instance instance;
     struct twin_place place;
@@ -18,8 +18,8 @@ struct placed_trial {
     mpq_t inverse[9]; /* of M, exactly */
 };
 
-void placed_init(struct placed_trial *placed);
-void placed_clear(struct placed_trial *placed);
+void placed_init(struct exact_placed *placed);
+void placed_clear(struct exact_placed *placed);
 
 /* Draws a transform of a kind: finite, its determinant not 0. */
 void placed_transform(int kind, struct rng *rng, struct instance *out);
@@ -28,9 +28,9 @@ void placed_transform(int kind, struct rng *rng, struct instance *out);
  * is the pair's, placed and rounded, so that it is that very ray where the transform is exact.
  * `pair` is scratch. False if a number of the inverse, or of the ray, is beyond float32. */
 bool placed_make(int kind, int pair_kind, uint64_t index, struct gmp_pair *pair,
-                 struct placed_trial *out);
+                 struct exact_placed *out);
 
 /* Fills in place and truth from instance, ray and v; false as above. */
-bool placed_truth(struct placed_trial *placed);
+bool placed_truth(struct exact_placed *placed);
 
 #endif

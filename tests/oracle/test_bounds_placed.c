@@ -27,7 +27,7 @@ static uint64_t pairs_each(void)
     return getenv("RAYDIFF_SLOW") ? 4100 : 60;
 }
 
-static void print_instance(const struct placed_trial *placed)
+static void print_instance(const struct exact_placed *placed)
 {
     for (int i = 0; i < 3; i++)
         print_message("m%d %a %a %a %a\n", i, (double)placed->instance.m[i][0],
@@ -40,7 +40,7 @@ struct where {
     int kind, pair_kind;
 };
 
-static void must_hold(const char *broken, const struct placed_trial *placed, struct where at)
+static void must_hold(const char *broken, const struct exact_placed *placed, struct where at)
 {
     if (!broken)
         return;
@@ -103,7 +103,7 @@ static double off(double value, struct sum exact)
     return fabs((value - exact.head) - exact.tail);
 }
 
-static const char *near_broken(const struct placed_trial *placed, const struct twin *twin)
+static const char *near_broken(const struct exact_placed *placed, const struct twin *twin)
 {
     const struct truth *truth = &placed->trial.truth;
     if (!truth->point || !isfinite(twin->t_err))
@@ -123,7 +123,7 @@ static const char *box_entry_broken(const struct twin *twin, struct rounding rou
 }
 
 /* The numbers of an evaluated ray against those that are promised. */
-static const char *ray_broken(const struct placed_trial *placed, const struct twin_ray *promised,
+static const char *ray_broken(const struct exact_placed *placed, const struct twin_ray *promised,
                               const struct ray *ray)
 {
     mpq_t off;
@@ -146,7 +146,7 @@ static const char *ray_broken(const struct placed_trial *placed, const struct tw
 }
 
 /* d . ((v1 - v0) x (v2 - v0)) as engines compute it, and exactly. */
-static const char *side_broken(const struct placed_trial *placed, struct legal *legal,
+static const char *side_broken(const struct exact_placed *placed, struct legal *legal,
                                const struct ray *ray, int side)
 {
     float(*v)[3] = (float(*)[3])placed->trial.v, e1[3], e2[3], n[3];
@@ -168,7 +168,7 @@ static const char *axes_broken(const struct twin_ray *promised, const struct ray
 }
 
 /* The replay, which is slow, of some pairs. */
-static const char *replay_broken(const struct placed_trial *placed, const struct twin_ray *ray,
+static const char *replay_broken(const struct exact_placed *placed, const struct twin_ray *ray,
                                  struct where at, const struct evaluation *evaluation)
 {
     const struct liberty liberty = {roundings[at.r].rounding, false};
@@ -185,7 +185,7 @@ static const char *replay_broken(const struct placed_trial *placed, const struct
                : "a replay that cannot come to the answer";
 }
 
-static void check_formula(const struct placed_trial *placed, const struct twin_ray *ray,
+static void check_formula(const struct exact_placed *placed, const struct twin_ray *ray,
                           struct where at, uint64_t index)
 {
     static const enum legal_style styles[] = {LEGAL_ALL_NEAREST, LEGAL_ALL_LOW, LEGAL_ALL_HIGH,
@@ -222,7 +222,7 @@ static void check_formula(const struct placed_trial *placed, const struct twin_r
     }
 }
 
-static void check_pair(const struct placed_trial *placed, struct where at, uint64_t index)
+static void check_pair(const struct exact_placed *placed, struct where at, uint64_t index)
 {
     static const enum legal_style styles[] = {LEGAL_ALL_NEAREST, LEGAL_ALL_LOW, LEGAL_ALL_HIGH,
                                               LEGAL_RANDOM,      LEGAL_RANDOM,  LEGAL_RANDOM};
@@ -271,7 +271,7 @@ static void bounds_hold_through_every_transform(void **state)
 {
     (void)state;
     struct gmp_pair pair;
-    struct placed_trial placed;
+    struct exact_placed placed;
     uint64_t pairs = 0;
     exact_gmp_init(&pair);
     placed_init(&placed);

@@ -31,7 +31,7 @@ static double off_by(double x, const mpq_t exact)
 }
 
 /* Draws transforms and their inverses. */
-static bool draw(struct placed_trial *placed, uint64_t i)
+static bool draw(struct exact_placed *placed, uint64_t i)
 {
     struct rng rng = rng_make(i, 31);
     placed->trial.ray = (struct ray){{0, 0, 0}, 0, {1, 0, 0}, 1};
@@ -42,7 +42,7 @@ static bool draw(struct placed_trial *placed, uint64_t i)
 static void the_inverse_is_the_nearest_and_known_beyond_it(void **state)
 {
     (void)state;
-    struct placed_trial placed = {0};
+    struct exact_placed placed = {0};
     uint64_t numbers = 0, subnormal = 0;
     placed_init(&placed);
     for (uint64_t i = 0; i < PLACED_KINDS * trials(); i++) {
@@ -88,7 +88,7 @@ static void the_inverse_is_rounded_once(void **state)
 static void kappa_is_the_norm_of_the_product_of_sizes(void **state)
 {
     (void)state;
-    struct placed_trial placed = {0};
+    struct exact_placed placed = {0};
     double largest = 0;
     placed_init(&placed);
     for (uint64_t i = 0; i < PLACED_KINDS * trials(); i++) {

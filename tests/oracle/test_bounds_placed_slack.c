@@ -38,7 +38,7 @@ static double off_by(double x, const mpq_t exact)
 }
 
 /* Draws transforms and their inverses. */
-static bool draw(struct placed_trial *placed, uint64_t i)
+static bool draw(struct exact_placed *placed, uint64_t i)
 {
     struct rng rng = rng_make(i, 31);
     placed->trial.ray = (struct ray){{0, 0, 0}, 0, {1, 0, 0}, 1};
@@ -51,7 +51,7 @@ static bool draw(struct placed_trial *placed, uint64_t i)
 /* The largest |w - exact| over what a constant promises. */
 static double worst_inverse(bool below_normal)
 {
-    struct placed_trial placed = {0};
+    struct exact_placed placed = {0};
     double worst = 0;
     placed_init(&placed);
     for (uint64_t i = 0; i < PLACED_KINDS * trials(); i++) {

@@ -202,7 +202,7 @@ for key in right tie near_tie boundary border in_plane slab noise out_of_contrac
     grep -q "[\`*]$key[\`*]" docs/verdicts.md || bad "docs/verdicts.md does not tell of $key"
 done
 for key in missed phantom triangle distance barycentric not_finite not_repeatable any_disagrees \
-    twice order; do
+    twice order masked culled opacity instance facing; do
     grep -q "WRONG (.*$key 0[,)]" "$dir/out" || bad "check counts no $key"
     grep -q "\"$key\": 0" "$dir/rows.json" || bad "--json counts no $key"
     grep -q "^| \`$key\` |" docs/verdicts.md || bad "docs/verdicts.md does not tell of $key"

@@ -28,7 +28,7 @@ function listed(part, count, names, of,  k, n, full) {
 }
 BEGIN {
     kinds = split("right tie near_tie boundary border in_plane slab noise out_of_contract", kind, " ")
-    wrongs = split("missed phantom triangle distance barycentric not_finite not_repeatable any_disagrees twice order", of_wrong, " ")
+    wrongs = split("missed phantom triangle distance barycentric not_finite not_repeatable any_disagrees twice order masked culled opacity instance facing", of_wrong, " ")
     statuses = split("refused skipped failed vacuous", status, " ")
     scene = -1
     next_row = 0
