@@ -32,7 +32,7 @@ static struct world cheats_world(void)
 }
 
 static const struct lie {
-    enum cheat cheat;
+    enum world_cheat cheat;
     const char *name;
     uint32_t closest, all; /* kinds that it must be found as; 0: it is no lie there */
     uint32_t also;         /* kinds that it may be found as besides */
@@ -142,9 +142,9 @@ static void cheats_of_any_hits_are_found(void **state)
 static void what_modes_do_not_ask_is_not_found(void **state)
 {
     (void)state;
-    static const enum cheat unseen[] = {CHEAT_NO_MASK,    CHEAT_NO_SKIP,         CHEAT_NO_CULL,
-                                        CHEAT_NO_DISABLE, CHEAT_NO_OPACITY_CULL, CHEAT_FIRST_PASSED,
-                                        CHEAT_NO_FIRST,   CHEAT_NO_RAY_OPACITY};
+    static const enum world_cheat unseen[] = {
+        CHEAT_NO_MASK,         CHEAT_NO_SKIP,      CHEAT_NO_CULL,  CHEAT_NO_DISABLE,
+        CHEAT_NO_OPACITY_CULL, CHEAT_FIRST_PASSED, CHEAT_NO_FIRST, CHEAT_NO_RAY_OPACITY};
     struct world world = cheats_world();
     struct world_play *p = play_world(&world, RAY_MODES_ALL, RAYS);
     for (size_t i = 0; i < ARRAY_COUNT(unseen); i++) {

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum cheat {
+enum world_cheat {
     CHEAT_NONE,
     CHEAT_NO_MASK,         /* every instance is met */
     CHEAT_MASK_EQUAL,      /* masks must be equal */
@@ -43,7 +43,7 @@ enum cheat {
 };
 
 static struct {
-    enum cheat cheat;
+    enum world_cheat cheat;
     struct world_job job;
     struct instance_record *record;
     const struct ray *ray; /* whose first hit and tag are spoilt; NULL: none */
@@ -51,7 +51,7 @@ static struct {
     void (*spoil)(unsigned spoilt, struct hit *hit, uint32_t *tag);
 } cheater;
 
-static inline bool cheats(enum cheat cheat)
+static inline bool cheats(enum world_cheat cheat)
 {
     return cheater.cheat == cheat;
 }
