@@ -55,14 +55,17 @@ static enum status play_engine(struct check_run *check, struct match *match,
     return STATUS_OK;
 }
 
+/* An engine that traces no worlds has rows of one only if it was named. */
 static enum status play_engines(struct check_run *check, struct match *match, bool packed,
                                 struct check_scene *result)
 {
     const struct check_options *o = &check->options;
     enum status status = STATUS_OK;
-    for (size_t e = 0; e < o->engine.count && status == STATUS_OK; e++)
-        if (engines[o->engine.index[e]]->needs_packed == packed)
-            status = play_engine(check, match, engines[o->engine.index[e]], result);
+    for (size_t e = 0; e < o->engine.count && status == STATUS_OK; e++) {
+        const struct engine *engine = engines[o->engine.index[e]];
+        if (engine->needs_packed == packed && (!match->world || engine->worlds || o->engine_named))
+            status = play_engine(check, match, engine, result);
+    }
     return status;
 }
 
@@ -203,7 +206,7 @@ static enum status check_one(struct check_run *check, const char *spec, struct c
         status =
             tree_open("check", o->bvh, o->move > 0 ? &of.rest : &of.scene, &check->tree, reason);
     check->of = &of;
-    if (status == STATUS_OK)
+    if (status == STATUS_OK && !result->vacuous)
         status = play_both(check, &of.scene, &of.rest, of.ray, result, reason);
     check->of = NULL;
     check_close(&of);
@@ -228,7 +231,11 @@ static int check_all(struct check_run *check, char *const *spec, size_t count)
         enum status status = check_one(check, spec[i], &results[i], &reason);
         progress_end(&check->progress);
         code = exit_worse(code, exit_with_reason("check", status, &reason));
-        if (status)
+        if (status == STATUS_OK && results[i].vacuous) {
+            fprintf(stderr, "raydiff check: %s: " CHECK_VACUOUS "\n", spec[i]);
+            code = exit_worse(code, EXIT_MISMATCH);
+        }
+        if (status || results[i].vacuous)
             continue;
         check_print(&results[i], &screen);
         fflush(stdout);

@@ -13,6 +13,8 @@ struct check_scene {
     uint32_t tri_count, vertex_count; /* of a world: placed ones */
     uint32_t instance_count;          /* of a world; 0: a scene */
     const char *modes;                /* of a world: what rays may meet; else NULL */
+    char scenes_only[256];            /* of a world: names of engines that trace none, as "a, b" */
+    bool vacuous;                     /* a world in which no ray can hit anything: no rows */
     double move;                      /* --move: extents; 0: nothing moved */
     const char *rays;
     size_t ray_count;
@@ -26,6 +28,9 @@ struct check_scene {
 
 /* The options; they fill a struct check_options. */
 extern const struct option_set check_set;
+
+/* Why a vacuous world is. */
+#define CHECK_VACUOUS "vacuous: this world has nothing that a ray can hit"
 
 /* Prints the table of a scene, its findings, what was refused or skipped and why, and a summary. */
 void check_print(const struct check_scene *scene, const struct screen *screen);
@@ -86,7 +91,8 @@ struct check_subject {
     struct ray_mode *mode; /* of a world */
 };
 
-/* Opens what a text names, draws rays and fills in the members of `result` that say what it is.
+/* Opens what a text names, draws rays and fills in the members of `result` that say what it is. Of
+ * a vacuous world there are no rays.
  * Errors: as world_open, world_bake and ray_set_new; STATUS_INPUT an option that is of worlds
  * alone, or of scenes alone. On error *out is to be freed, too. */
 enum status check_open(const struct check_options *options, const char *spec,

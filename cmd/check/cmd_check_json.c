@@ -51,9 +51,14 @@ static json_t *finding_world_json(const struct finding *f)
 {
     const struct world_finding *w = &f->world;
     uint32_t expected = f->bits ? f->expected.prim : f->judgement.expected;
-    return json_record("mask=%u flags=%u custom=%u front=%i got=%p expected=%p", w->mode.mask,
-                       w->mode.flags, w->tag & ABI_TAG_CUSTOM, (w->tag & ABI_TAG_FRONT) != 0,
-                       place_json(f->got.prim, &w->got), place_json(expected, &w->expected));
+    json_t *out =
+        json_record("mask=%u flags=%u custom=%u front=%i got=%p expected=%p", w->mode.mask,
+                    w->mode.flags, w->tag & ABI_TAG_CUSTOM, (w->tag & ABI_TAG_FRONT) != 0,
+                    place_json(f->got.prim, &w->got), place_json(expected, &w->expected));
+    if (f->bits)
+        json_add(out, "expected_custom=%u expected_front=%i", w->expected_tag & ABI_TAG_CUSTOM,
+                 (w->expected_tag & ABI_TAG_FRONT) != 0);
+    return out;
 }
 
 static json_t *finding_json(const struct check_scene *scene, const struct row *row,
@@ -161,7 +166,7 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
  * others. */
 static void refusals(const struct check_scene *scene, char *text, size_t text_bytes)
 {
-    snprintf(text, text_bytes, "%s", scene->refused);
+    snprintf(text, text_bytes, "%s", scene->vacuous ? CHECK_VACUOUS : scene->refused);
     for (size_t i = 0; i < scene->row_count; i++) {
         const struct row *row = &scene->row[i];
         const size_t used = strlen(text);
@@ -182,7 +187,8 @@ enum status check_write_json(const char *path, const struct check_scene *scene, 
                                   scene[s].spec, scene[s].tri_count, scene[s].vertex_count,
                                   json_text(scene[s].rays), scene[s].ray_count, refused);
         if (scene[s].modes)
-            json_add(one, "instances=%u modes=%s", scene[s].instance_count, scene[s].modes);
+            json_add(one, "instances=%u modes=%s scenes_only=%s", scene[s].instance_count,
+                     scene[s].modes, scene[s].scenes_only);
         json_array_append_new(scenes, one);
         for (size_t i = 0; i < scene[s].row_count; i++)
             json_array_append_new(rows, row_json(&scene[s], &scene[s].row[i]));

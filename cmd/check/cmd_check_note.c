@@ -39,7 +39,10 @@ static void add_lists(struct row_text *note, const struct row *row)
 {
     if (row->options.query != QUERY_ALL)
         return;
-    add(note, " %zu triangles listed, %zu double hits,", row->lists.triangles, row->lists.doubles);
+    add(note, " %zu triangles listed", row->lists.triangles);
+    if (row->of_world) /* its meshes promise nothing together */
+        return;
+    add(note, ", %zu double hits,", row->lists.doubles);
     if (row->lists.closed)
         add(note, " parity off in %zu of %zu", row->lists.parity_off, row->lists.parity);
     else

@@ -1,8 +1,10 @@
 /* What raydiff check is run on: a scene or a world, opened, and rays into it. */
 #include "cmd/check/cmd_check.h"
 
+#include "ref/base/text.h"
 #include "ref/store.h"
 #include "ref/world/bake.h"
+#include "ref/world/world_boxes.h"
 #include "scenes/move.h"
 #include "scenes/opening.h"
 #include "scenes/rays/ray_modes.h"
@@ -75,6 +77,25 @@ static uint32_t placed_vertices(const struct world *world)
     return count < UINT32_MAX ? (uint32_t)count : UINT32_MAX;
 }
 
+/* False if no ray can hit anything. */
+static bool is_active(const struct world *world)
+{
+    bool active = false;
+    for (uint32_t i = 0; i < world->instance_count && !active; i++)
+        active = world_is_active(world, i);
+    return active;
+}
+
+static void note_engines(const struct check_options *o, struct check_scene *result)
+{
+    for (size_t e = 0; e < o->engine.count; e++) {
+        const struct engine *engine = engines[o->engine.index[e]];
+        if (!engine->worlds)
+            text_append(result->scenes_only, sizeof result->scenes_only, "%s%s",
+                        result->scenes_only[0] ? ", " : "", engine->name);
+    }
+}
+
 enum status check_open(const struct check_options *options, const char *spec,
                        struct check_scene *result, struct check_subject *out, struct reason *reason)
 {
@@ -94,7 +115,9 @@ enum status check_open(const struct check_options *options, const char *spec,
     result->vertex_count = placed_vertices(&out->world);
     result->instance_count = out->world.instance_count;
     result->modes = ray_modes_name((enum ray_modes)options->modes);
-    return aim(options, result, out, reason);
+    result->vacuous = !is_active(&out->world);
+    note_engines(options, result);
+    return result->vacuous ? STATUS_OK : aim(options, result, out, reason);
 }
 
 void check_close(struct check_subject *subject)

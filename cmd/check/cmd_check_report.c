@@ -233,8 +233,16 @@ static const char *subject_name(const struct row *row)
     return row->engine ? row->engine->name : "--layout auto";
 }
 
+static bool traces_scenes_only(const struct row *row)
+{
+    return row->of_world && row->engine && !row->engine->worlds;
+}
+
 static void print_reasons(const struct check_scene *scene, const struct screen *screen)
 {
+    if (scene->scenes_only[0])
+        screen_text(screen, "  %s: trace%s scenes, not worlds\n", scene->scenes_only,
+                    strchr(scene->scenes_only, ',') ? "" : "s");
     for (const char *line = scene->refused; *line;) {
         size_t length = strcspn(line, "\n");
         screen_text(screen, "  --layout auto could not take %.*s\n", (int)length, line);
@@ -245,7 +253,7 @@ static void print_reasons(const struct check_scene *scene, const struct screen *
         bool repeated = false;
         for (size_t k = 0; k < i; k++)
             repeated |= strcmp(scene->row[k].reason.text, row->reason.text) == 0;
-        if (row->status == ROW_OK || repeated)
+        if (row->status == ROW_OK || repeated || traces_scenes_only(row))
             continue;
         /* The reason of a vacuous row begins with that word. */
         const char *status = row->status == ROW_VACUOUS ? "" : row_status_name(row->status);

@@ -59,23 +59,33 @@ void finding_line(const struct finding *finding, char *line, size_t line_bytes)
 static void print_place(const char *what, uint32_t prim, const struct place *place)
 {
     if (prim == ABI_NO_PRIM)
-        printf(", %s a miss", what);
+        printf("  %s nothing", what);
     else
-        printf(", %s instance %u geometry %u triangle %u", what, place->instance, place->geometry,
+        printf("  %s instance %u geometry %u triangle %u", what, place->instance, place->geometry,
                place->tri);
 }
 
-/* A second line: what the ray may meet, and where the triangles are. */
+static void print_tag(uint32_t prim, uint32_t tag)
+{
+    if (prim != ABI_NO_PRIM || tag != 0)
+        printf(" custom %u %s", tag & ABI_TAG_CUSTOM, tag & ABI_TAG_FRONT ? "front" : "back");
+}
+
+/* Lines of their own, which fit a terminal: what the ray may meet, and where the triangles are. */
 static void print_world(const struct finding *finding)
 {
     const struct world_finding *w = &finding->world;
-    printf("  world: mask 0x%02X flags 0x%X", w->mode.mask, w->mode.flags);
-    print_place("answered", finding->got.prim, &w->got);
-    if (finding->got.prim != ABI_NO_PRIM)
-        printf(" custom %u %s", w->tag & ABI_TAG_CUSTOM, w->tag & ABI_TAG_FRONT ? "front" : "back");
-    print_place("expected", finding->bits ? finding->expected.prim : finding->judgement.expected,
-                &w->expected);
-    printf("\n");
+    printf("  world: mask 0x%02X flags 0x%X\n", w->mode.mask, w->mode.flags);
+    print_place("got:", finding->got.prim, &w->got);
+    print_tag(finding->got.prim, w->tag);
+    putchar('\n');
+    if (finding->bits) {
+        print_place("cpu's:", finding->expected.prim, &w->expected);
+        print_tag(finding->expected.prim, w->expected_tag);
+    } else {
+        print_place("expected:", finding->judgement.expected, &w->expected);
+    }
+    putchar('\n');
 }
 
 void finding_print(const struct row *row, const struct finding *finding, const char *spec,

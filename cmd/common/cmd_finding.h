@@ -6,7 +6,8 @@
 #include "cmd/common/cmd_explain_line.h"
 
 /* Prints a finding of the row: one line with "WRONG" and its kind, or "BITS", then the ray, the
- * answer and what was expected. If raydiff explain can explain it, a second line has the command.
+ * answer and what was expected. Of a world, lines with mask and flags of the ray and where both
+ * triangles are. If raydiff explain can explain it, a last line has the command.
  *   spec, seed   the scene and the seed of generators, as a user named them
  *   driver       from --driver, or NULL */
 void finding_print(const struct row *row, const struct finding *finding, const char *spec,

@@ -20,10 +20,12 @@ struct listing {
     struct list_judgement *out;
 };
 
-static void wrong(struct listing *l, enum wrong kind, struct hit at_fault)
+/* Hit `at` of the list is at fault; l->count: one that is lost. */
+static void wrong(struct listing *l, enum wrong kind, size_t at)
 {
     judge_set_wrong(&l->out->judgement, kind);
-    l->out->at_fault = at_fault;
+    l->out->at_fault = at < l->count ? l->hit[at] : hit_none();
+    l->out->tag = at < l->count && l->tag ? l->tag[at] : 0;
 }
 
 static bool is_wrong(const struct listing *l)
@@ -64,7 +66,7 @@ static void index_list(struct listing *l)
     for (size_t i = 1; i < l->count && !is_wrong(l); i++)
         if (slot[i].prim == slot[i - 1].prim) {
             double t = (double)l->hit[slot[i - 1].at].t;
-            wrong(l, WRONG_TWICE, l->hit[slot[i].at]);
+            wrong(l, WRONG_TWICE, slot[i].at);
             expect(l, slot[i].prim, t, t);
         }
 }
@@ -88,7 +90,7 @@ static enum status judge_listed(struct listing *l)
         if (verdict == VERDICT_WRONG)
             status = judge_is_anothers(l->judge, l->ray, &l->hit[i], &anothers);
         if (verdict == VERDICT_WRONG)
-            wrong(l, anothers ? WRONG_INSTANCE : one.wrong, l->hit[i]);
+            wrong(l, anothers ? WRONG_INSTANCE : one.wrong, i);
         else
             need(l, verdict);
     }
@@ -101,7 +103,7 @@ static void judge_order(struct listing *l)
     for (size_t i = 1; i < l->count && !is_wrong(l); i++)
         if (l->hit[i - 1].t > l->hit[i].t) {
             double t = (double)l->hit[i].t;
-            wrong(l, WRONG_ORDER, l->hit[i - 1]);
+            wrong(l, WRONG_ORDER, i - 1);
             expect(l, l->hit[i].prim, t, t);
         }
 }
@@ -155,7 +157,7 @@ static enum status left_out_by_distance(struct listing *l, const struct oracle_c
     }
     sum->fan = sum->fan || closed;
     if (loss.over > 1.0 || (l->judge->model.watertight && closed)) {
-        wrong(l, WRONG_MISSED, hit_none());
+        wrong(l, WRONG_MISSED, l->count);
         expect(l, crossing->prim, crossing->pair.t_lo, crossing->pair.t_hi);
     } else {
         need(l, loss.why);
@@ -170,7 +172,7 @@ static enum status left_out(struct listing *l, const struct oracle_crossing *cro
     enum status status = judge_cannot_miss(l->judge, l->ray, crossing->prim, pair->t_lo, pair->t_hi,
                                            (double)INFINITY, &l->found, NULL, &lost);
     if (lost) {
-        wrong(l, WRONG_MISSED, hit_none());
+        wrong(l, WRONG_MISSED, l->count);
         expect(l, crossing->prim, pair->t_lo, pair->t_hi);
     } else {
         need(l, judge_why_lost(l->judge, l->ray, crossing->prim, pair->t_lo, pair->t_hi,
@@ -208,13 +210,13 @@ static bool settled(struct listing *l)
     const struct judge *judge = l->judge;
     for (size_t i = 0; i < l->count; i++)
         if (l->hit[i].prim >= judge->tri_count) {
-            wrong(l, WRONG_PHANTOM, l->hit[i]); /* whatever the ray */
+            wrong(l, WRONG_PHANTOM, i); /* whatever the ray */
             return true;
         }
     for (size_t i = 0; i < l->count && l->tag; i++) {
         enum wrong ruled = judge_ruled_out(judge, l->ray, &l->hit[i], l->tag[i]);
         if (ruled) {
-            wrong(l, ruled, l->hit[i]);
+            wrong(l, ruled, i);
             return true;
         }
     }
@@ -225,7 +227,7 @@ static bool settled(struct listing *l)
     for (size_t i = 0; i < l->count; i++) {
         const struct hit *hit = &l->hit[i];
         if (!float_is_finite(hit->t) || !float_is_finite(hit->u) || !float_is_finite(hit->v)) {
-            wrong(l, WRONG_NOT_FINITE, *hit);
+            wrong(l, WRONG_NOT_FINITE, i);
             return true;
         }
     }

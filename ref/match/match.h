@@ -108,7 +108,7 @@ struct row {
     enum row_status status;
     enum status cause; /* of REFUSED, SKIPPED, FAILED */
     bool declined;     /* REFUSED: by the engine itself, not by its layout */
-    bool absent;       /* SKIPPED: the engine cannot run here at all */
+    bool absent;       /* SKIPPED: the engine cannot run here at all, or traces no worlds */
     struct reason reason;
     uint64_t node_bytes, item_bytes, memory_bytes;
     uint64_t scene_bytes; /* of the scene's vertices and indices, where the storage reads them */
@@ -128,7 +128,8 @@ struct row {
     size_t edges_beyond; /* more lost than rounding explains: counted in differences */
     size_t fans_lost; /* with options.demands.watertight: hits lost inside a closed fan; likewise */
     struct {          /* QUERY_ALL: an answer is a list, a hit one that is not empty */
-        size_t triangles;  /* listed */
+        size_t triangles; /* listed */
+        /* Of a world nothing below is known: false and 0. */
         size_t doubles;    /* lists with two triangles of which exactly one should be hit */
         bool closed;       /* the mesh is: then also */
         size_t parity;     /* lists of which it is known whether they must be even or odd, but for

@@ -56,14 +56,12 @@ static struct place place_of(const struct world *world, uint32_t prim)
 
 static void set_world(const struct match *match, size_t i, struct finding *found)
 {
-    found->world = (struct world_finding){
-        .is = true,
-        .mode = match_mode(match, i),
-        .tag = match->answer_tag[i],
-        .expected_tag = found->bits ? match->cpu_tag[i] : 0,
-        .got = place_of(match->world, found->got.prim),
-        .expected =
-            place_of(match->world, found->bits ? found->expected.prim : found->judgement.expected)};
+    struct world_finding *world = &found->world;
+    world->is = true;
+    world->mode = match_mode(match, i);
+    world->got = place_of(match->world, found->got.prim);
+    world->expected =
+        place_of(match->world, found->bits ? found->expected.prim : found->judgement.expected);
 }
 
 void match_keep_finding(const struct match *match, size_t i, const struct finding *what,
@@ -135,11 +133,14 @@ static enum status judge_one(const struct judging *j, size_t i, struct judgement
 static void count_one(struct judging *j, size_t i, const struct judgement *judgement)
 {
     struct row *row = j->row;
-    const struct finding finding = {.got = j->match->answer[i], .judgement = *judgement};
+    const struct match *match = j->match;
+    const struct finding finding = {.got = match->answer[i],
+                                    .judgement = *judgement,
+                                    .world.tag = match->world ? match->answer_tag[i] : 0};
     match_tally_add(&j->tally, i, finding.got.prim != ABI_NO_PRIM, judgement);
     row->fans_lost += judgement->fan && row->options.demands.watertight;
     if (judgement->verdict == VERDICT_WRONG && row->judged)
-        match_keep_finding(j->match, i, &finding, row);
+        match_keep_finding(match, i, &finding, row);
 }
 
 void match_displacements(double *displacement, struct row *row)
@@ -177,8 +178,11 @@ static void compare_bits(const struct match *match, struct row *row)
         if (match_same_bits(match->cpu, match->answer, tag, match->cpu_tag, i) ||
             !ray_in_contract(&match->ray[i]))
             continue;
-        const struct finding finding = {
-            .got = match->answer[i], .expected = match->cpu[i], .bits = true};
+        const struct finding finding = {.got = match->answer[i],
+                                        .expected = match->cpu[i],
+                                        .bits = true,
+                                        .world.tag = tag ? tag[i] : 0,
+                                        .world.expected_tag = tag ? match->cpu_tag[i] : 0};
         row->bit_differences++;
         match_keep_finding(match, i, &finding, row);
     }
