@@ -43,5 +43,11 @@ ends 0 'conclusion: 2 of 2 rows agree, 0 of 1000 answers WRONG; speeds cannot be
     check sphere:n=8 $few --layout f32,rf16 --engine cpu
 grep -q "rf16 on cpu: .* times its speed, within noise\$" "$dir/out" || bad 'check: a speed of one run is told'
 
+# No row twice: an engine with tests of its own is one row, whatever tests are named.
+expect 0 . leaks sphere:n=4 --engine cpu,fast,embree,brute,"pipe:$samples/tracer" --layout f32 --count 2000
+sed -n '/^verdict/,/^what it means/p' "$dir/out" | sort | uniq -d | grep -q . && bad 'leaks: a row twice'
+expect 0 . leaks sphere:n=4 --engine fast --layout f32 --count 2000
+grep -q '  1 of 1 rows promise' "$dir/out" || bad 'leaks: engine fast is one row'
+
 echo "concluded: $failed failed"
 [ "$failed" -eq 0 ]
