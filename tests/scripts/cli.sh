@@ -258,6 +258,10 @@ expect 2 "does not begin with a float32 number" explain soup --ray '0,0,0 1,1,x'
 expect 2 "is beyond its eighth number" explain soup --ray '0,0,0 1,1,1 0,1 2'
 expect 2 "goes without --rays" explain soup --ray '0,0,0 1,1,1' --index 3
 expect 2 "20 of 20 rays" explain soup --rays random --count 20 --index 20
+# Its default layout is one that holds the scene; a named one stays.
+expect 0 . explain sphere:n=100 --count 100
+grep -q 'no answer of cpu is wrong' "$dir/out" || bad "explain: no default layout for a large scene"
+expect 2 'rf16: a child record index is at most 32767' explain sphere:n=100 --count 100 --layout rf16
 expect 2 "unknown cause 'bad luck'" explain soup --cause 'bad luck'
 expect 2 "closest or any can be explained, not all" explain soup --query all
 expect 2 "'closest,any' is not one name" explain soup --query closest,any
