@@ -9,10 +9,18 @@
 
 static void print_findings(const struct check_scene *scene, const struct row *row)
 {
-    for (size_t i = 0; i < row->finding_count; i++)
-        finding_print(row, &row->finding[i], scene->spec, scene->seed, scene->driver);
-    if (row->differences > row->finding_count && row->finding_count)
-        printf("  ... and %zu more of this row\n", row->differences - row->finding_count);
+    const size_t all[] = {row->judged ? row->count[VERDICT_WRONG] : 0, row->bit_differences};
+    for (int bits = 0; bits < 2; bits++) {
+        size_t shown = 0;
+        for (size_t i = 0; i < row->finding_count; i++)
+            if (row->finding[i].bits == (bits == 1)) {
+                finding_print(row, &row->finding[i], scene->spec, scene->seed, scene->driver);
+                shown++;
+            }
+        if (shown && all[bits] > shown)
+            printf("  ... and %zu more of this row that %s\n", all[bits] - shown,
+                   bits ? "differ from engine cpu's" : "are WRONG");
+    }
 }
 
 /* The first row of `engine` with a layout of that name (NULL: any layout), or NULL. */

@@ -22,6 +22,9 @@ ends() {
 ends 1 'conclusion: 1 of 2 rows agree, 220 of 1000 answers WRONG' check sphere:n=4 $few --layout f32 --engine "cpu,$misses"
 ends 1 'conclusion: 0 of 1 rows agree, 220 of 500 answers WRONG' check sphere:n=4 $few --engine "$misses"
 grep -q 'vacuous' "$dir/out" && bad 'check: what is WRONG is called vacuous'
+# Of 220 four are shown; what else the row is at fault for is not among the others.
+[ "$(grep -c '^WRONG missed ' "$dir/out")" -eq 4 ] && grep -qx '  \.\.\. and 216 more of this row that are WRONG' "$dir/out" ||
+    bad 'check: not four of 220 answers and a count of the others'
 printf 'r 0.3 0.2 -9 0 0 0 1 100\nr 0.1 0.3 -9 0 0 0 1 100\n' >"$dir/rays"
 printf 'm\nm\n' >"$dir/hits"
 expect 1 . judge sphere:n=2 "$dir/rays" "$dir/hits"
