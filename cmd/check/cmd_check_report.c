@@ -207,13 +207,14 @@ static void print_verdicts(const struct agreement *sum, const struct screen *scr
                 sum->count[VERDICT_WRONG], sum->judged, at ? text : "", at ? ")" : "");
     at = 0;
     between = " ";
-    for (enum verdict v = 0; v < VERDICT_WRONG; v++)
+    for (enum verdict v = VERDICT_RIGHT + 1; v < VERDICT_WRONG; v++)
         if (sum->count[v] || screen->wide) {
             at += (size_t)snprintf(text + at, sizeof text - at, "%s%s %zu", between,
                                    verdict_name(v), sum->count[v]);
             between = ", ";
         }
-    screen_text(screen, "  allowed:%s\n", at ? text : " none");
+    screen_text(screen, "  right %zu; allowed:%s\n", sum->count[VERDICT_RIGHT],
+                at ? text : " none");
 }
 
 static void print_agreement(const struct check_scene *scene, const struct screen *screen)

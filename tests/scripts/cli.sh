@@ -197,7 +197,7 @@ expect 2 'is below 0' check --wide sphere $small --move -1
 # Every allowed class and every kind of WRONG has a counter, also of 0, and docs/verdicts.md has it.
 expect 0 'parity off in [0-9]* of [0-9]*$' check --wide sphere $small --query closest,any,all --json "$dir/rows.json"
 for key in right tie near_tie boundary border in_plane slab noise out_of_contract; do
-    grep -q "^  allowed:.* $key [0-9]" "$dir/out" || bad "check counts no $key"
+    grep -q "^  right [0-9]*; allowed:.* $key [0-9]\\|^  $key [0-9]*; allowed:" "$dir/out" || bad "check counts no $key"
     grep -q "\"$key\": [0-9]" "$dir/rows.json" || bad "--json counts no $key"
     grep -q "[\`*]$key[\`*]" docs/verdicts.md || bad "docs/verdicts.md does not tell of $key"
 done
@@ -270,7 +270,7 @@ expect 2 "trial: unknown layout 'f31'" explain closest.cpu.f31.median.robust.mt.
 expect 2 "trial: " explain all.cpu.f32.median.robust.mt.soup.vertices.1
 expect 2 "a leaf holds at most 8 items" explain soup --layout rf16 --leaf 9
 expect 0 . explain "$dir/one.obj" --ray '0x1p-2,0.25,-1 0,0,1'
-grep -q 'allowed: right' "$dir/out" || bad "explain says why an answer is allowed"
+grep -q '^verdict   right' "$dir/out" || bad "explain: an answer that is right is not called so"
 expect 0 . explain soup --rays random --count 2000
 grep -q 'no answer of cpu is wrong' "$dir/out" || bad "explain says that nothing is wrong"
 expect 1 . explain soup:n=300 --rays vertices --count 5000 --layout rtrs_rf_paper \
