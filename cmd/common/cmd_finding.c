@@ -64,7 +64,7 @@ void finding_print(const struct row *row, const struct finding *finding, const c
     printf("%s %s %s.%s.%s.%s ray %zu %s\n", finding->bits ? "BITS" : "WRONG",
            finding->bits ? "differ from engine cpu's:" : wrong_name(finding->judgement.wrong),
            query_name(row->options.query), row->engine->name, row->layout ? row->layout->name : "-",
-           row->options.tri->name, finding->ray_index, line);
+           row_tri_name(row), finding->ray_index, line);
     if (finding_command(row, finding, spec, seed, driver, command))
         printf("  explain: %s\n", command);
 }

@@ -29,6 +29,16 @@ printf 'r 0.3 0.2 -9 0 0 0 1 100\nr 0.1 0.3 -9 0 0 0 1 100\n' >"$dir/rays"
 printf 'm\nm\n' >"$dir/hits"
 expect 1 . judge sphere:n=2 "$dir/rays" "$dir/hits"
 grep -q 'against the exact truth: 2 of 2 answers WRONG' "$dir/out" || bad 'judge: what is WRONG is not counted'
+# A tracer of no formula: its own test, parts that are told apart, words that the glossary has.
+sed 's/q.rays, 1, 0, 0, 0}/q.rays, 0, 0, 0, 0}/' tests/peers/refuser.c >"$dir/unknown.c"
+cc -O1 -o "$dir/unknown" "$dir/unknown.c" || bad 'a tracer is not compiled'
+expect 1 . check sphere:n=4 $few --engine "pipe:$dir/unknown 1000000"
+grep -q '^WRONG missed closest\.pipe:.*\.-\.own ray ' "$dir/out" || bad 'check: a formula that is unknown is called one of the table'
+grep -q ' missed [0-9]*; displacement p50 .* uM, [0-9]* lost in closed fans; lost beside edges ' "$dir/out" ||
+    bad 'check: parts of what a row has are not told apart'
+for word in uM 'closed fan' 'lost beside edges'; do
+    grep -q "^| $word |" docs/glossary.md || bad "the glossary has no '$word'"
+done
 # What is vacuous is told once.
 expect 1 . check soup:n=0 $few --layout f32 --engine cpu
 grep -q '^  cpu: vacuous: 0 hits of 500 rays prove nothing$' "$dir/out" || bad 'check: why a row is vacuous'
