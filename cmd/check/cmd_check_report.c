@@ -7,14 +7,16 @@
 
 #include <string.h>
 
-static void print_findings(const struct check_scene *scene, const struct row *row)
+static void print_findings(const struct check_scene *scene, const struct row *row,
+                           const struct screen *screen)
 {
     const size_t all[] = {row->judged ? row->count[VERDICT_WRONG] : 0, row->bit_differences};
     for (int bits = 0; bits < 2; bits++) {
         size_t shown = 0;
         for (size_t i = 0; i < row->finding_count; i++)
             if (row->finding[i].bits == (bits == 1)) {
-                finding_print(row, &row->finding[i], scene->spec, scene->seed, scene->driver);
+                finding_print(screen, row, &row->finding[i], scene->spec, scene->seed,
+                              scene->driver, shown == 0);
                 shown++;
             }
         if (shown && all[bits] > shown)
@@ -294,7 +296,7 @@ void check_print(const struct check_scene *scene, const struct screen *screen)
     else
         check_print_table(scene, screen);
     for (size_t i = 0; i < scene->row_count; i++)
-        print_findings(scene, &scene->row[i]);
+        print_findings(scene, &scene->row[i], screen);
     puts("what it means");
     print_reasons(scene, screen);
     print_winners(scene, screen);

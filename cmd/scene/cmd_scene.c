@@ -2,6 +2,7 @@
 #define _GNU_SOURCE /* scandir */
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
+#include "cmd/common/cmd_screen.h"
 #include "ref/base/nearest_name.h"
 #include "ref/base/command.h"
 #include "ref/base/decimal.h"
@@ -176,15 +177,18 @@ static int scene_list(const struct scene_options *options)
 {
     if (options->argument_count != 0)
         return usage_error("scene", "list: takes no argument");
-    printf("generators, as NAME or NAME:PARAMETER=VALUE,PARAMETER=VALUE; each also takes seed=S\n"
-           "(range of every parameter, and [default])\n");
+    screen_line(
+        0, "generators, as NAME or NAME:PARAMETER=VALUE,PARAMETER=VALUE; each also takes seed=S");
+    puts("(range of every parameter, and [default])");
     for (size_t i = 0; generators[i]; i++) {
-        printf("\n  %-10s %s\n", generators[i]->name, generators[i]->summary);
+        putchar('\n');
+        screen_line(13, "  %-10s %s\n", generators[i]->name, generators[i]->summary);
         for (size_t k = 0; k < GENERATOR_PARAMS && generators[i]->param[k].name; k++) {
             const struct param *param = &generators[i]->param[k];
             char range[64];
             snprintf(range, sizeof range, "%.9g to %.9g", param->least, param->most);
-            printf("    %-10s %-22s [%.9g] %s\n", param->name, range, param->value, param->summary);
+            screen_line(38, "    %-10s %-22s [%.9g] %s\n", param->name, range, param->value,
+                        param->summary);
         }
     }
     list_fetched();
