@@ -66,10 +66,14 @@ void fuzz_pairs_print(const struct fuzz_command *c, const struct campaign_view *
     struct pair_coverage_summary sum = pair_coverage_summarize(c->pair_coverage, c->pairs);
     char name[PAIR_NAME_MOST];
     uint64_t count;
-    screen_line(
-        11,
-        "pairs      %u of members can meet, %u met; trials of a pair: least %llu, median %llu\n",
-        sum.possible, sum.met, (unsigned long long)sum.least, (unsigned long long)sum.median);
+    if (sum.possible == 0)
+        screen_line(11, "pairs      none: no engine here runs two members that vary\n");
+    else
+        screen_line(11,
+                    "pairs      %u of members can meet, %u met; trials of a pair: least %llu, "
+                    "median %llu\n",
+                    sum.possible, sum.met, (unsigned long long)sum.least,
+                    (unsigned long long)sum.median);
     for (uint32_t i = 0;
          i < RAREST_SHOWN && pair_coverage_rarest(c->pair_coverage, i, name, &count); i++)
         screen_line(11, "           %s %llu\n", name, (unsigned long long)count);

@@ -231,7 +231,7 @@ static void print_turnout(const struct campaign_view *view)
                  i ? "" : "contestant", name, (unsigned long long)turnout->played,
                  (unsigned long long)turnout->declined);
         if (view->refused[i] > 0 && view->options->rules.field.who[i].layout)
-            text_append(line, sizeof line, ", of this run %llu for its layout",
+            text_append(line, sizeof line, "; its layout refused %llu of this run",
                         (unsigned long long)view->refused[i]);
         match_edges_text(turnout->edges, lost);
         screen_line(11, "%s%s%s%s%s\n", line, vacuous ? "; vacuous: " : "", vacuous ? vacuous : "",
