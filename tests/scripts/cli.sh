@@ -575,9 +575,15 @@ expect 2 "not engine embree: --form c" export $corpus/sentinel.trial --engine em
 expect 2 'there is no ray 1: the file has 1' export $corpus/sentinel.trial --engine vulkan --ray 1
 expect 2 'no-such-folder' export $corpus/sentinel.trial --engine vulkan --to "$dir/no-such-folder/x"
 expect 0 . export $corpus/sentinel.trial --engine vulkan --to "$dir/finding.c"
-[ -s "$dir/out" ] && bad "export --to prints the program, too"
+[ "$(wc -l <"$dir/out")" -eq 1 ] || bad "export --to prints more than what it wrote"
 grep -q 'cc finding.c -lvulkan -o finding' "$dir/finding.c" || bad "export says how to compile the file that it wrote"
-grep -q 'no driver is at fault' "$dir/err" || bad "export says that C fails there, too"
+grep -qx "wrote $dir/finding.c, but C on the same bytes is wrong, too: no driver is at fault" "$dir/out" ||
+    bad "export says that C fails there, too"
+expect 0 . export $corpus/sentinel.trial --engine vulkan --layout rf16 --to "$dir/other.c"
+grep -qx "wrote $dir/other.c, but the expected failure did not occur here: every answer was right" "$dir/out" ||
+    bad "export: it is not told that nothing failed"
+expect 0 . export $corpus/eighth-slot.trial --engine vulkan --to "$dir/other.c"
+grep -qx "wrote $dir/other.c" "$dir/out" || bad "export: the help's example has a remark"
 expect 0 . export $corpus/rounded-outward.trial --form text
 "$raydiff" gen sphere:n=4 --count 1 | grep -c '^from ' | grep -qx 1 || bad "gen says where a scene comes from"
 grep -q '^from ' "$dir/out" && bad "export --form text claims to come from a generator"
