@@ -8,8 +8,8 @@
 
 /* Prints a finding of the row: a record with "WRONG" and its kind, or "BITS", then the ray, the
  * answer and what was expected. Of a world, lines with mask and flags of the ray and where both
- * triangles are. If raydiff explain can explain it, a last line has the command, which is long: on a
- * terminal only that of the `first` of a row, unless `screen` is wide.
+ * triangles are. If raydiff explain can explain it, a last line has the command, which is long; a
+ * terminal has only that of the `first` of a row, unless `screen` is wide.
  *   spec, seed   the scene and the seed of generators, as a user named them
  *   driver       from --driver, or NULL */
 void finding_print(const struct screen *screen, const struct row *row,
