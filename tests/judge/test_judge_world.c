@@ -301,7 +301,7 @@ static void a_scene_in_a_world_is_judged_as_itself(void **state)
     }
 }
 
-/* --- a cell of the filter ---------------------------------------------------------------------- */
+/* --- a cell of the filter --------------------------------------------------------------------- */
 
 /* A triangle that is not opaque, hit at u = 0.25, where the second cell begins. */
 static void one_triangle(struct judged_world *w)
