@@ -39,7 +39,7 @@ static void add_lists(struct row_text *note, const struct row *row)
 {
     if (row->options.query != QUERY_ALL)
         return;
-    add(note, " %zu triangles listed", row->lists.triangles);
+    add(note, "%s %zu triangles listed", note->at ? "," : "", row->lists.triangles);
     if (row->of_world) /* its meshes promise nothing together */
         return;
     add(note, ", %zu double hits,", row->lists.doubles);
