@@ -6,9 +6,10 @@
 
 #define RAYS 150
 
+/* Engines of ours on the processor; others have tests of their own. */
 static bool runs_here(const struct engine *engine)
 {
-    return engine->worlds && !engine->gpu; /* those are tested in tests/gpu */
+    return engine->worlds && !engine->gpu && !engine->library;
 }
 
 /* Rows of every engine and query; returns how many hits they have together. */
@@ -209,6 +210,21 @@ static void no_modes_are_all_modes(void **state)
     world_free(&world);
 }
 
+/* More lists than are made at once: each is of its ray's mode. */
+static void long_matches_have_their_modes(void **state)
+{
+    (void)state;
+    struct world world = fixture_world("soup:n=20,size=0.6", WORLD_TURNED, 3, 3);
+    for (uint32_t i = 0; i < world.instance_count; i++)
+        world.instance[i].mask = 1u << i;
+    struct world_play *p = play_world(&world, RAY_MODES_DRAWN, 20000);
+    play_run(p, engine_find("cpu"), QUERY_ALL);
+    assert_world_agrees(p, "long");
+    assert_true(p->row.lists.triangles > p->row.hits);
+    play_done(p);
+    world_free(&world);
+}
+
 /* A world that no ray hits proves nothing. */
 static void a_world_without_hits_is_vacuous(void **state)
 {
@@ -243,6 +259,7 @@ int main(void)
         cmocka_unit_test(a_scene_in_a_world_is_the_scene),
         cmocka_unit_test(a_world_is_its_baked_scene),
         cmocka_unit_test(no_modes_are_all_modes),
+        cmocka_unit_test(long_matches_have_their_modes),
         cmocka_unit_test(a_world_without_hits_is_vacuous),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

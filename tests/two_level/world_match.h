@@ -13,7 +13,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "tests/two_level/world_fixture.h"
+#include "tests/two_level/two_level_fixture.h"
 
 #include <stdlib.h>
 #include <string.h>

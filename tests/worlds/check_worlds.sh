@@ -44,6 +44,10 @@ for file in none inactive no_mesh no_triangle; do
     expect 1 . check "$dir/$file.json" "$dir/one.json" --engine cpu --layout f32 $few
     grep -q '^conclusion: 1 of 1 rows agree' "$dir/out" || bad "$file: the next one is not checked"
 done
+world second '{"mesh": null}, {"mesh": 0}'
+expect 0 . check "$dir/second.json" --engine cpu --layout f32 $few
+shown 'second.json: 2 instances, 32 triangles, '
+expect 1 . check "$dir/none.json" "$dir/one.json" --engine cpu --layout f32 $few
 grep -q 'one.json: 1 instance, 32 triangles, ' "$dir/out" || bad 'one instance'
 
 # Options of scenes, of worlds.
