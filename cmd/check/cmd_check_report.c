@@ -7,12 +7,22 @@
 
 #include <string.h>
 
-static void print_findings(const struct check_scene *scene, const struct row *row)
+static void print_findings(const struct check_scene *scene, const struct row *row,
+                           const struct screen *screen)
 {
-    for (size_t i = 0; i < row->finding_count; i++)
-        finding_print(row, &row->finding[i], scene->spec, scene->seed, scene->driver);
-    if (row->differences > row->finding_count && row->finding_count)
-        printf("  ... and %zu more of this row\n", row->differences - row->finding_count);
+    const size_t all[] = {row->judged ? row->count[VERDICT_WRONG] : 0, row->bit_differences};
+    for (int bits = 0; bits < 2; bits++) {
+        size_t shown = 0;
+        for (size_t i = 0; i < row->finding_count; i++)
+            if (row->finding[i].bits == (bits == 1)) {
+                finding_print(screen, row, &row->finding[i], scene->spec, scene->seed,
+                              scene->driver, shown == 0);
+                shown++;
+            }
+        if (shown && all[bits] > shown)
+            printf("  ... and %zu more of this row that %s\n", all[bits] - shown,
+                   bits ? "differ from engine cpu's" : "are WRONG");
+    }
 }
 
 /* The first row of `engine` with a layout of that name (NULL: any layout), or NULL. */
@@ -199,13 +209,14 @@ static void print_verdicts(const struct agreement *sum, const struct screen *scr
                 sum->count[VERDICT_WRONG], sum->judged, at ? text : "", at ? ")" : "");
     at = 0;
     between = " ";
-    for (enum verdict v = 0; v < VERDICT_WRONG; v++)
+    for (enum verdict v = VERDICT_RIGHT + 1; v < VERDICT_WRONG; v++)
         if (sum->count[v] || screen->wide) {
             at += (size_t)snprintf(text + at, sizeof text - at, "%s%s %zu", between,
                                    verdict_name(v), sum->count[v]);
             between = ", ";
         }
-    screen_text(screen, "  allowed:%s\n", at ? text : " none");
+    screen_text(screen, "  right %zu; allowed:%s\n", sum->count[VERDICT_RIGHT],
+                at ? text : " none");
 }
 
 static void print_agreement(const struct check_scene *scene, const struct screen *screen)
@@ -299,7 +310,7 @@ void check_print(const struct check_scene *scene, const struct screen *screen)
     else
         check_print_table(scene, screen);
     for (size_t i = 0; i < scene->row_count; i++)
-        print_findings(scene, &scene->row[i]);
+        print_findings(scene, &scene->row[i], screen);
     puts("what it means");
     print_reasons(scene, screen);
     print_winners(scene, screen);

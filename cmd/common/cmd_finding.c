@@ -88,17 +88,20 @@ static void print_world(const struct finding *finding)
     putchar('\n');
 }
 
-void finding_print(const struct row *row, const struct finding *finding, const char *spec,
-                   uint64_t seed, const char *driver)
+void finding_print(const struct screen *screen, const struct row *row,
+                   const struct finding *finding, const char *spec, uint64_t seed,
+                   const char *driver, bool first)
 {
     char line[512], command[EXPLAIN_COMMAND_MOST];
     finding_line(finding, line, sizeof line);
-    printf("%s %s %s.%s.%s.%s ray %zu %s\n", finding->bits ? "BITS" : "WRONG",
-           finding->bits ? "differ from engine cpu's:" : wrong_name(finding->judgement.wrong),
-           query_name(row->options.query), row->engine->name, row->layout ? row->layout->name : "-",
-           row->options.tri->name, finding->ray_index, line);
+    screen_record(
+        screen, PAINT_BAD, "%s %s %s.%s.%s.%s ray %zu %s\n", finding->bits ? "BITS" : "WRONG",
+        finding->bits ? "differ from engine cpu's:" : wrong_name(finding->judgement.wrong),
+        query_name(row->options.query), row->engine->name, row->layout ? row->layout->name : "-",
+        row_tri_name(row), finding->ray_index, line);
     if (finding->world.is)
         print_world(finding);
-    if (finding_command(row, finding, spec, seed, driver, command))
+    if ((first || !screen->terminal || screen->wide) &&
+        finding_command(row, finding, spec, seed, driver, command))
         printf("  explain: %s\n", command);
 }

@@ -5,6 +5,7 @@
 #include "gpu/vk/vk_driver.h"
 #include "gpu/trace/vulkan_options.h"
 #include "cmd/common/cmd_rows.h"
+#include "cmd/common/cmd_screen.h"
 #include "ref/base/command.h"
 
 #include <float.h>
@@ -17,7 +18,7 @@
 static void print_lines(char *text)
 {
     for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n"))
-        printf("    %s\n", line);
+        screen_line(8, "    %s\n", line);
 }
 
 static void ask_engine(const struct engine *engine, const struct engine_options *options,
@@ -37,7 +38,7 @@ static void print_engine(const struct doctor_engine *e)
     memcpy(text, e->text, sizeof text);
     printf("%-14s %s\n", e->engine->name, e->status ? "SKIPPED" : "runs");
     if (e->status)
-        printf("    why: %s\n", e->reason.text);
+        screen_line(9, "    why: %s\n", e->reason.text);
     if (!e->status || !strstr(text, e->reason.text)) /* else the text repeats the reason */
         print_lines(text);
 }
@@ -66,12 +67,13 @@ static void print_driver(const struct doctor_driver *d)
 {
     char text[4096];
     if (d->status) {
-        printf("driver %-12s SKIPPED\n    why: %s\n", d->name, d->reason.text);
+        printf("driver %-12s SKIPPED\n", d->name);
+        screen_line(9, "    why: %s\n", d->reason.text);
         return;
     }
-    printf("driver %-12s %s, %s\n", d->name, d->card.limits.device, d->card.limits.driver);
+    screen_line(20, "driver %-12s %s, %s\n", d->name, d->card.limits.device, d->card.limits.driver);
     if (d->version[0])
-        printf("    %s\n", d->version);
+        screen_line(8, "    %s\n", d->version);
     card_text(&d->card, text, sizeof text);
     print_lines(text);
 }
@@ -83,9 +85,10 @@ static int print_float_environment(void)
     volatile float least = FLT_MIN, half = 0.5f, one = 1.0f, tiny = 0x1p-24f;
     bool subnormals = least * half > 0.0f;
     bool nearest = fegetround() == FE_TONEAREST && one + tiny == one;
-    printf("float          %s: FLT_EVAL_METHOD %d, subnormals %s, rounding %s\n",
-           subnormals && nearest && FLT_EVAL_METHOD == 0 ? "IEEE" : "NOT IEEE", FLT_EVAL_METHOD,
-           subnormals ? "kept" : "flushed", nearest ? "to nearest" : "directed");
+    screen_line(15, "float          %s: FLT_EVAL_METHOD %d, subnormals %s, rounding %s\n",
+                subnormals && nearest && FLT_EVAL_METHOD == 0 ? "IEEE" : "NOT IEEE",
+                FLT_EVAL_METHOD, subnormals ? "kept" : "flushed",
+                nearest ? "to nearest" : "directed");
     return subnormals && nearest && FLT_EVAL_METHOD == 0 ? EXIT_AGREE : EXIT_INTERNAL;
 }
 

@@ -30,6 +30,9 @@ static enum status take_cause(void *options, const struct option_value *given,
     return STATUS_OK;
 }
 
+/* In place of the default layout, of scenes that are too large for it. */
+#define LARGE_LAYOUT "f32"
+
 #define ROWS_OF struct explain_options
 
 static const struct option_row rows[] = {
@@ -45,7 +48,8 @@ static const struct option_row rows[] = {
     SEED_ROW(of.seed),
     {"engine", "E", "engine; pipe:COMMAND is a tracer of your own",
      OF_MEMBER(of.engine, TABLE_ENGINES), .value = "cpu"},
-    {"layout", "L", "layout", OF_MEMBER(of.layout, TABLE_LAYOUTS), .value = "rf16"},
+    {"layout", "L", "layout", OF_MEMBER(of.layout, TABLE_LAYOUTS), .value = "rf16",
+     .shown = "rf16, or " LARGE_LAYOUT " where that cannot hold the scene"},
     {"store", "S", "triangle storage, see raydiff list storages", OF_MEMBER(of.store, TABLE_STORES),
      .value = "indexed"},
     {"builder", "B", "builder", OF_MEMBER(of.builder, TABLE_BUILDERS), .value = "median"},
@@ -140,6 +144,11 @@ static enum status make_tree(struct explaining *e, struct reason *reason)
         return tree_file_pack(&e->tree, of->layout, &e->scene, &e->packed, reason);
     if (!status)
         status = packed_make_stored(of->layout, of->store, &e->bvh, &e->scene, &e->packed, reason);
+    if (status == STATUS_LIMIT && e->bvh.node_count > 0 && !option_was_given("layout") &&
+        !e->options->has_trial) {
+        e->options->of.layout = layout_find(LARGE_LAYOUT);
+        status = packed_make_stored(of->layout, of->store, &e->bvh, &e->scene, &e->packed, reason);
+    }
     return status;
 }
 

@@ -2,7 +2,9 @@
 #include "fuzz/export/export.h"
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
+#include "cmd/common/cmd_screen.h"
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 #include "ref/files/file.h"
 
 #include <string.h>
@@ -40,13 +42,24 @@ static const struct option_set set = {
              "with which tolerance.",
     .group = {GROUP(rows), GROUP_AT(engine_rows, options.engines)},
     .codes = "0 written, 2 bad input, or nothing that can run outside raydiff",
-    .example = "export fuzz/corpus/sentinel.trial --engine vulkan --to x.c\n"
+    .example = "export fuzz/corpus/eighth-slot.trial --engine vulkan --to x.c\n"
                "         cc x.c -lvulkan -o x && ./x",
 };
 
-/* Prints the writer's remarks to standard error, one per line. */
-static void print_said(const char *path, const struct export_said *said)
+/* Prints what was written and the writer's remarks: for a file one line, else to standard error,
+ * one per line. */
+static void print_said(const char *path, const char *to, const struct export_said *said)
 {
+    if (to) {
+        char line[2 * sizeof said->text] = "";
+        for (const char *at = said->text; *at;) {
+            const size_t length = strcspn(at, "\n");
+            text_append(line, sizeof line, "%s%.*s", at > said->text ? "; " : "", (int)length, at);
+            at += length + (at[length] == '\n');
+        }
+        screen_line(4, "wrote %s%s%s\n", to, line[0] ? ", but " : "", line);
+        return;
+    }
     for (const char *at = said->text; *at;) {
         size_t length = strcspn(at, "\n");
         fprintf(stderr, "raydiff export: %s: %.*s\n", path, (int)length, at);
@@ -75,7 +88,7 @@ static int write_file(const char *path, const struct taken *taken, const struct 
     if (!standard)
         status = file_out_commit(&out, &reason);
     if (!status)
-        print_said(path, &said);
+        print_said(path, standard ? NULL : taken->to, &said);
     return exit_with_reason("export", status, &reason);
 }
 

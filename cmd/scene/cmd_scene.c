@@ -4,6 +4,7 @@
 
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
+#include "cmd/common/cmd_screen.h"
 #include "ref/base/nearest_name.h"
 #include "ref/base/command.h"
 #include "ref/base/decimal.h"
@@ -161,12 +162,13 @@ static void list_fetched(void)
 /* A generator: its name, what it is, and its params. */
 static void list_generator(const char *name, const char *summary, const struct param *param)
 {
-    printf("\n  %-10s %s\n", name, summary);
+    putchar('\n');
+    screen_line(13, "  %-10s %s\n", name, summary);
     for (size_t k = 0; k < GENERATOR_PARAMS && param[k].name; k++) {
         char range[64];
         snprintf(range, sizeof range, "%.9g to %.9g", param[k].least, param[k].most);
-        printf("    %-10s %-22s [%.9g] %s\n", param[k].name, range, param[k].value,
-               param[k].summary);
+        screen_line(38, "    %-10s %-22s [%.9g] %s\n", param[k].name, range, param[k].value,
+                    param[k].summary);
     }
 }
 
@@ -185,8 +187,9 @@ static int scene_list(const struct scene_options *options)
 {
     if (options->argument_count != 0)
         return usage_error("scene", "list: takes no argument");
-    printf("generators, as NAME or NAME:PARAMETER=VALUE,PARAMETER=VALUE; each also takes seed=S\n"
-           "(range of every parameter, and [default])\n");
+    screen_line(
+        0, "generators, as NAME or NAME:PARAMETER=VALUE,PARAMETER=VALUE; each also takes seed=S");
+    puts("(range of every parameter, and [default])");
     for (size_t i = 0; generators[i]; i++)
         list_generator(generators[i]->name, generators[i]->summary, generators[i]->param);
     printf("\ngenerators of worlds: meshes that are placed by instances\n");

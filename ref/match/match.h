@@ -9,7 +9,7 @@
 #include "ref/two_level/packed_world.h"
 
 #define POOL_MOST       12
-#define FINDING_MOST    4
+#define FINDING_MOST    4 /* kept of a row: so many that are WRONG, and so many bit differences */
 #define REPEAT_MOST     32
 #define MATCH_EDGES     4 /* classes of hits beside edges */
 #define MATCH_EDGES_FEW 4.0
@@ -155,7 +155,7 @@ struct row {
     struct match_refit refit; /* with options.rest */
     uint64_t boxes, tris;
     bool device_clock;
-    struct finding finding[FINDING_MOST];
+    struct finding finding[2 * FINDING_MOST];
     size_t finding_count;
 };
 

@@ -67,7 +67,10 @@ static void set_world(const struct match *match, size_t i, struct finding *found
 void match_keep_finding(const struct match *match, size_t i, const struct finding *what,
                         struct row *row)
 {
-    if (row->finding_count == FINDING_MOST)
+    size_t alike = 0;
+    for (size_t k = 0; k < row->finding_count; k++)
+        alike += row->finding[k].bits == what->bits;
+    if (alike == FINDING_MOST)
         return;
     struct finding *found = &row->finding[row->finding_count++];
     *found = *what;

@@ -197,7 +197,7 @@ expect 2 'is below 0' check --wide sphere $small --move -1
 # Every allowed class and every kind of WRONG has a counter, also of 0, and docs/verdicts.md has it.
 expect 0 'parity off in [0-9]* of [0-9]*$' check --wide sphere $small --query closest,any,all --json "$dir/rows.json"
 for key in right tie near_tie boundary border in_plane slab noise out_of_contract; do
-    grep -q "^  allowed:.* $key [0-9]" "$dir/out" || bad "check counts no $key"
+    grep -q "^  right [0-9]*; allowed:.* $key [0-9]\\|^  $key [0-9]*; allowed:" "$dir/out" || bad "check counts no $key"
     grep -q "\"$key\": [0-9]" "$dir/rows.json" || bad "--json counts no $key"
     grep -q "[\`*]$key[\`*]" docs/verdicts.md || bad "docs/verdicts.md does not tell of $key"
 done
@@ -258,6 +258,10 @@ expect 2 "does not begin with a float32 number" explain soup --ray '0,0,0 1,1,x'
 expect 2 "is beyond its eighth number" explain soup --ray '0,0,0 1,1,1 0,1 2'
 expect 2 "goes without --rays" explain soup --ray '0,0,0 1,1,1' --index 3
 expect 2 "20 of 20 rays" explain soup --rays random --count 20 --index 20
+# Its default layout is one that holds the scene; a named one stays.
+expect 0 . explain sphere:n=100 --count 100
+grep -q 'no answer of cpu is wrong' "$dir/out" || bad "explain: no default layout for a large scene"
+expect 2 'rf16: a child record index is at most 32767' explain sphere:n=100 --count 100 --layout rf16
 expect 2 "unknown cause 'bad luck'" explain soup --cause 'bad luck'
 expect 2 "closest or any can be explained, not all" explain soup --query all
 expect 2 "'closest,any' is not one name" explain soup --query closest,any
@@ -266,7 +270,7 @@ expect 2 "trial: unknown layout 'f31'" explain closest.cpu.f31.median.robust.mt.
 expect 2 "trial: " explain all.cpu.f32.median.robust.mt.soup.vertices.1
 expect 2 "a leaf holds at most 8 items" explain soup --layout rf16 --leaf 9
 expect 0 . explain "$dir/one.obj" --ray '0x1p-2,0.25,-1 0,0,1'
-grep -q 'allowed: right' "$dir/out" || bad "explain says why an answer is allowed"
+grep -q '^verdict   right' "$dir/out" || bad "explain: an answer that is right is not called so"
 expect 0 . explain soup --rays random --count 2000
 grep -q 'no answer of cpu is wrong' "$dir/out" || bad "explain says that nothing is wrong"
 expect 1 . explain soup:n=300 --rays vertices --count 5000 --layout rtrs_rf_paper \
@@ -571,9 +575,15 @@ expect 2 "not engine embree: --form c" export $corpus/sentinel.trial --engine em
 expect 2 'there is no ray 1: the file has 1' export $corpus/sentinel.trial --engine vulkan --ray 1
 expect 2 'no-such-folder' export $corpus/sentinel.trial --engine vulkan --to "$dir/no-such-folder/x"
 expect 0 . export $corpus/sentinel.trial --engine vulkan --to "$dir/finding.c"
-[ -s "$dir/out" ] && bad "export --to prints the program, too"
+[ "$(wc -l <"$dir/out")" -eq 1 ] || bad "export --to prints more than what it wrote"
 grep -q 'cc finding.c -lvulkan -o finding' "$dir/finding.c" || bad "export says how to compile the file that it wrote"
-grep -q 'no driver is at fault' "$dir/err" || bad "export says that C fails there, too"
+grep -qx "wrote $dir/finding.c, but C on the same bytes is wrong, too: no driver is at fault" "$dir/out" ||
+    bad "export says that C fails there, too"
+expect 0 . export $corpus/sentinel.trial --engine vulkan --layout rf16 --to "$dir/other.c"
+grep -qx "wrote $dir/other.c, but the expected failure did not occur here: every answer was right" "$dir/out" ||
+    bad "export: it is not told that nothing failed"
+expect 0 . export $corpus/eighth-slot.trial --engine vulkan --to "$dir/other.c"
+grep -qx "wrote $dir/other.c" "$dir/out" || bad "export: the help's example has a remark"
 expect 0 . export $corpus/rounded-outward.trial --form text
 "$raydiff" gen sphere:n=4 --count 1 | grep -c '^from ' | grep -qx 1 || bad "gen says where a scene comes from"
 grep -q '^from ' "$dir/out" && bad "export --form text claims to come from a generator"

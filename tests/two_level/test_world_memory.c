@@ -6,7 +6,7 @@
 #include "ref/store.h"
 #include "ref/trace/trace_world.h"
 #include "ref/two_level/world_check.h"
-#include "tests/two_level/world_fixture.h"
+#include "tests/two_level/two_level_fixture.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

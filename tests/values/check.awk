@@ -245,11 +245,14 @@ rows && NF >= 7 {
     for (k = 1; k <= count; k++) equal("of all WRONG", part[k], of_wrong[k] " " total[of_wrong[k]] + 0)
     next
 }
-/^  allowed: / {
+/^  right [0-9]+; allowed: / {
     text = $0
-    sub(/.*allowed: /, "", text)
+    sub(/^  /, "", text)
+    sub(/; allowed: none$/, "", text)
+    sub(/; allowed: /, ", ", text)
+    if (fits) sub(/^right 0(, |$)/, "", text)
     count = split(text, part, ", ")
-    if (fits) count = listed(part, / none$/ ? 0 : count, kind, kinds)
+    if (fits) count = listed(part, count, kind, kinds)
     equal("verdicts", count, kinds)
     for (k = 1; k <= count; k++) equal("of all allowed", part[k], kind[k] " " total[kind[k]] + 0)
     next

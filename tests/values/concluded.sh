@@ -22,10 +22,23 @@ ends() {
 ends 1 'conclusion: 1 of 2 rows agree, 220 of 1000 answers WRONG' check sphere:n=4 $few --layout f32 --engine "cpu,$misses"
 ends 1 'conclusion: 0 of 1 rows agree, 220 of 500 answers WRONG' check sphere:n=4 $few --engine "$misses"
 grep -q 'vacuous' "$dir/out" && bad 'check: what is WRONG is called vacuous'
+# Of 220 four are shown; what else the row is at fault for is not among the others.
+[ "$(grep -c '^WRONG missed ' "$dir/out")" -eq 4 ] && grep -qx '  \.\.\. and 216 more of this row that are WRONG' "$dir/out" ||
+    bad 'check: not four of 220 answers and a count of the others'
 printf 'r 0.3 0.2 -9 0 0 0 1 100\nr 0.1 0.3 -9 0 0 0 1 100\n' >"$dir/rays"
 printf 'm\nm\n' >"$dir/hits"
 expect 1 . judge sphere:n=2 "$dir/rays" "$dir/hits"
 grep -q 'against the exact truth: 2 of 2 answers WRONG' "$dir/out" || bad 'judge: what is WRONG is not counted'
+# A tracer of no formula: its own test, parts that are told apart, words that the glossary has.
+sed 's/q.rays, 1, 0, 0, 0}/q.rays, 0, 0, 0, 0}/' tests/peers/refuser.c >"$dir/unknown.c"
+cc -O1 -o "$dir/unknown" "$dir/unknown.c" || bad 'a tracer is not compiled'
+expect 1 . check sphere:n=4 $few --engine "pipe:$dir/unknown 1000000"
+grep -q '^WRONG missed closest\.pipe:.*\.-\.own ray ' "$dir/out" || bad 'check: a formula that is unknown is called one of the table'
+grep -q ' missed [0-9]*; displacement p50 .* uM, [0-9]* lost in closed fans; lost beside edges ' "$dir/out" ||
+    bad 'check: parts of what a row has are not told apart'
+for word in uM 'closed fan' 'lost beside edges'; do
+    grep -q "^| $word |" docs/glossary.md || bad "the glossary has no '$word'"
+done
 # What is vacuous is told once.
 expect 1 . check soup:n=0 $few --layout f32 --engine cpu
 grep -q '^  cpu: vacuous: 0 hits of 500 rays prove nothing$' "$dir/out" || bad 'check: why a row is vacuous'
@@ -42,6 +55,12 @@ ends 0 'conclusion: 1 of 1 rows agree, 1 as published counted, 0 of 500 answers 
 ends 0 'conclusion: 2 of 2 rows agree, 0 of 1000 answers WRONG; speeds cannot be told apart' \
     check sphere:n=8 $few --layout f32,rf16 --engine cpu
 grep -q "rf16 on cpu: .* times its speed, within noise\$" "$dir/out" || bad 'check: a speed of one run is told'
+
+# No row twice: an engine with tests of its own is one row, whatever tests are named.
+expect 0 . leaks sphere:n=4 --engine cpu,fast,embree,brute,"pipe:$samples/tracer" --layout f32 --count 2000
+sed -n '/^verdict/,/^what it means/p' "$dir/out" | sort | uniq -d | grep -q . && bad 'leaks: a row twice'
+expect 0 . leaks sphere:n=4 --engine fast --layout f32 --count 2000
+grep -q '  1 of 1 rows promise' "$dir/out" || bad 'leaks: engine fast is one row'
 
 echo "concluded: $failed failed"
 [ "$failed" -eq 0 ]

@@ -81,8 +81,9 @@ for query in closest all; do
         }
         function tag(custom, front) { return " custom " custom " " (front == "true" ? "front" : "back") }
         END {
-            for (i = 0; ("rows.0.findings." i ".ray") in v; i++) {
-                f = "rows.0.findings." i
+            for (k = 0; k < 16; k++) { # those that are WRONG, then other bits
+                f = "rows.0.findings." k % 8
+                if (!((f ".ray") in v) || (v[f ".against"] == "cpu") != (k > 7)) continue
                 w = f ".world"
                 printf "  world: mask 0x%02X flags 0x%X\n", v[w ".mask"], v[w ".flags"]
                 print "  got: " place(w, "got") (v[w ".got"] == "null" ? "" : tag(v[w ".custom"], v[w ".front"]))
@@ -90,7 +91,7 @@ for query in closest all; do
                 else print "  cpu'"'"'s: " place(w, "expected") (v[w ".expected"] == "null" ? "" : tag(v[w ".expected_custom"], v[w ".expected_front"]))
             }
         }' "$dir/flat" >"$dir/wanted"
-    [ "$(wc -l <"$dir/wanted")" -eq 12 ] || bad "$query: not four findings"
+    [ $(($(wc -l <"$dir/wanted") % 12)) -eq 0 ] && [ -s "$dir/wanted" ] || bad "$query: not four findings of a kind"
     grep -q 'instance [0-9]* geometry 0 triangle [0-9]*' "$dir/wanted" || bad "$query: no place"
     cmp -s "$dir/lines" "$dir/wanted" || { diff "$dir/lines" "$dir/wanted" | head; bad "$query: the text has other numbers than the JSON"; }
 done
