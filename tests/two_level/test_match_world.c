@@ -57,8 +57,7 @@ static void honest_engines_agree_on_every_world(void **state)
     }
 }
 
-/* In every layout, with every box test, triangle test and builder of the tables; also those of
- * split trees, whose lists have each triangle once. */
+/* Layouts, triangle tests and builders of the tables in turn. */
 static void honest_engines_agree_on_every_member(void **state)
 {
     (void)state;
@@ -87,6 +86,23 @@ static void honest_engines_agree_on_every_member(void **state)
             }
         }
     assert_true(layouts_run > 10 && split > 0);
+    play_done(p);
+    world_free(&world);
+}
+
+/* A split tree lists triangles twice; rays along them meet several of their boxes. */
+static void lists_of_split_trees_have_each_triangle_once(void **state)
+{
+    (void)state;
+    struct world world = fixture_world("needles:n=500", WORLD_TURNED, 2, 2);
+    struct world_play *p = play_world(&world, RAY_MODES_ALL, 2000);
+    const struct build_options much = {.leaf = 2, .split_budget = 3};
+    if (match_rebuild(&p->match, builder_find("sbvh"), &much, p->options.tri, &p->reason) ||
+        match_pack(&p->match, layout_find("f32"), &p->reason))
+        fail_msg("%s", p->reason.text);
+    assert_true(p->match.packed_world.split);
+    play_run(p, engine_find("cpu"), QUERY_ALL);
+    assert_world_agrees(p, "split");
     play_done(p);
     world_free(&world);
 }
@@ -256,6 +272,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(honest_engines_agree_on_every_world),
         cmocka_unit_test(honest_engines_agree_on_every_member),
+        cmocka_unit_test(lists_of_split_trees_have_each_triangle_once),
         cmocka_unit_test(a_scene_in_a_world_is_the_scene),
         cmocka_unit_test(a_world_is_its_baked_scene),
         cmocka_unit_test(no_modes_are_all_modes),
