@@ -39,7 +39,8 @@ static enum status check_use_of(const struct check_options *o, const char *spec,
 {
     if (!is_world && o->modes_named)
         return fail(reason, STATUS_INPUT,
-                    "--modes: %s is a scene; only worlds have masks and flags", spec);
+                    "--modes: %s is a scene; only worlds have masks and flags (docs/worlds.md)",
+                    spec);
     if (is_world && o->move > 0)
         return fail(reason, STATUS_INPUT, "--move: %s is a world; only scenes are moved", spec);
     if (is_world && o->bvh)
@@ -55,9 +56,10 @@ static enum status aim(const struct check_options *o, struct check_scene *result
                        struct check_subject *out, struct reason *reason)
 {
     struct scene baked;
-    enum status status = world_bake(&out->world, AIMED_MOST, &baked, reason);
+    struct reason why = {""};
+    enum status status = world_bake(&out->world, AIMED_MOST, &baked, &why);
     if (status)
-        return status;
+        return fail(reason, status, "%s: %s", result->spec, why.text);
     status = ray_set_new(ray_sets[o->rays], &baked, o->seed, result->ray_count, &out->ray, reason);
     scene_free(&baked);
     out->mode = alloc_zeroed(result->ray_count, sizeof *out->mode);

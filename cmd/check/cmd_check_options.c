@@ -65,8 +65,8 @@ const struct option_set check_set = {
     .usage = "check SCENE... [OPTIONS]",
     .about = "Runs engines and node layouts on every SCENE and compares them: which agree, which "
              "differ, how fast each is and how many bytes each needs. A SCENE is a mesh file "
-             "(.json .obj .ply .stl, also .gz) or a generator such as soup:n=1000, see raydiff "
-             "list scenes.",
+             "(.json .obj .ply .stl, also .gz), a world (.gltf .glb .json) or a generator such as "
+             "soup:n=1000, see raydiff list scenes.",
     .group = {GROUP(rows), GROUP_AT(leaf_rows, build), GROUP_AT(build_rows, build),
               GROUP_AT(displacement_rows, demands), GROUP_AT(watertight_rows, demands),
               GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines),

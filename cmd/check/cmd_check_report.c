@@ -288,7 +288,8 @@ void check_print(const struct check_scene *scene, const struct screen *screen)
     const struct row *first = scene->row_count ? &scene->row[0] : NULL;
     char instances[32] = "", modes[32] = "";
     if (scene->modes) {
-        snprintf(instances, sizeof instances, "%u instances, ", scene->instance_count);
+        snprintf(instances, sizeof instances, "%u instance%s, ", scene->instance_count,
+                 plural(scene->instance_count));
         snprintf(modes, sizeof modes, ", modes %s", scene->modes);
     }
     printf("%s: %s%u triangles, %u vertices; %zu rays, set %s%s, seed %llu\n", scene->spec,

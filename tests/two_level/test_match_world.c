@@ -6,9 +6,10 @@
 
 #define RAYS 150
 
+/* Engines of ours on the processor; others have tests of their own. */
 static bool runs_here(const struct engine *engine)
 {
-    return engine->worlds && !engine->gpu; /* those are tested in tests/gpu */
+    return engine->worlds && !engine->gpu && !engine->library;
 }
 
 /* Rows of every engine and query; returns how many hits they have together. */
@@ -56,8 +57,7 @@ static void honest_engines_agree_on_every_world(void **state)
     }
 }
 
-/* In every layout, with every box test, triangle test and builder of the tables; also those of
- * split trees, whose lists have each triangle once. */
+/* Layouts, triangle tests and builders of the tables in turn. */
 static void honest_engines_agree_on_every_member(void **state)
 {
     (void)state;
@@ -86,6 +86,23 @@ static void honest_engines_agree_on_every_member(void **state)
             }
         }
     assert_true(layouts_run > 10 && split > 0);
+    play_done(p);
+    world_free(&world);
+}
+
+/* A split tree lists triangles twice; rays along them meet several of their boxes. */
+static void lists_of_split_trees_have_each_triangle_once(void **state)
+{
+    (void)state;
+    struct world world = fixture_world("needles:n=500", WORLD_TURNED, 2, 2);
+    struct world_play *p = play_world(&world, RAY_MODES_ALL, 2000);
+    const struct build_options much = {.leaf = 2, .split_budget = 3};
+    if (match_rebuild(&p->match, builder_find("sbvh"), &much, p->options.tri, &p->reason) ||
+        match_pack(&p->match, layout_find("f32"), &p->reason))
+        fail_msg("%s", p->reason.text);
+    assert_true(p->match.packed_world.split);
+    play_run(p, engine_find("cpu"), QUERY_ALL);
+    assert_world_agrees(p, "split");
     play_done(p);
     world_free(&world);
 }
@@ -209,6 +226,21 @@ static void no_modes_are_all_modes(void **state)
     world_free(&world);
 }
 
+/* More lists than are made at once: each is of its ray's mode. */
+static void long_matches_have_their_modes(void **state)
+{
+    (void)state;
+    struct world world = fixture_world("soup:n=20,size=0.6", WORLD_TURNED, 3, 3);
+    for (uint32_t i = 0; i < world.instance_count; i++)
+        world.instance[i].mask = 1u << i;
+    struct world_play *p = play_world(&world, RAY_MODES_DRAWN, 20000);
+    play_run(p, engine_find("cpu"), QUERY_ALL);
+    assert_world_agrees(p, "long");
+    assert_true(p->row.lists.triangles > p->row.hits);
+    play_done(p);
+    world_free(&world);
+}
+
 /* A world that no ray hits proves nothing. */
 static void a_world_without_hits_is_vacuous(void **state)
 {
@@ -240,9 +272,11 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(honest_engines_agree_on_every_world),
         cmocka_unit_test(honest_engines_agree_on_every_member),
+        cmocka_unit_test(lists_of_split_trees_have_each_triangle_once),
         cmocka_unit_test(a_scene_in_a_world_is_the_scene),
         cmocka_unit_test(a_world_is_its_baked_scene),
         cmocka_unit_test(no_modes_are_all_modes),
+        cmocka_unit_test(long_matches_have_their_modes),
         cmocka_unit_test(a_world_without_hits_is_vacuous),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -46,7 +46,7 @@ static struct {
     enum world_cheat cheat;
     struct world_job job;
     struct instance_record *record;
-    const struct ray *ray; /* whose first hit and tag are spoilt; NULL: none */
+    const struct ray *ray; /* whose hit, of a list the farthest, is spoilt; NULL: none */
     unsigned spoilt;       /* how often */
     void (*spoil)(unsigned spoilt, struct hit *hit, uint32_t *tag);
 } cheater;
@@ -248,7 +248,10 @@ static enum status cheat_trace_world_all(void *self, const struct ray *ray,
                                 .tags = tag + i * capacity};
         cheat_ray(&ray[i], mode ? mode[i] : ray_mode_all(), &f);
         hit_count[i] = f.listed;
-        cheat_spoil(&ray[i], f.list, f.tags);
+        uint32_t farthest = 0;
+        for (uint32_t k = 1; k < f.listed && k < capacity; k++)
+            farthest = f.list[k].t > f.list[farthest].t ? k : farthest;
+        cheat_spoil(&ray[i], &f.list[farthest], &f.tags[farthest]);
     }
     return STATUS_OK;
 }

@@ -33,14 +33,22 @@ BEGIN {
     scene = -1
     next_row = 0
 }
-/^[^ ].*: [0-9]+ triangles, [0-9]+ vertices; [0-9]+ rays, set / {
+/^[^ ].*: ([0-9]+ instances?, )?[0-9]+ triangles, [0-9]+ vertices; [0-9]+ rays, set / {
     scene++
     first = next_row
     p = "scenes." scene
     split($0, part, ": ")
     equal("scene", part[1], v[p ".scene"])
-    match($0, /: [0-9]+ triangles/)
-    split(substr($0, RSTART + 2), word, " ")
+    text = $0
+    if (sub(/: [0-9]+ instances?, /, ": ", text)) {
+        split(substr($0, length(part[1]) + 3), word, " ")
+        equal("instances", word[1] " " word[2], v[p ".instances"] (v[p ".instances"] == 1 ? " instance," : " instances,"))
+        match($0, /, modes [a-z]+,/)
+        equal("modes", substr($0, RSTART + 8, RLENGTH - 9), v[p ".modes"])
+    } else
+        truth("a scene has no instances", !((p ".instances") in v) && !((p ".modes") in v))
+    match(text, /: [0-9]+ triangles/)
+    split(substr(text, RSTART + 2), word, " ")
     equal("triangles", word[1], v[p ".triangles"])
     equal("vertices", word[3], v[p ".vertices"])
     equal("rays", word[5], v[p ".count"])
@@ -57,7 +65,7 @@ BEGIN {
     equal("largest leaf", word[9], v["rows." r ".tree.largest_leaf"])
     next
 }
-/^(WRONG|BITS|  explain:|  \.\.\. and) ?/ && (rows || narrow) && !/^WRONG  *[^ ]+  *[^ ]+  *[0-9]/ { next }
+/^(WRONG|BITS|  explain:|  world:|  got:|  expected:|  cpu's:|  \.\.\. and) ?/ && (rows || narrow) && !/^WRONG  *[^ ]+  *[^ ]+  *[0-9]/ { next }
 /^layout  *engine / { rows = 1; next }
 /^verdict  *layout / {
     narrow = 1
@@ -72,6 +80,14 @@ BEGIN {
     next
 }
 /^what it means/ { rows = narrow = 0; next }
+/^  [a-z0-9_, ]+: traces? scenes, not worlds$/ {
+    text = $0
+    sub(/^  /, "", text)
+    sub(/: traces? scenes, not worlds$/, "", text)
+    equal("engines that trace no worlds", text, v["scenes." scene ".scenes_only"])
+    told_scenes_only[scene] = 1
+    next
+}
 # The table that fits the screen: columns by their titles; what is no column is the same for all, or "-" or "own".
 narrow && /^  / { next }
 narrow {
@@ -291,6 +307,8 @@ rows && NF >= 7 {
 }
 END {
     if (concluded != 1) bad(concluded + 0 " conclusions")
+    for (i = 0; i < v["scenes.count"]; i++)
+        equal("engines that trace no worlds are told", told_scenes_only[i] + 0, v["scenes." i ".scenes_only"] != "")
     if (scene + 1 != v["scenes.count"]) bad(scene + 1 " scenes, in JSON " v["scenes.count"])
     if (next_row != v["rows.count"]) bad(next_row " rows, in JSON " v["rows.count"])
     for (i = 0; i < v["named.count"]; i++) {
