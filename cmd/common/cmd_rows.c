@@ -214,7 +214,7 @@ static enum status find_value(struct option_reading *r, char *text, struct optio
     if (none && text)
         return fail(reason, STATUS_INPUT, "--%s: takes no value", row->name);
     if (!none && !row->optional && !value->text)
-        return fail(reason, STATUS_INPUT, "unknown option or missing value: '--%s'", row->name);
+        return fail(reason, STATUS_INPUT, "--%s: its value is missing: %s", row->name, row->word);
     if (value->text && strcmp(value->text, "-") == 0) {
         if (row->type == OPTION_OUTPUT || row->type == OPTION_WRITTEN)
             return fail(reason, STATUS_INPUT, "--%s: needs a file, not '-'", row->name);
