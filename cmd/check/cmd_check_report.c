@@ -271,16 +271,18 @@ static void print_tree(const struct row *row)
         printf("tree: %s", row->options.tree->name);
     else
         printf("tree: %s, leaf %u", row->options.builder->name, row->options.build.leaf);
-    printf(": %u nodes, %u leaves, depth %u, largest leaf %u\n", row->stats.node_count,
-           row->stats.leaf_count, row->stats.depth, row->stats.largest_leaf);
+    printf(": %u node%s, %u lea%s, depth %u, largest leaf %u\n", row->stats.node_count,
+           plural(row->stats.node_count), row->stats.leaf_count,
+           row->stats.leaf_count == 1 ? "f" : "ves", row->stats.depth, row->stats.largest_leaf);
 }
 
 void check_print(const struct check_scene *scene, const struct screen *screen)
 {
     const struct row *first = scene->row_count ? &scene->row[0] : NULL;
-    printf("%s: %u triangles, %u vertices; %zu rays, set %s, seed %llu\n", scene->spec,
-           scene->tri_count, scene->vertex_count, scene->ray_count, scene->rays,
-           (unsigned long long)scene->seed);
+    printf("%s: %u triangle%s, %u vert%s; %zu ray%s, set %s, seed %llu\n", scene->spec,
+           scene->tri_count, plural(scene->tri_count), scene->vertex_count,
+           scene->vertex_count == 1 ? "ex" : "ices", scene->ray_count, plural(scene->ray_count),
+           scene->rays, (unsigned long long)scene->seed);
     for (size_t i = 0; i < scene->row_count; i++)
         if (scene->row[i].status == ROW_OK && scene->row[i].layout) {
             first = &scene->row[i];

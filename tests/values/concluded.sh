@@ -76,5 +76,9 @@ sed -n '/^brute/,/^driver/p' "$dir/out" | grep '^        ' | sort | uniq -d | gr
 ends 0 'bench error: [0-9]+ rows?: no answer is WRONG' \
     bench error --scene sphere:n=4 --count 60 --rounds 1 --engine cpu --layout f32 --tri mt
 
+# One is told as one.
+expect 1 . check soup:n=1 --rays random --count 1 --layout f32 --engine cpu
+grep -q '^soup:n=1: 1 triangle, 3 vertices; 1 ray, set ' "$dir/out" && grep -q ': 1 node, 1 leaf, depth ' "$dir/out" || bad 'check: 1 triangles'
+
 echo "concluded: $failed failed"
 [ "$failed" -eq 0 ]
