@@ -288,7 +288,7 @@ void check_print(const struct check_scene *scene, const struct screen *screen)
             first = &scene->row[i];
             break;
         }
-    if (first)
+    if (first && first->layout) /* else no engine here walks one */
         print_tree(first);
     if (first && first->compared)
         printf("truth: exact, by the oracle's tree; %zu of %zu rays by brute force too\n",

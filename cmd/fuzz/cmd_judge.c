@@ -25,7 +25,7 @@ struct judge_options {
 #define ROWS_OF struct judge_options
 
 static const struct option_row seed_rows[] = {
-    SEED_ROW(seed),
+    SCENE_SEED_ROW(seed),
     {0},
 };
 

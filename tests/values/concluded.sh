@@ -39,6 +39,9 @@ grep -q ' missed [0-9]*; displacement p50 .* uM, [0-9]* lost in closed fans; los
 for word in uM 'closed fan' 'lost beside edges'; do
     grep -q "^| $word |" docs/glossary.md || bad "the glossary has no '$word'"
 done
+expect 1 . judge sphere:n=2 "$dir/rays" "$dir/hits"
+grep -q '^tree: ' "$dir/out" && bad 'judge: a tree that no engine walks'
+grep -q '^WRONG  *-  *answer:.* -$' "$dir/out" || bad 'judge: the speed of a file'
 # What is vacuous is told once.
 expect 1 . check soup:n=0 $few --layout f32 --engine cpu
 grep -q '^  cpu: vacuous: 0 hits of 500 rays prove nothing$' "$dir/out" || bad 'check: why a row is vacuous'
