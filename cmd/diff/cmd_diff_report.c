@@ -100,7 +100,7 @@ static void print_pair(const struct diff_run *run, const struct diff_member *mem
            pair->same_bits ? "the same bits are demanded" : "each difference is to be explained");
     printf("  paths       %zu of %zu differ\n", diff->paths_apart, diff->paths);
     screen_line(
-        14, "  segments    of %zu differ in triangle %zu, t %zu, lights asked %zu, shadows %zu\n",
+        14, "  segments    %zu, different in triangle %zu, t %zu, lights asked %zu, shadows %zu\n",
         diff->segments, diff->field[PATH_PRIM], diff->field[PATH_T], diff->field[PATH_ASKED],
         diff->field[PATH_SHADOWED]);
     screen_line(
