@@ -2,6 +2,7 @@
 #ifndef ENGINE_H
 #define ENGINE_H
 
+#include "ref/abi_world.h"
 #include "ref/layout.h"
 #include "ref/primitives/primitives.h"
 
@@ -32,6 +33,18 @@ struct job {
     const struct tri_test *tri;
     enum query query;
     const uint32_t *parent; /* from packed_links: trace without a stack; or NULL */
+};
+
+struct world;        /* ref/world/world.h */
+struct packed_world; /* ref/two_level/packed_world.h */
+
+/* Input of a trace of a world; borrowed as a job is. */
+struct world_job {
+    const struct world *world;
+    const struct packed_world *packed; /* NULL for engines without needs_packed */
+    const struct box_test *box;
+    const struct tri_test *tri;
+    enum query query;
 };
 
 /* True if a watertight triangle test stays watertight in the job's tree. That takes two conditions.
@@ -96,6 +109,23 @@ struct frame_renderer {
                         struct trace_report *report, struct reason *reason);
 };
 
+/* Tracing of worlds: instances, their masks, culling, opacity and filters. */
+struct world_tracer {
+    /* As engine.prepare, and apart from it: after either, only traces of that kind are allowed. */
+    enum status (*prepare_world)(void *self, const struct world_job *job, struct reason *reason);
+    /* As engine.trace. Ray i meets what mode[i] lets it meet; modes have passed ray_mode_check;
+     * NULL: ray_mode_all() for every ray. hit[i].prim is the number of a placed triangle
+     * (ref/world/world.h), tag[i] what ref/abi.h has under ABI_TAG_CUSTOM; 0 for a miss. */
+    enum status (*trace_world)(void *self, const struct ray *ray, const struct ray_mode *mode,
+                               size_t ray_count, struct hit *hit, uint32_t *tag,
+                               struct trace_report *report, struct reason *reason);
+    /* As engine.trace_all, with the tags of the hits at the same places. Hits end no ray, whatever
+     * its flags. NULL: not supported. */
+    enum status (*trace_world_all)(void *self, const struct ray *ray, const struct ray_mode *mode,
+                                   size_t ray_count, uint32_t capacity, struct hit *hit,
+                                   uint32_t *tag, uint32_t *hit_count, struct reason *reason);
+};
+
 struct engine {
     const char *name;
     const char *summary;
@@ -142,6 +172,7 @@ struct engine {
      * confirm none. */
     enum status (*trace_all)(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
                              struct hit *hit, uint32_t *hit_count, struct reason *reason);
+    const struct world_tracer *worlds;     /* NULL: it traces no worlds (rows are skipped) */
     const struct frame_renderer *renderer; /* NULL: rendered ray by ray (scenes/render/render.h) */
     /* Returns how the last prepare or trace that returned STATUS_DEVICE failed, and in *ray how
      * many of its rays were answered before. The engine stays usable: the next call restarts its

@@ -1,9 +1,10 @@
 #define _POSIX_C_SOURCE 200809L /* strcasecmp, stat */
 #include "ref/base/nearest_name.h"
-#include "ref/base/decimal.h"
+#include "ref/base/text.h"
 #include "ref/files/file.h"
+#include "scenes/opening.h"
 #include "scenes/read/formats.h"
-#include "scenes/scenes.h"
+#include "scenes/spec.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -12,13 +13,11 @@
 
 static const struct format {
     const char *ending;
-    enum status (*read)(const char *name, const char *bytes, size_t size, struct scene *out,
-                        struct reason *reason);
+    scene_read_fn *read; /* NULL: of worlds alone */
     enum status (*write)(const struct scene *scene, FILE *stream, struct reason *reason);
 } formats[] = {
-    {".json", read_rtrs, write_rtrs},
-    {".obj", read_obj, write_obj},
-    {".ply", read_ply, write_ply},
+    {".json", read_rtrs, write_rtrs}, {".obj", read_obj, write_obj}, {".ply", read_ply, write_ply},
+    {".stl", read_stl, write_stl},    {".gltf", NULL, NULL},         {".glb", NULL, NULL},
 };
 
 /* Whether `path` without its last `cut` bytes ends in `ending` (case ignored) after at least one
@@ -39,33 +38,74 @@ static const struct format *find_format(const char *path, bool zipped)
     return NULL;
 }
 
-enum status scene_read(const char *path, struct scene *out, struct reason *reason)
+/* A text that names neither a generator nor a file. */
+static enum status unknown_scene(const char *spec, struct reason *reason)
 {
-    *out = (struct scene){0};
+    char known[240] = "", hint[NEAREST_HINT];
+    struct nearest_name nearest = nearest_make(spec, strcspn(spec, ":"));
+    for (size_t i = 0; generators[i]; i++) {
+        text_append(known, sizeof known, "%s%s", i ? ", " : "", generators[i]->name);
+        nearest_try(&nearest, generators[i]->name);
+    }
+    for (size_t i = 0; world_generators[i]; i++)
+        nearest_try(&nearest, world_generators[i]->name);
+    return fail(reason, STATUS_INPUT,
+                "unknown scene '%.80s': no file, and no generator; those are %s%s", spec, known,
+                nearest_hint(&nearest, hint));
+}
+
+enum status opening_read(const char *path, scene_read_fn **read, char **bytes, size_t *size,
+                         struct reason *reason)
+{
+    *read = NULL;
+    *bytes = NULL;
+    *size = 0;
     const struct format *format = find_format(path, true);
     struct stat about;
-    if (!format && stat(path, &about) == 0 && S_ISDIR(about.st_mode))
+    if (!format && stat(path, &about) != 0)
+        return unknown_scene(path, reason);
+    if (!format && S_ISDIR(about.st_mode))
         return fail(reason, STATUS_INPUT, "%s: is a directory", file_label(path));
     if (!format)
         return fail(reason, STATUS_INPUT,
-                    "%s: unknown ending; scenes are .json (RTRS), .obj or .ply, each also .gz",
+                    "%s: unknown ending; scenes are .json (RTRS), .obj, .ply or .stl, worlds .json "
+                    "(of raydiff), .gltf or .glb, each also .gz",
                     file_label(path));
+    enum status status = file_read(path, bytes, size, reason);
+    if (!status && !(format->read == read_rtrs && is_world(*bytes, *size)))
+        *read = format->read;
+    return status;
+}
+
+static enum status read_within(const char *path, const struct world_file *up, struct scene *out,
+                               struct reason *reason)
+{
+    scene_read_fn *read;
+    struct world world;
+    struct world_notes notes;
     char *bytes;
     size_t size;
-    enum status status = file_read(path, &bytes, &size, reason);
-    if (status)
-        return status;
-    status = format->read(file_label(path), bytes, size, out, reason);
+    *out = (struct scene){0};
+    enum status status = opening_read(path, &read, &bytes, &size, reason);
+    if (!status && read)
+        status = read(file_label(path), bytes, size, out, reason);
+    else if (!status && !(status = opening_world(path, bytes, size, up, &world, &notes, reason)))
+        status = world_take_scene(file_label(path), &world, out, reason);
     free(bytes);
     return status;
+}
+
+enum status scene_read(const char *path, struct scene *out, struct reason *reason)
+{
+    return read_within(path, NULL, out, reason);
 }
 
 enum status scene_write(const char *path, const struct scene *scene, struct reason *reason)
 {
     const struct format *format = find_format(path, false);
-    if (!format)
+    if (!format || !format->write)
         return fail(reason, STATUS_INPUT,
-                    "%s: unknown ending; scenes are written as .json (RTRS), .obj or .ply",
+                    "%s: unknown ending; scenes are written as .json (RTRS), .obj, .ply or .stl",
                     file_label(path));
     enum status status = scene_check(scene, reason);
     if (status)
@@ -80,111 +120,19 @@ enum status scene_write(const char *path, const struct scene *scene, struct reas
     return status;
 }
 
-/* Appends `word` to a comma-separated list, truncated to `size`. */
-static void append(char *text, size_t size, const char *word)
+enum status scene_generate(const char *spec, uint64_t seed, bool *found, struct scene *out,
+                           struct reason *reason)
 {
-    size_t used = strlen(text);
-    snprintf(text + used, size - used, "%s%s", used ? ", " : "", word);
-}
-
-static enum status unknown_scene(const char *spec, struct reason *reason)
-{
-    char known[120] = "", hint[NEAREST_HINT];
-    struct nearest_name nearest = nearest_make(spec, strcspn(spec, ":"));
-    for (size_t i = 0; generators[i]; i++) {
-        append(known, sizeof known, generators[i]->name);
-        nearest_try(&nearest, generators[i]->name);
-    }
-    return fail(reason, STATUS_INPUT,
-                "unknown scene '%.80s': no file, and no generator; those are %s%s", spec, known,
-                nearest_hint(&nearest, hint));
-}
-
-static enum status unknown_param(const struct generator *generator, const char *key, size_t length,
-                                 struct reason *reason)
-{
-    char known[120] = "";
-    for (size_t i = 0; i < GENERATOR_PARAMS && generator->param[i].name; i++)
-        append(known, sizeof known, generator->param[i].name);
-    append(known, sizeof known, "seed");
-    return fail(reason, STATUS_INPUT, "%s: '%.*s' is no parameter; known are %s (as %s:NAME=VALUE)",
-                generator->name, length > 40 ? 40 : (int)length, key, known, generator->name);
-}
-
-/* Reads the number of a param, which ends at the next comma. */
-static enum status read_param(const struct generator *generator, const struct param *param,
-                              const char *text, double *value, struct reason *reason)
-{
-    size_t length = strcspn(text, ",");
-    const char *end = decimal_read_double(text, value);
-    if (end == text + length && *value >= param->least && *value <= param->most)
+    const struct generator *generator = NULL;
+    for (size_t i = 0; generators[i] && !generator; i++)
+        generator = spec_names(spec, generators[i]->name) ? generators[i] : NULL;
+    *out = (struct scene){0};
+    *found = generator != NULL;
+    if (!generator)
         return STATUS_OK;
-    return fail(reason, STATUS_INPUT, "%s: %s=%.*s must be a number from %.9g to %.9g (%s)",
-                generator->name, param->name, length > 40 ? 40 : (int)length, text, param->least,
-                param->most, param->summary);
-}
-
-static enum status read_seed(const struct generator *generator, const char *text, uint64_t *seed,
-                             struct reason *reason)
-{
-    size_t length = strcspn(text, ",");
-    uint64_t value = 0;
-    bool good = length > 0;
-    for (size_t i = 0; i < length && good; i++) {
-        uint64_t digit = (uint64_t)(text[i] - '0');
-        good = text[i] >= '0' && text[i] <= '9' && value <= (UINT64_MAX - digit) / 10;
-        value = 10 * value + digit;
-    }
-    *seed = value;
-    if (good)
-        return STATUS_OK;
-    return fail(reason, STATUS_INPUT, "%s: seed=%.*s must be a whole number from 0 to 2^64 - 1",
-                generator->name, length > 40 ? 40 : (int)length, text);
-}
-
-/* Reads "key=value,key=value" into the values of the generator's params and the seed. */
-static enum status read_params(const struct generator *generator, const char *text, double *value,
-                               uint64_t *seed, struct reason *reason)
-{
-    bool given[GENERATOR_PARAMS + 1] = {false}; /* the last is the seed */
-    while (text) {
-        size_t length = strcspn(text, "=,"), which = 0;
-        for (; which < GENERATOR_PARAMS && generator->param[which].name; which++)
-            if (strlen(generator->param[which].name) == length &&
-                memcmp(text, generator->param[which].name, length) == 0)
-                break;
-        bool known = which < GENERATOR_PARAMS && generator->param[which].name;
-        if (!known && length == 4 && memcmp(text, "seed", 4) == 0)
-            which = GENERATOR_PARAMS;
-        else if (!known)
-            return unknown_param(generator, text, length, reason);
-        const char *number = text[length] == '=' ? text + length + 1 : "";
-        enum status status =
-            which == GENERATOR_PARAMS
-                ? read_seed(generator, number, seed, reason)
-                : read_param(generator, &generator->param[which], number, &value[which], reason);
-        if (status)
-            return status;
-        if (given[which])
-            return fail(reason, STATUS_INPUT, "%s: %.*s is given twice", generator->name,
-                        (int)length, text);
-        given[which] = true;
-        text = strchr(text, ',');
-        text = text ? text + 1 : NULL;
-    }
-    return STATUS_OK;
-}
-
-/* Runs a generator with the text after its name: "" or ":key=value,...". */
-static enum status generate(const struct generator *generator, const char *params, uint64_t seed,
-                            struct scene *out, struct reason *reason)
-{
+    const struct spec_maker maker = {generator->name, generator->param};
     double value[GENERATOR_PARAMS];
-    for (size_t i = 0; i < GENERATOR_PARAMS; i++)
-        value[i] = generator->param[i].name ? generator->param[i].value : 0;
-    enum status status = STATUS_OK;
-    if (*params == ':')
-        status = read_params(generator, params + 1, value, &seed, reason);
+    enum status status = spec_values(&maker, spec, value, &seed, reason);
     if (!status)
         status = generator_make(generator, value, seed, out, reason);
     if (status)
@@ -198,15 +146,21 @@ static enum status generate(const struct generator *generator, const char *param
     return STATUS_OK;
 }
 
+enum status scene_open_within(const char *spec, uint64_t seed, const struct world_file *up,
+                              struct scene *out, struct reason *reason)
+{
+    bool found;
+    struct world world;
+    enum status status = scene_generate(spec, seed, &found, out, reason);
+    if (status || found)
+        return status;
+    status = world_generate(spec, seed, &found, &world, reason);
+    if (!status && found)
+        return world_take_scene(spec, &world, out, reason);
+    return status ? status : read_within(spec, up, out, reason);
+}
+
 enum status scene_open(const char *spec, uint64_t seed, struct scene *out, struct reason *reason)
 {
-    *out = (struct scene){0};
-    size_t length = strcspn(spec, ":");
-    for (size_t i = 0; generators[i]; i++)
-        if (strlen(generators[i]->name) == length && memcmp(spec, generators[i]->name, length) == 0)
-            return generate(generators[i], spec + length, seed, out, reason);
-    struct stat about;
-    if (!find_format(spec, true) && stat(spec, &about) != 0)
-        return unknown_scene(spec, reason);
-    return scene_read(spec, out, reason);
+    return scene_open_within(spec, seed, NULL, out, reason);
 }

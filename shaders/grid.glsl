@@ -56,15 +56,15 @@ wide wide_load(node n)
     uint head = 2u + SLOT_WORDS + (FRAME == ABI_FRAME_NODE ? 4u : 0u);
     uint at = n.a * (head + grid_code_words());
     w.codes = at + head;
-    w.child = node_word[at];
-    w.item = node_word[at + 1u];
-    w.slots = uvec2(node_word[at + 2u], node_word[at + 1u + SLOT_WORDS]);
+    w.child = NODE_WORD(at);
+    w.item = NODE_WORD(at + 1u);
+    w.slots = uvec2(NODE_WORD(at + 2u), NODE_WORD(at + 1u + SLOT_WORDS));
     w.origin = vec3(0.0);
     w.scale = vec3(1.0);
     if (FRAME != ABI_FRAME_WORLD) {
         uint frame = FRAME == ABI_FRAME_NODE ? w.codes - 4u : 0u;
-        uvec3 origin = uvec3(node_word[frame], node_word[frame + 1u], node_word[frame + 2u]);
-        uint scale = node_word[frame + 3u];
+        uvec3 origin = uvec3(NODE_WORD(frame), NODE_WORD(frame + 1u), NODE_WORD(frame + 2u));
+        uint scale = NODE_WORD(frame + 3u);
         w.origin = uintBitsToFloat(origin);
         w.scale = uintBitsToFloat((uvec3(scale, scale >> 8, scale >> 16) & 255u) << 23);
     }
@@ -77,23 +77,23 @@ uvec2 grid_codes(uint codes, uint slot, uint axis)
     uint pair = 3u * slot + axis;
     uvec2 found;
     if (NUMBER == ABI_NUMBER_F32) {
-        found = uvec2(node_word[codes + 2u * pair], node_word[codes + 2u * pair + 1u]);
+        found = uvec2(NODE_WORD(codes + 2u * pair), NODE_WORD(codes + 2u * pair + 1u));
     } else if (NUMBER == ABI_NUMBER_U8) {
-        uint word = node_word[codes + (pair >> 1)] >> (pair & 1u) * 16u;
+        uint word = NODE_WORD(codes + (pair >> 1)) >> (pair & 1u) * 16u;
         found = uvec2(word, word >> 8) & 0xFFu;
     } else if (NUMBER == ABI_NUMBER_U10) {
         uint first = 2u * axis, second = 2u * axis + 1u; /* index among the slot's six codes */
-        uint low = node_word[codes + 2u * slot], high = node_word[codes + 2u * slot + 1u];
+        uint low = NODE_WORD(codes + 2u * slot), high = NODE_WORD(codes + 2u * slot + 1u);
         found.x = pick(first < 3u, low >> first * 10u, high >> (first - 3u) * 10u) & 0x3FFu;
         found.y = pick(second < 3u, low >> second * 10u, high >> (second - 3u) * 10u) & 0x3FFu;
     } else if (NUMBER == ABI_NUMBER_U12) {
         uint bit = pair * 24u & 31u, word = codes + (pair * 24u >> 5);
-        uint low = node_word[word] >> bit;
-        uint high = node_word[word + (bit > 8u ? 1u : 0u)] << (32u - bit & 31u);
+        uint low = NODE_WORD(word) >> bit;
+        uint high = NODE_WORD(word + (bit > 8u ? 1u : 0u)) << (32u - bit & 31u);
         low |= bit > 8u ? high : 0u;
         found = uvec2(low, low >> 12) & 0xFFFu;
     } else {
-        uint word = node_word[codes + pair];
+        uint word = NODE_WORD(codes + pair);
         found = uvec2(word, word >> 16) & 0xFFFFu;
     }
     return found;
@@ -159,7 +159,7 @@ leaf leaf_load(node n)
 uint leaf_item(leaf l, uint slot)
 {
     uint at = l.first + slot;
-    return at < job.item_count ? item_word[at] : ABI_NO_PRIM;
+    return at < job.item_count ? ITEM_WORD(at) : ABI_NO_PRIM;
 }
 
 #include "wide.glsl"

@@ -1,13 +1,14 @@
 # SPIR-V of every shader, checked and decorated by $(TOOL), and embedded into C.
 SHADERS  := $(wildcard shaders/*.comp shaders/probes/*.comp)
-# Shaders generated for each layout: its tracer, its renderer and, for binary layouts, a tracer
-# without a stack.
+# Shaders generated for each layout: its tracer, its renderer, a tracer of worlds and, for binary
+# layouts, a tracer without a stack.
 LAYOUTS  := $(patsubst shaders/layouts/layout_%.glsl,%,$(wildcard shaders/layouts/layout_*.glsl))
 BINARY   := $(patsubst shaders/layouts/layout_%.glsl,%,$(shell grep -L 'define WIDE' shaders/layouts/layout_*.glsl))
 TRACED   := $(LAYOUTS:%=trace_%)
 RENDERED := $(LAYOUTS:%=render_%)
 STACKLESS := $(BINARY:%=stackless_%)
-MADE     := $(TRACED) $(RENDERED) $(STACKLESS)
+WORLDS   := $(LAYOUTS:%=world_%)
+MADE     := $(TRACED) $(RENDERED) $(STACKLESS) $(WORLDS)
 SPV      := $(patsubst %,$(B)/spv/%.spv,$(basename $(notdir $(SHADERS))) $(MADE))
 
 GLSLANG ?= glslangValidator
@@ -30,6 +31,9 @@ $(RENDERED:%=$(B)/gen/%.comp): $(B)/gen/render_%.comp: shaders/shaders.mk
 	$(call made,$*,RENDERING,render_tree)
 $(STACKLESS:%=$(B)/gen/%.comp): $(B)/gen/stackless_%.comp: shaders/shaders.mk
 	$(call made,$*,STACKLESS,trace)
+
+$(WORLDS:%=$(B)/gen/%.comp): $(B)/gen/world_%.comp: shaders/shaders.mk
+	$(call made,$*,WORLDS,world)
 
 # -g0: names are not needed at run time. The depfile lists the includes and abi.h.
 # Ray queries need SPIR-V 1.4 and so Vulkan 1.2.
@@ -61,7 +65,7 @@ shaders/%.glsl: ;
 -include $(wildcard $(B)/spv/plain/*.d)
 
 # The text of the shaders, for those that are compiled at run time.
-GLSL_TEXTS := $(sort $(wildcard shaders/*.glsl shaders/layouts/*.glsl)) ref/abi.h ref/abi_frame.h
+GLSL_TEXTS := $(sort $(wildcard shaders/*.glsl shaders/layouts/*.glsl)) ref/abi.h ref/abi_frame.h ref/abi_world.h
 $(B)/gen/glsl_sources.c: $(GLSL_TEXTS) Makefile
 	@mkdir -p $(@D)
 	@{ echo '#include "gpu/shaders/glsl_text.h"'; echo 'const struct glsl_source glsl_sources[] = {'; \

@@ -2,8 +2,8 @@
  * its float arithmetic, and writes modules as C.
  *   spirv_tool fix IN.spv OUT.spv       checks and decorates
  *   spirv_tool embed OUT.c A.spv ...    writes the table of gpu/shaders/shaders.h
- * File names of tracing shaders begin with trace_ or stackless_, of rendering shaders with render_,
- * of shaders that may use ray queries with query_. */
+ * File names of tracing shaders begin with trace_, stackless_ or world_, of rendering shaders with
+ * render_, of shaders that may use ray queries with query_. */
 #include "gpu/shaders/spirv_fix.h"
 
 #include <ctype.h>
@@ -70,7 +70,11 @@ static bool finish(FILE *out, const char *file)
 
 static bool is_tracing(const char *name)
 {
-    return strncmp(name, "trace_", 6) == 0 || strncmp(name, "stackless_", 10) == 0;
+    static const char *const begins[] = {"trace_", "stackless_", "world_"};
+    for (size_t i = 0; i < ARRAY_COUNT(begins); i++)
+        if (strncmp(name, begins[i], strlen(begins[i])) == 0)
+            return true;
+    return false;
 }
 
 static struct spirv_rules rules_of(const char *file)

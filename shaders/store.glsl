@@ -18,7 +18,7 @@ struct leaf {
 /* Reads a word; out of range it reads word 0. */
 uint store_word(uint at)
 {
-    return item_word[pick(at < job.item_count, at, 0u)];
+    return ITEM_WORD(pick(at < job.item_count, at, 0u));
 }
 
 vec3 store_vec(uint at, uint stride)
@@ -75,7 +75,7 @@ uint leaf_item(leaf l, uint slot)
         at = l.first + STORE_ROW * slot + 9u;
         mask = 0x3FFFFFFFu;
     }
-    return at < job.item_count ? item_word[at] & mask : ABI_NO_PRIM;
+    return at < job.item_count ? ITEM_WORD(at) & mask : ABI_NO_PRIM;
 }
 
 /* Tests an item; `prim` is its triangle in the scene. */

@@ -7,7 +7,7 @@
 /* Reads a triangle. Its nine floats lie in three quads and begin at any word of the first. */
 void tri_load(uint prim, out vec3 v0, out vec3 v1, out vec3 v2)
 {
-    uint at = ABI_TRI_FLOATS * prim;
+    uint at = ABI_TRI_FLOATS * TRI_NUMBER(prim);
     vec4 a = tri_quad[at >> 2], b = tri_quad[(at >> 2) + 1u], c = tri_quad[(at >> 2) + 2u];
     bool two = (at & 2u) != 0u, one = (at & 1u) != 0u;
     vec4 d = pick(two, vec4(a.zw, b.xy), a);

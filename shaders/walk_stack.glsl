@@ -23,14 +23,14 @@ void stack_push(node n, float entry)
 node stack_pop(float tbest)
 {
     bool found = false;
-    while (both(stack_count > 0u, !found)) {
+    while (both(stack_count > STACK_BASE, !found)) {
         stack_count--;
         found = any(bvec2(BOX_TEST == ABI_BOX_RTRS, stack_entry[stack_count] <= tbest));
     }
     node next = NODE_DONE;
     if (found) {
         next = stack_node[stack_count];
-    } else if (stack_count > 0u) {
+    } else if (stack_count > STACK_BASE) {
         trouble |= ABI_FLAG_LOOP;
     }
     return next;

@@ -23,7 +23,7 @@ node walk_back(slab_ray slab, float tbest)
     bool found = false;
     node next = NODE_DONE;
     while (both(level > 0u, !found)) {
-        uint up = item_word[job.item_count + at];
+        uint up = ITEM_WORD(job.item_count + at);
         bool waits = (trail.x & 1u) != 0u;
         vec3 nearer, farther;
         float entry;

@@ -36,15 +36,20 @@ ORACLE_TESTS := $(filter $(B)/tests/test_oracle%,$(TESTS))
 $(ORACLE_TESTS): $(B)/obj/tests/exact/exact_gmp.o $(B)/obj/tests/exact/exact_gmp_bounds.o \
     $(B)/obj/tests/exact/exact_gmp_allow.o \
     $(B)/obj/tests/exact/exact_gmp_bounds_baldwin.o $(B)/obj/tests/exact/exact_gmp_redecide.o \
-    $(B)/obj/tests/exact/exact_gmp_replay.o $(B)/obj/tests/exact/oracle_cases.o
+    $(B)/obj/tests/exact/exact_gmp_replay.o $(B)/obj/tests/exact/oracle_cases.o \
+    $(addprefix $(B)/obj/tests/exact/,pair_fault.o gmp_world.o world_cases.o)
 $(ORACLE_TESTS): TEST_LIBS += $(GMP_LIBS)
 BOUNDS_TESTS := $(filter $(B)/tests/test_bounds% $(B)/tests/test_judge_noise $(B)/tests/test_judge_range $(B)/tests/test_judge_unnamed,$(TESTS))
-TRIAL_TESTS := $(BOUNDS_TESTS) $(B)/tests/test_judge_exact
-$(TRIAL_TESTS): $(addprefix $(B)/obj/tests/exact/,trials.o legal.o legal_formulas.o exact_gmp.o oracle_cases.o)
+JUDGE_WORLD_TESTS := $(filter $(B)/tests/test_judge_world% $(B)/tests/test_bounds_world,$(TESTS))
+TRIAL_TESTS := $(BOUNDS_TESTS) $(B)/tests/test_judge_exact $(JUDGE_WORLD_TESTS)
+$(JUDGE_WORLD_TESTS): $(B)/obj/tests/judge/honest_world.o
+$(TRIAL_TESTS): $(addprefix $(B)/obj/tests/exact/,trials.o placed_trials.o legal.o legal_formulas.o exact_gmp.o oracle_cases.o)
 $(TRIAL_TESTS): TEST_LIBS += $(GMP_LIBS)
+$(B)/tests/test_bounds_placed_rays: $(B)/obj/tests/exact/exact_gmp_replay.o
 
 $(B)/tests/test_scatter: $(B)/obj/tests/trace/scatter_truth.o
 $(B)/tests/test_scatter: TEST_LIBS += $(GMP_LIBS)
+$(addprefix $(B)/tests/test_world_,inverse boxes): TEST_LIBS += $(GMP_LIBS)
 
 # Published triangle tests, compiled with the flags of their users.
 $(B)/tests/test_judge_blackbox $(B)/tests/test_match_edges: $(addprefix $(B)/obj/tests/judge/,honest_plain.o honest_fast.o)
@@ -53,7 +58,8 @@ $(B)/obj/tests/judge/honest_fast.o: CFLAGS += -ffast-math -ffp-contract=fast $(i
 $(B)/tests/test_adversaries: $(addprefix $(B)/obj/tests/adversaries/,cheats.o outsiders.o outsiders_table.o table.o)
 
 # Their allocations are made to fail, or measured.
-$(B)/tests/test_out_of_memory $(B)/tests/test_hits_memory $(B)/tests/test_memory $(B)/tests/test_vulkan_memory: TEST_LIBS += \
+MEMORY_TESTS := $(addprefix $(B)/tests/test_,out_of_memory oracle_world_memory hits_memory hits_tagged memory vulkan_memory world_memory)
+$(MEMORY_TESTS): TEST_LIBS += \
     -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 
 # A Vulkan within the program, which the loader of the library finds in it.

@@ -57,7 +57,7 @@ struct report {
     size_t part_count, part_capacity;
     struct report_picture *picture;
     size_t picture_count, picture_capacity;
-    size_t findings_left_out;  /* findings of a folder that are not shown */
+    size_t findings_left_out;  /* findings of folders that are not shown */
     bool wanted[REPORT_KINDS]; /* requested; a section without parts says so */
 };
 

@@ -85,7 +85,7 @@ static size_t put_findings(struct html *html, const struct report *report)
         count++;
     }
     if (report->findings_left_out > 0)
-        html_element_format(html, "p", "note", "%zu more findings of the folder are not shown.",
+        html_element_format(html, "p", "note", "%zu more findings are not shown.",
                             report->findings_left_out);
     return count;
 }

@@ -1,6 +1,7 @@
 /* Engine fast against Embree's modes: single rays of four kinds, their speed and the engines'
  * bytes. */
 #include "cmd/bench/cmd_bench_race.h"
+#include "cmd/common/cmd_screen.h"
 #include "bench/measure/shadow_rays.h"
 
 #include "ref/base/command.h"
@@ -154,7 +155,7 @@ static enum status enter_all(struct contest *c, struct reason *reason)
         c->entry[c->race.count] = i;
         status = race_add(&c->race, &who, &options, reason);
         if (status == STATUS_UNSUPPORTED) {
-            printf("  %s left out: %s\n", entries[i].name, reason->text);
+            screen_line(4, "  %s left out: %s\n", entries[i].name, reason->text);
             status = STATUS_OK;
         }
     }

@@ -33,7 +33,7 @@ static const struct column columns[] = {
     {"rays", .left = true},
     {.title = "wrong"},
     {"allowed", .rank = 3},
-    {"B/tri", .rank = 2},
+    {"nodeB", .rank = 2},
     {"mem/tri", .rank = 4},
     {.title = "Mray/s", .least = TIME_WIDTH},
     {"ratio", .rank = 1, .least = 5},
@@ -210,7 +210,7 @@ static enum status play_scene(struct bench *bench, const char *spec, const struc
                 (unsigned long long)bench->rounds, plural(bench->rounds));
     if (bench->screen_is.wide)
         puts(
-            "rays     engine        nodes Mray/s (least-most)   ratio (least-most)           B/tri "
+            "rays     engine        nodes Mray/s (least-most)   ratio (least-most)           nodeB "
             "+items  mem/tri   wrong  named");
     for (size_t s = 0; s < ARRAY_COUNT(sets); s++) {
         struct reason why = {""};

@@ -1,6 +1,7 @@
 /* raydiff bench matrix: builders, layouts, triangle storages and engines on all kinds of rays.
  * Measures speed relative to Embree's, bytes, cache lines read, and errors. */
 #include "cmd/bench/cmd_bench_matrix.h"
+#include "cmd/common/cmd_screen.h"
 
 #include "bench/measure/shadow_rays.h"
 #include "ref/base/command.h"
@@ -126,7 +127,7 @@ static enum status enter(struct matrix *m, const struct matrix_entry *e, unsigne
     *entered = status == STATUS_OK;
     if (status == STATUS_LIMIT || status == STATUS_UNSUPPORTED) {
         progress_end(&m->bench->progress);
-        printf("  %s left out: %s\n", e->name, reason->text);
+        screen_line(4, "  %s left out: %s\n", e->name, reason->text);
         return STATUS_OK;
     }
     if (status == STATUS_REFUSED) { /* the others continue */

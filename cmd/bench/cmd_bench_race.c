@@ -2,6 +2,7 @@
 
 #include "bench/frames/turns.h"
 #include "cmd/common/cmd_use.h"
+#include "cmd/common/cmd_screen.h"
 #include "ref/base/command.h"
 #include "ref/store.h"
 
@@ -74,7 +75,8 @@ static void enter_one(struct race *race, const struct engine *engine, const stru
     if (status == STATUS_OK)
         return;
     progress_end(&bench->progress);
-    printf("%-14s %-12s left out: %s\n", engine->name, layout ? layout->name : "-", reason.text);
+    screen_line(4, "%-14s %-12s left out: %s\n", engine->name, layout ? layout->name : "-",
+                reason.text);
     bool named = true;
     if (status == STATUS_LIMIT)
         named = layout && bench->layout.count;

@@ -6,7 +6,6 @@
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 #include "ref/match/original.h"
-#include "scenes/move.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 #include "ref/store.h"
@@ -29,6 +28,7 @@ struct check_run {
     struct tree_file tree;           /* from --bvh; rows point to it */
     struct turnout turnout;          /* of the named members */
     const struct original *original; /* of the decoded scene in use; NULL: not decoded */
+    const struct check_subject *of;  /* in use */
 };
 
 /* Adds the rows of one engine for all box tests and queries. Engines without a tree have no box
@@ -44,7 +44,7 @@ static enum status play_engine(struct check_run *check, struct match *match,
             match_set(match, box_tests[o->box.index[b]], (enum query)o->query.index[q]);
             progress_done(&check->progress, result->row_count, check->rows, "this scene");
             progress_step(&check->progress, "%s: %s %s %s", result->spec,
-                          engine->needs_packed ? match->packed.layout->name : "-", engine->name,
+                          engine->needs_packed ? match_layout(match)->name : "-", engine->name,
                           query_name(match->options.query));
             match_run(match, engine, &row);
             if (check->original && original_judge(check->original, match, &row))
@@ -55,14 +55,17 @@ static enum status play_engine(struct check_run *check, struct match *match,
     return STATUS_OK;
 }
 
+/* An engine that traces no worlds has rows of one only if it was named. */
 static enum status play_engines(struct check_run *check, struct match *match, bool packed,
                                 struct check_scene *result)
 {
     const struct check_options *o = &check->options;
     enum status status = STATUS_OK;
-    for (size_t e = 0; e < o->engine.count && status == STATUS_OK; e++)
-        if (engines[o->engine.index[e]]->needs_packed == packed)
-            status = play_engine(check, match, engines[o->engine.index[e]], result);
+    for (size_t e = 0; e < o->engine.count && status == STATUS_OK; e++) {
+        const struct engine *engine = engines[o->engine.index[e]];
+        if (engine->needs_packed == packed && (!match->world || engine->worlds || o->engine_named))
+            status = play_engine(check, match, engine, result);
+    }
     return status;
 }
 
@@ -128,7 +131,10 @@ static enum status play_scene(struct check_run *check, const struct scene *scene
     struct reason why = {""};
     progress_step(&check->progress, "%s: exact truth", result->spec);
     enum status status =
-        match_make(scene, rays, result->ray_count, &options, &check->pool, &match, &why);
+        check->of->is_world
+            ? match_make_world(&check->of->world, rays, check->of->mode, result->ray_count,
+                               &options, &check->pool, &match, &why)
+            : match_make(scene, rays, result->ray_count, &options, &check->pool, &match, &why);
     if (status)
         return fail(reason, status, "%s: %s", result->spec, why.text);
     for (size_t t = 0; t < o->tri.count && status == STATUS_OK; t++)
@@ -187,7 +193,7 @@ static enum status check_one(struct check_run *check, const char *spec, struct c
                              struct reason *reason)
 {
     const struct check_options *o = &check->options;
-    struct scene scene, rest = {0};
+    struct check_subject of;
     *result = (struct check_scene){.spec = spec,
                                    .move = (double)o->move,
                                    .rays = ray_sets[o->rays]->name,
@@ -195,31 +201,22 @@ static enum status check_one(struct check_run *check, const char *spec, struct c
                                    .seed = o->seed,
                                    .driver = o->engines.driver};
     progress_step(&check->progress, "%s: reading", spec);
-    enum status status = scene_open(spec, o->seed, &scene, reason);
-    if (status)
-        return status;
-    result->tri_count = scene.tri_count;
-    result->vertex_count = scene.vertex_count;
-    if (o->move > 0) {
-        status = scene_open(spec, o->seed, &rest, reason);
-        scene_move(&scene, o->move, o->seed);
-    }
+    enum status status = check_open(o, spec, result, &of, reason);
     if (status == STATUS_OK && o->bvh)
-        status = tree_open("check", o->bvh, o->move > 0 ? &rest : &scene, &check->tree, reason);
-    struct ray *rays = NULL;
-    if (status == STATUS_OK)
-        status = ray_set_new(ray_sets[o->rays], &scene, o->seed, result->ray_count, &rays, reason);
-    if (status == STATUS_OK)
-        status = play_both(check, &scene, &rest, rays, result, reason);
-    free(rays);
-    scene_free(&scene);
-    scene_free(&rest);
+        status =
+            tree_open("check", o->bvh, o->move > 0 ? &of.rest : &of.scene, &check->tree, reason);
+    check->of = &of;
+    if (status == STATUS_OK && !result->vacuous)
+        status = play_both(check, &of.scene, &of.rest, of.ray, result, reason);
+    check->of = NULL;
+    check_close(&of);
     return status;
 }
 
 static int check_all(struct check_run *check, char *const *spec, size_t count)
 {
     int code = EXIT_AGREE;
+    bool any = false; /* scene was played */
     struct reason reason = {""};
     struct check_scene *results = alloc_zeroed(count, sizeof *results);
     if (!results)
@@ -235,23 +232,30 @@ static int check_all(struct check_run *check, char *const *spec, size_t count)
         enum status status = check_one(check, spec[i], &results[i], &reason);
         progress_end(&check->progress);
         code = exit_worse(code, exit_with_reason("check", status, &reason));
-        if (status)
+        if (status == STATUS_OK && results[i].vacuous) {
+            fprintf(stderr, "raydiff check: %s: " CHECK_VACUOUS "\n", spec[i]);
+            code = exit_worse(code, EXIT_MISMATCH);
+        }
+        if (status || results[i].vacuous)
             continue;
+        any = true;
         check_print(&results[i], &screen);
         fflush(stdout);
         turnout_rows(&check->turnout, results[i].row, results[i].row_count);
         code = exit_worse(code, check_exit(&results[i], check->options.layout_named,
                                            check->options.engine_named));
     }
-    turnout_print(&check->turnout, &screen);
-    code = exit_worse(code, turnout_exit(&check->turnout));
+    if (any) { /* else it is already told why nothing was run */
+        turnout_print(&check->turnout, &screen);
+        code = exit_worse(code, turnout_exit(&check->turnout));
+    }
     code = exit_worse(code, check_unused(check->options.demands.displacement, results, count));
     if (check->options.json) {
         enum status status =
             check_write_json(check->options.json, results, count, &check->turnout, code, &reason);
         code = exit_worse(code, exit_with_reason("check", status, &reason));
     }
-    check_print_conclusion(results, count, &screen);
+    check_print_conclusion(results, count, code, &screen);
     for (size_t i = 0; i < count; i++)
         free(results[i].row);
     free(results);
@@ -283,6 +287,7 @@ int cmd_check(int argc, char **argv)
     if (code >= 0)
         return code;
     check.options.layout_named = option_was_given("layout");
+    check.options.modes_named = option_was_given("modes");
     check.options.engine_named = option_was_given("engine") && !check.options.engine.all;
     if (first == argc)
         return usage_error("check", "no scene given");

@@ -10,8 +10,12 @@
 /* One scene and all its rows. */
 struct check_scene {
     const char *spec;
-    uint32_t tri_count, vertex_count;
-    double move; /* --move: extents; 0: nothing moved */
+    uint32_t tri_count, vertex_count; /* of a world: placed ones */
+    uint32_t instance_count;          /* of a world; 0: a scene */
+    const char *modes;                /* of a world: what rays may meet; else NULL */
+    char scenes_only[256];            /* of a world: names of engines that trace none, as "a, b" */
+    bool vacuous;                     /* a world in which no ray can hit anything: no rows */
+    double move;                      /* --move: extents; 0: nothing moved */
     const char *rays;
     size_t ray_count;
     uint64_t seed;
@@ -25,13 +29,23 @@ struct check_scene {
 /* The options; they fill a struct check_options. */
 extern const struct option_set check_set;
 
+/* Why a vacuous world is. */
+#define CHECK_VACUOUS "vacuous: this world has nothing that a ray can hit"
+
 /* Prints the table of a scene, its findings, what was refused or skipped and why, and a summary. */
 void check_print(const struct check_scene *scene, const struct screen *screen);
 
-/* Prints the last line: how many rows agree, how many answers are WRONG, and the layout with the
- * most of f32's speed among those that agree on the same engine, builder, tests and query. Prints
- * nothing if there are no rows. */
-void check_print_conclusion(const struct check_scene *scene, size_t count,
+/* True if the speeds of two rows can be told apart: their least-most ranges lie apart by a larger
+ * factor than the wider of them spans. Runs of one row follow each other, so that a machine that
+ * slows down meanwhile moves a whole range; and of a single run nothing is known. */
+bool check_speeds_differ(const struct row *a, const struct row *b);
+
+/* Prints the last line: how many rows agree, how many were refused, skipped, failed or are vacuous,
+ * how many answers are WRONG, and the layout with the most of f32's speed among those that agree on
+ * the same engine, builder, tests and query, if that can be told from f32's. `code`, the command's
+ * exit code, decides the colour.
+ * Prints nothing if there are no rows. */
+void check_print_conclusion(const struct check_scene *scene, size_t count, int code,
                             const struct screen *screen);
 
 /* Prints the table in columns that fit the screen: the verdict first. */
@@ -66,12 +80,33 @@ enum status check_write_json(const char *path, const struct check_scene *scene, 
                              const struct turnout *turnout, int exit_code,
                              struct reason *reason) MUST_USE;
 
+struct check_options;
+
+/* A scene or a world, and rays into it. */
+struct check_subject {
+    struct scene scene, rest; /* rest: before --move */
+    struct world world;
+    bool is_world; /* else a scene */
+    struct ray *ray;
+    struct ray_mode *mode; /* of a world */
+};
+
+/* Opens what a text names, draws rays and fills in the members of `result` that say what it is. Of
+ * a vacuous world there are no rays.
+ * Errors: as world_open, world_bake and ray_set_new; STATUS_INPUT an option that is of worlds
+ * alone, or of scenes alone. On error *out is to be freed, too. */
+enum status check_open(const struct check_options *options, const char *spec,
+                       struct check_scene *result, struct check_subject *out,
+                       struct reason *reason) MUST_USE;
+void check_close(struct check_subject *subject);
+
 /* Values of the options. */
 struct check_options {
     struct list layout, store, engine, builder, box, tri, query;
     bool layout_auto, layout_named, engine_named; /* engine_named: not by "all" */
     struct build_options build;
-    size_t rays;
+    size_t rays, modes;
+    bool modes_named;
     uint64_t count, seed, repeats, brute, brute_rays, bits; /* bits 0: not given */
     struct engine_options engines;
     float move;

@@ -39,6 +39,28 @@ static json_t *judgement_json(const struct judgement *j)
     return out;
 }
 
+static json_t *place_json(uint32_t prim, const struct place *place)
+{
+    if (prim == ABI_NO_PRIM)
+        return json_null();
+    return json_record("instance=%u geometry=%u triangle=%u", place->instance, place->geometry,
+                       place->tri);
+}
+
+static json_t *finding_world_json(const struct finding *f)
+{
+    const struct world_finding *w = &f->world;
+    uint32_t expected = f->bits ? f->expected.prim : f->judgement.expected;
+    json_t *out =
+        json_record("mask=%u flags=%u custom=%u front=%i got=%p expected=%p", w->mode.mask,
+                    w->mode.flags, w->tag & ABI_TAG_CUSTOM, (w->tag & ABI_TAG_FRONT) != 0,
+                    place_json(f->got.prim, &w->got), place_json(expected, &w->expected));
+    if (f->bits)
+        json_add(out, "expected_custom=%u expected_front=%i", w->expected_tag & ABI_TAG_CUSTOM,
+                 (w->expected_tag & ABI_TAG_FRONT) != 0);
+    return out;
+}
+
 static json_t *finding_json(const struct check_scene *scene, const struct row *row,
                             const struct finding *f)
 {
@@ -49,6 +71,8 @@ static json_t *finding_json(const struct check_scene *scene, const struct row *r
         json_add(out, "expected=%p", hit_json(&f->expected));
     else
         json_add(out, "judgement=%p", judgement_json(&f->judgement));
+    if (f->world.is)
+        json_add(out, "world=%p", finding_world_json(f));
     if (finding_command(row, f, scene->spec, scene->seed, scene->driver, command))
         json_add(out, "explain=%s", command);
     return out;
@@ -142,7 +166,7 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
  * others. */
 static void refusals(const struct check_scene *scene, char *text, size_t text_bytes)
 {
-    snprintf(text, text_bytes, "%s", scene->refused);
+    snprintf(text, text_bytes, "%s", scene->vacuous ? CHECK_VACUOUS : scene->refused);
     for (size_t i = 0; i < scene->row_count; i++) {
         const struct row *row = &scene->row[i];
         const size_t used = strlen(text);
@@ -159,10 +183,13 @@ enum status check_write_json(const char *path, const struct check_scene *scene, 
     for (size_t s = 0; s < scene_count; s++) {
         char refused[4096];
         refusals(&scene[s], refused, sizeof refused);
-        json_array_append_new(
-            scenes, json_record("scene=%s triangles=%u vertices=%u rays=%p count=%zu refused=%s",
-                                scene[s].spec, scene[s].tri_count, scene[s].vertex_count,
-                                json_text(scene[s].rays), scene[s].ray_count, refused));
+        json_t *one = json_record("scene=%s triangles=%u vertices=%u rays=%p count=%zu refused=%s",
+                                  scene[s].spec, scene[s].tri_count, scene[s].vertex_count,
+                                  json_text(scene[s].rays), scene[s].ray_count, refused);
+        if (scene[s].modes)
+            json_add(one, "instances=%u modes=%s scenes_only=%s", scene[s].instance_count,
+                     scene[s].modes, scene[s].scenes_only);
+        json_array_append_new(scenes, one);
         for (size_t i = 0; i < scene[s].row_count; i++)
             json_array_append_new(rows, row_json(&scene[s], &scene[s].row[i]));
     }

@@ -29,9 +29,12 @@ static void add_wrong(struct row_text *note, const struct row *row)
     if (row->count[VERDICT_WRONG] == 0)
         return;
     add(note, "%s", row->judged ? "" : " as published:");
+    const char *between = " ";
     for (enum wrong w = WRONG_MISSED; w < WRONG_COUNT; w++)
-        if (row->wrong[w])
-            add(note, " %s %zu", wrong_name(w), row->wrong[w]);
+        if (row->wrong[w]) {
+            add(note, "%s%s %zu", between, wrong_name(w), row->wrong[w]);
+            between = ", ";
+        }
 }
 
 /* Counters that exist only for lists of all hits. */
@@ -39,7 +42,10 @@ static void add_lists(struct row_text *note, const struct row *row)
 {
     if (row->options.query != QUERY_ALL)
         return;
-    add(note, " %zu triangles listed, %zu double hits,", row->lists.triangles, row->lists.doubles);
+    add(note, "%s %zu triangles listed", note->at ? ";" : "", row->lists.triangles);
+    if (row->of_world) /* its meshes promise nothing together */
+        return;
+    add(note, ", %zu double hits,", row->lists.doubles);
     if (row->lists.closed)
         add(note, " parity off in %zu of %zu", row->lists.parity_off, row->lists.parity);
     else
@@ -49,19 +55,20 @@ static void add_lists(struct row_text *note, const struct row *row)
 void check_row_note(const struct row *row, char text[CHECK_NOTE_MOST])
 {
     struct row_text note = {text, 0};
+    const char *end = row->count[VERDICT_WRONG] ? ";" : ""; /* of what stands before */
     char edges[MATCH_EDGES_TEXT];
     text[0] = '\0';
     add_wrong(&note, row);
     if (row->displacement.count)
-        add(&note, " displacement p50 %.2g p99 %.2g max %.3g uM, %zu lost in closed fans",
+        add(&note, "%s displacement p50 %.2g p99 %.2g max %.3g uM, %zu lost in closed fans", end,
             row->displacement.p50, row->displacement.p99, row->displacement.most,
             row->displacement.fan_lost);
     match_edges_text(row->edges, edges);
     if (row->edges_beyond)
-        add(&note, " lost beside edges %s", edges);
+        add(&note, "%s lost beside edges %s", note.at ? ";" : "", edges);
     if (row->fans_lost)
-        add(&note, " watertight: %zu lost in closed fans", row->fans_lost);
+        add(&note, "%s watertight: %zu lost in closed fans", note.at ? ";" : "", row->fans_lost);
     add_lists(&note, row);
     if (row->status == ROW_VACUOUS)
-        add(&note, " %s", row->reason.text);
+        add(&note, "%s %s", note.at ? ";" : "", row->reason.text);
 }

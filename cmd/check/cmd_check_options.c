@@ -17,6 +17,9 @@ static enum status take_layouts(void *options, const struct option_value *given,
 
 #define ROWS_OF struct check_options
 
+/* As ray_modes_name. */
+static const char *const modes[] = {"all", "mixed", "drawn", NULL};
+
 static const struct option_row rows[] = {
     {"layout", "L,..",
      "layouts, or patterns such as 'bvh8_*'; 'all' that products run over, 'every' one, or 'auto' "
@@ -39,6 +42,10 @@ static const struct option_row rows[] = {
     {"query", "Q,..", "closest, any, all (every triangle along the ray)",
      OF_LIST(query, TABLE_QUERIES), .value = "closest"},
     {"rays", "SET", "ray set", OF_ONE(rays, TABLE_RAY_SETS), .value = "mixed"},
+    {"modes", "M",
+     "of a world, what rays may meet: all of it, what masks and flags drawn at random admit, or "
+     "mixed: every second ray",
+     OF_CHOICE(modes, modes), .value = "mixed"},
     {"count", "N", "rays, 1 or more; 1e6 is accepted", OF_COUNT(count, 1, 1u << 30),
      .value = "100000"},
     SEED_ROW(seed),
@@ -58,8 +65,8 @@ const struct option_set check_set = {
     .usage = "check SCENE... [OPTIONS]",
     .about = "Runs engines and node layouts on every SCENE and compares them: which agree, which "
              "differ, how fast each is and how many bytes each needs. A SCENE is a mesh file "
-             "(.json .obj .ply, also .gz) or a generator such as soup:n=1000, see raydiff list "
-             "scenes.",
+             "(.json .obj .ply .stl, also .gz), a world (.gltf .glb .json) or a generator such as "
+             "soup:n=1000, see raydiff list scenes.",
     .group = {GROUP(rows), GROUP_AT(leaf_rows, build), GROUP_AT(build_rows, build),
               GROUP_AT(displacement_rows, demands), GROUP_AT(watertight_rows, demands),
               GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines),

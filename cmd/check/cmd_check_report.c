@@ -7,12 +7,22 @@
 
 #include <string.h>
 
-static void print_findings(const struct check_scene *scene, const struct row *row)
+static void print_findings(const struct check_scene *scene, const struct row *row,
+                           const struct screen *screen)
 {
-    for (size_t i = 0; i < row->finding_count; i++)
-        finding_print(row, &row->finding[i], scene->spec, scene->seed, scene->driver);
-    if (row->differences > row->finding_count && row->finding_count)
-        printf("  ... and %zu more of this row\n", row->differences - row->finding_count);
+    const size_t all[] = {row->judged ? row->count[VERDICT_WRONG] : 0, row->bit_differences};
+    for (int bits = 0; bits < 2; bits++) {
+        size_t shown = 0;
+        for (size_t i = 0; i < row->finding_count; i++)
+            if (row->finding[i].bits == (bits == 1)) {
+                finding_print(screen, row, &row->finding[i], scene->spec, scene->seed,
+                              scene->driver, shown == 0);
+                shown++;
+            }
+        if (shown && all[bits] > shown)
+            printf("  ... and %zu more of this row that %s\n", all[bits] - shown,
+                   bits ? "differ from engine cpu's" : "are WRONG");
+    }
 }
 
 /* The first row of `engine` with a layout of that name (NULL: any layout), or NULL. */
@@ -105,12 +115,13 @@ static void print_winners(const struct check_scene *scene, const struct screen *
             screen_text(
                 screen,
                 "  %s on %s: %.2f of f32's node bytes (%.2f with f32's item array), %.2f times "
-                "its speed\n",
+                "its speed%s\n",
                 stored_name(row->layout, row->options.store, text), players[p],
                 (double)row->node_bytes / (double)base->node_bytes,
                 (double)(row->node_bytes + row->item_bytes) /
                     (double)(base->node_bytes + base->item_bytes),
-                row->mrays[0] / base->mrays[0]);
+                row->mrays[0] / base->mrays[0],
+                check_speeds_differ(row, base) ? "" : ", within noise");
         }
     }
     const struct row *cpu = row_of(scene, "cpu", NULL);
@@ -198,13 +209,14 @@ static void print_verdicts(const struct agreement *sum, const struct screen *scr
                 sum->count[VERDICT_WRONG], sum->judged, at ? text : "", at ? ")" : "");
     at = 0;
     between = " ";
-    for (enum verdict v = 0; v < VERDICT_WRONG; v++)
+    for (enum verdict v = VERDICT_RIGHT + 1; v < VERDICT_WRONG; v++)
         if (sum->count[v] || screen->wide) {
             at += (size_t)snprintf(text + at, sizeof text - at, "%s%s %zu", between,
                                    verdict_name(v), sum->count[v]);
             between = ", ";
         }
-    screen_text(screen, "  allowed:%s\n", at ? text : " none");
+    screen_text(screen, "  right %zu; allowed:%s\n", sum->count[VERDICT_RIGHT],
+                at ? text : " none");
 }
 
 static void print_agreement(const struct check_scene *scene, const struct screen *screen)
@@ -232,8 +244,16 @@ static const char *subject_name(const struct row *row)
     return row->engine ? row->engine->name : "--layout auto";
 }
 
+static bool traces_scenes_only(const struct row *row)
+{
+    return row->of_world && row->engine && !row->engine->worlds;
+}
+
 static void print_reasons(const struct check_scene *scene, const struct screen *screen)
 {
+    if (scene->scenes_only[0])
+        screen_text(screen, "  %s: trace%s scenes, not worlds\n", scene->scenes_only,
+                    strchr(scene->scenes_only, ',') ? "" : "s");
     for (const char *line = scene->refused; *line;) {
         size_t length = strcspn(line, "\n");
         screen_text(screen, "  --layout auto could not take %.*s\n", (int)length, line);
@@ -244,9 +264,12 @@ static void print_reasons(const struct check_scene *scene, const struct screen *
         bool repeated = false;
         for (size_t k = 0; k < i; k++)
             repeated |= strcmp(scene->row[k].reason.text, row->reason.text) == 0;
-        if (row->status != ROW_OK && !repeated)
-            screen_text(screen, "  %s %s: %s\n", subject_name(row), row_status_name(row->status),
-                        row->reason.text);
+        if (row->status == ROW_OK || repeated || traces_scenes_only(row))
+            continue;
+        /* The reason of a vacuous row begins with that word. */
+        const char *status = row->status == ROW_VACUOUS ? "" : row_status_name(row->status);
+        screen_text(screen, "  %s%s%s: %s\n", subject_name(row), *status ? " " : "", status,
+                    row->reason.text);
     }
 }
 
@@ -256,22 +279,30 @@ static void print_tree(const struct row *row)
         printf("tree: %s", row->options.tree->name);
     else
         printf("tree: %s, leaf %u", row->options.builder->name, row->options.build.leaf);
-    printf(": %u nodes, %u leaves, depth %u, largest leaf %u\n", row->stats.node_count,
-           row->stats.leaf_count, row->stats.depth, row->stats.largest_leaf);
+    printf(": %u node%s, %u lea%s, depth %u, largest leaf %u\n", row->stats.node_count,
+           plural(row->stats.node_count), row->stats.leaf_count,
+           row->stats.leaf_count == 1 ? "f" : "ves", row->stats.depth, row->stats.largest_leaf);
 }
 
 void check_print(const struct check_scene *scene, const struct screen *screen)
 {
     const struct row *first = scene->row_count ? &scene->row[0] : NULL;
-    printf("%s: %u triangles, %u vertices; %zu rays, set %s, seed %llu\n", scene->spec,
-           scene->tri_count, scene->vertex_count, scene->ray_count, scene->rays,
-           (unsigned long long)scene->seed);
+    char instances[32] = "", modes[32] = "";
+    if (scene->modes) {
+        snprintf(instances, sizeof instances, "%u instance%s, ", scene->instance_count,
+                 plural(scene->instance_count));
+        snprintf(modes, sizeof modes, ", modes %s", scene->modes);
+    }
+    printf("%s: %s%u triangle%s, %u vert%s; %zu ray%s, set %s%s, seed %llu\n", scene->spec,
+           instances, scene->tri_count, plural(scene->tri_count), scene->vertex_count,
+           scene->vertex_count == 1 ? "ex" : "ices", scene->ray_count, plural(scene->ray_count),
+           scene->rays, modes, (unsigned long long)scene->seed);
     for (size_t i = 0; i < scene->row_count; i++)
         if (scene->row[i].status == ROW_OK && scene->row[i].layout) {
             first = &scene->row[i];
             break;
         }
-    if (first)
+    if (first && first->layout) /* else no engine here walks one */
         print_tree(first);
     if (first && first->compared)
         printf("truth: exact, by the oracle's tree; %zu of %zu rays by brute force too\n",
@@ -281,7 +312,7 @@ void check_print(const struct check_scene *scene, const struct screen *screen)
     else
         check_print_table(scene, screen);
     for (size_t i = 0; i < scene->row_count; i++)
-        print_findings(scene, &scene->row[i]);
+        print_findings(scene, &scene->row[i], screen);
     puts("what it means");
     print_reasons(scene, screen);
     print_winners(scene, screen);

@@ -29,7 +29,7 @@ bool finding_command(const struct row *row, const struct finding *finding, const
     /* One run cannot explain answers that vary, and a closest hit cannot explain a whole list. */
     if (kind == WRONG_NOT_REPEATABLE || kind == WRONG_TWICE || kind == WRONG_ORDER)
         return false;
-    if (row->options.rest) /* explain cannot move the scene */
+    if (row->options.rest || row->of_world) /* explain has neither motion nor worlds */
         return false;
     if (row->options.store && row->options.store->head)
         return false; /* no file has the decoded scene */
@@ -56,15 +56,52 @@ void finding_line(const struct finding *finding, char *line, size_t line_bytes)
         judge_line(&finding->ray, &finding->judgement, &finding->got, line, line_bytes);
 }
 
-void finding_print(const struct row *row, const struct finding *finding, const char *spec,
-                   uint64_t seed, const char *driver)
+static void print_place(const char *what, uint32_t prim, const struct place *place)
+{
+    if (prim == ABI_NO_PRIM)
+        printf("  %s nothing", what);
+    else
+        printf("  %s instance %u geometry %u triangle %u", what, place->instance, place->geometry,
+               place->tri);
+}
+
+static void print_tag(uint32_t prim, uint32_t tag)
+{
+    if (prim != ABI_NO_PRIM || tag != 0)
+        printf(" custom %u %s", tag & ABI_TAG_CUSTOM, tag & ABI_TAG_FRONT ? "front" : "back");
+}
+
+/* Lines of their own, which fit a terminal: what the ray may meet, and where the triangles are. */
+static void print_world(const struct finding *finding)
+{
+    const struct world_finding *w = &finding->world;
+    printf("  world: mask 0x%02X flags 0x%X\n", w->mode.mask, w->mode.flags);
+    print_place("got:", finding->got.prim, &w->got);
+    print_tag(finding->got.prim, w->tag);
+    putchar('\n');
+    if (finding->bits) {
+        print_place("cpu's:", finding->expected.prim, &w->expected);
+        print_tag(finding->expected.prim, w->expected_tag);
+    } else {
+        print_place("expected:", finding->judgement.expected, &w->expected);
+    }
+    putchar('\n');
+}
+
+void finding_print(const struct screen *screen, const struct row *row,
+                   const struct finding *finding, const char *spec, uint64_t seed,
+                   const char *driver, bool first)
 {
     char line[512], command[EXPLAIN_COMMAND_MOST];
     finding_line(finding, line, sizeof line);
-    printf("%s %s %s.%s.%s.%s ray %zu %s\n", finding->bits ? "BITS" : "WRONG",
-           finding->bits ? "differ from engine cpu's:" : wrong_name(finding->judgement.wrong),
-           query_name(row->options.query), row->engine->name, row->layout ? row->layout->name : "-",
-           row->options.tri->name, finding->ray_index, line);
-    if (finding_command(row, finding, spec, seed, driver, command))
+    screen_record(
+        screen, PAINT_BAD, "%s %s %s.%s.%s.%s ray %zu %s\n", finding->bits ? "BITS" : "WRONG",
+        finding->bits ? "differ from engine cpu's:" : wrong_name(finding->judgement.wrong),
+        query_name(row->options.query), row->engine->name, row->layout ? row->layout->name : "-",
+        row_tri_name(row), finding->ray_index, line);
+    if (finding->world.is)
+        print_world(finding);
+    if ((first || !screen->terminal || screen->wide) &&
+        finding_command(row, finding, spec, seed, driver, command))
         printf("  explain: %s\n", command);
 }

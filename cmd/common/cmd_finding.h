@@ -4,13 +4,17 @@
 #define CMD_FINDING_H
 
 #include "cmd/common/cmd_explain_line.h"
+#include "cmd/common/cmd_screen.h"
 
-/* Prints a finding of the row: one line with "WRONG" and its kind, or "BITS", then the ray, the
- * answer and what was expected. If raydiff explain can explain it, a second line has the command.
+/* Prints a finding of the row: a record with "WRONG" and its kind, or "BITS", then the ray, the
+ * answer and what was expected. Of a world, lines with mask and flags of the ray and where both
+ * triangles are. If raydiff explain can explain it, a last line has the command, which is long; a
+ * terminal has only that of the `first` of a row, unless `screen` is wide.
  *   spec, seed   the scene and the seed of generators, as a user named them
  *   driver       from --driver, or NULL */
-void finding_print(const struct row *row, const struct finding *finding, const char *spec,
-                   uint64_t seed, const char *driver);
+void finding_print(const struct screen *screen, const struct row *row,
+                   const struct finding *finding, const char *spec, uint64_t seed,
+                   const char *driver, bool first);
 
 /* Writes the ray, the answer and the expected answer on one line. */
 void finding_line(const struct finding *finding, char *line, size_t line_bytes);

@@ -123,6 +123,19 @@ void screen_record(const struct screen *screen, enum paint paint, const char *fo
     print_filled(screen, text, fills ? screen->width : SIZE_MAX, next_of(text), paint);
 }
 
+void screen_line(size_t next, const char *format, ...)
+{
+    const struct screen plain = {.colour = false};
+    char text[4096];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    text[strcspn(text, "\n")] = '\0';
+    const bool fills = isatty(STDOUT_FILENO) == 1;
+    print_filled(&plain, text, fills ? screen_width(STDOUT_FILENO) : SIZE_MAX, next, PAINT_PLAIN);
+}
+
 void screen_page(const struct screen *screen, const char *text, const char *whole)
 {
     char line[2048];

@@ -50,6 +50,10 @@ void screen_text(const struct screen *screen, const char *format, ...)
 void screen_record(const struct screen *screen, enum paint paint, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* As screen_record without colours and whatever --wide is, for commands that have no such options:
+ * lines after the first begin at column `next`. At most 4095 bytes. */
+void screen_line(size_t next, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
 /* Prints lines as screen_text does; those that begin with `whole` are not broken. A line with a
  * title continues behind it. */
 void screen_page(const struct screen *screen, const char *text, const char *whole);

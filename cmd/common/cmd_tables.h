@@ -56,6 +56,11 @@ void list_add(struct list *list, enum table table, const void *member);
 /* A list of only that member; empty if list_add adds nothing. */
 struct list list_of_one(enum table table, const void *member);
 
+/* Adds the layouts from outside that `text`, the value of a --layout, names: each of the findings
+ * that a command reads names its layout, so that it takes only FILE.so. Errors: those of
+ * table_parse; STATUS_INPUT one is built in, or was added before. */
+enum status list_bring_layouts(struct list *list, const char *text, struct reason *reason) MUST_USE;
+
 /* Writes the listed members to `out`. */
 void list_engines(const struct list *list, const struct engine *out[LIST_MOST]);
 void list_layouts(const struct list *list, const struct layout *out[LIST_MOST]);

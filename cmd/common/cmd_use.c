@@ -4,7 +4,7 @@
 #include "ref/base/command.h"
 #include "ref/base/text.h"
 #include "scenes/rays/rays.h"
-#include "scenes/scenes.h"
+#include "scenes/worlds.h"
 #include "ref/store.h"
 
 #include <string.h>
@@ -108,7 +108,8 @@ static bool scene_is_seeded(const char *spec)
     const char *colon = strchr(spec, ':');
     snprintf(name, sizeof name, "%.*s", (int)strcspn(spec, ":"), spec);
     const struct generator *generator = generator_find(name);
-    if (!generator || generator->seedless)
+    const struct world_generator *of_worlds = world_generator_find(name);
+    if (generator ? generator->seedless : !of_worlds || of_worlds->seedless)
         return false;
     return !colon || (!strstr(colon, ":seed=") && !strstr(colon, ",seed="));
 }

@@ -1,7 +1,9 @@
 /* The report of raydiff diff on engines, as text and as JSON. */
 #include "cmd/common/cmd_json.h"
 #include "cmd/diff/cmd_diff.h"
+#include "cmd/common/cmd_screen.h"
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 #include "ref/base/json_record.h"
 
 #include <stdio.h>
@@ -21,7 +23,7 @@ void diff_print_subject(const struct diff_run *run)
     printf("%striangle test %s\n", run->stage.packed.layout ? ", " : "", settings->tri->name);
     for (size_t i = 0; i < run->count; i++)
         if (run->member[i].status)
-            printf("left out: %s\n", run->member[i].reason.text);
+            screen_line(4, "left out: %s\n", run->member[i].reason.text);
 }
 
 /* Prints the count of every class, also if it is 0: "tie 3, near_tie 0, ...". */
@@ -30,14 +32,18 @@ static void print_whys(const struct pair *pair)
     size_t fine = 0;
     for (enum why why = WHY_SAME; !why_is_fault(why); why++)
         fine += pair->why[why];
-    printf("  explained   %zu of %zu pixels: same path %zu, rounding %zu, drift %zu", fine,
-           pair->asked, pair->why[WHY_SAME], pair->why[WHY_ROUNDING], pair->why[WHY_DRIFT]);
+    char line[600];
+    snprintf(line, sizeof line,
+             "  explained   %zu of %zu pixels: same path %zu, rounding %zu, drift %zu", fine,
+             pair->asked, pair->why[WHY_SAME], pair->why[WHY_ROUNDING], pair->why[WHY_DRIFT]);
     for (enum verdict verdict = VERDICT_TIE; verdict < VERDICT_WRONG; verdict++)
-        printf(", %s %zu", verdict_name(verdict), pair->verdict[verdict]);
-    printf(", wrong as published %zu", pair->why[WHY_PUBLISHED]);
-    printf("\n  faults      wrong answer %zu, picture not of its rays %zu, unexplained %zu",
-           pair->why[WHY_WRONG], pair->why[WHY_RENDERER], pair->why[WHY_UNEXPLAINED]);
-    printf("; err/E at most %.3g\n", pair->over);
+        text_append(line, sizeof line, ", %s %zu", verdict_name(verdict), pair->verdict[verdict]);
+    screen_line(14, "%s, wrong as published %zu\n", line, pair->why[WHY_PUBLISHED]);
+    screen_line(14,
+                "  faults      wrong answer %zu, picture not of its rays %zu, unexplained %zu; "
+                "err/E at most %.3g\n",
+                pair->why[WHY_WRONG], pair->why[WHY_RENDERER], pair->why[WHY_UNEXPLAINED],
+                pair->over);
 }
 
 static const char *class_of(const struct path_why *why)
@@ -72,8 +78,9 @@ static void print_pixel(const struct diff_run *run, const struct diff_member *me
             continue;
         judge_line(&answer->ray, &answer->judgement, &answer->hit, line, sizeof line);
         diff_explain(run, side[i], why->light != WHY_NO_LIGHT, &answer->ray, command);
-        printf("    WRONG %s %s %s\n    explain: %s\n", wrong_name(answer->judgement.wrong),
-               side[i]->engine->name, line, command);
+        screen_line(6, "    WRONG %s %s %s\n", wrong_name(answer->judgement.wrong),
+                    side[i]->engine->name, line);
+        printf("    explain: %s\n", command);
     }
 }
 
@@ -92,13 +99,15 @@ static void print_pair(const struct diff_run *run, const struct diff_member *mem
     printf("\n%s against %s: %s\n", member->engine->name, reference->engine->name,
            pair->same_bits ? "the same bits are demanded" : "each difference is to be explained");
     printf("  paths       %zu of %zu differ\n", diff->paths_apart, diff->paths);
-    printf("  segments    of %zu differ in triangle %zu, t %zu, lights asked %zu, shadows %zu\n",
-           diff->segments, diff->field[PATH_PRIM], diff->field[PATH_T], diff->field[PATH_ASKED],
-           diff->field[PATH_SHADOWED]);
-    printf("  values      %zu of %zu pixels differ, by %u at most; same path: %zu within the bound "
-           "of a rounding border, %zu not\n",
-           diff->colours, diff->paths, diff->largest, diff->allowed,
-           pair->bounded ? diff->excess : 0);
+    screen_line(
+        14, "  segments    %zu, different in triangle %zu, t %zu, lights asked %zu, shadows %zu\n",
+        diff->segments, diff->field[PATH_PRIM], diff->field[PATH_T], diff->field[PATH_ASKED],
+        diff->field[PATH_SHADOWED]);
+    screen_line(
+        14,
+        "  values      %zu of %zu pixels differ, by %u at most; same path: %zu within the bound "
+        "of a rounding border, %zu not\n",
+        diff->colours, diff->paths, diff->largest, diff->allowed, pair->bounded ? diff->excess : 0);
     print_whys(pair);
     for (size_t i = 0; i < pair->border_count && i < list; i++) {
         const struct pixel_border *border = &pair->border[i];
@@ -132,6 +141,14 @@ void diff_print(const struct diff_run *run)
     for (size_t i = run->reference + 1; i < run->count; i++)
         if (!run->member[i].status)
             print_pair(run, &run->member[i]);
+    size_t pairs = 0, agree = 0;
+    for (size_t i = run->reference + 1; i < run->count; i++) {
+        const struct diff_member *member = &run->member[i];
+        pairs += member->status == STATUS_OK;
+        agree += !member->status && pair_agrees(&member->pair) && !diff_is_vacuous(&member->pair);
+    }
+    screen_line(4, "conclusion: %zu of %zu comparison%s with %s as it should be\n", agree, pairs,
+                plural(pairs), run->member[run->reference].engine->name);
 }
 
 static json_t *answer_json(const struct diff_run *run, const struct diff_member *member,

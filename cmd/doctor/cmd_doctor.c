@@ -5,6 +5,7 @@
 #include "gpu/vk/vk_driver.h"
 #include "gpu/trace/vulkan_options.h"
 #include "cmd/common/cmd_rows.h"
+#include "cmd/common/cmd_screen.h"
 #include "ref/base/command.h"
 
 #include <float.h>
@@ -13,11 +14,18 @@
 #include <string.h>
 #include <unistd.h>
 
+/* __VERSION__ of clang begins with its name, that of gcc does not have it. */
+#ifdef __clang__
+#define COMPILER __VERSION__
+#else
+#define COMPILER "gcc " __VERSION__
+#endif
+
 /* Prints each line indented. */
 static void print_lines(char *text)
 {
     for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n"))
-        printf("    %s\n", line);
+        screen_line(8, "    %s\n", line);
 }
 
 static void ask_engine(const struct engine *engine, const struct engine_options *options,
@@ -31,13 +39,21 @@ static void ask_engine(const struct engine *engine, const struct engine_options 
         engine->close(self);
 }
 
-static void print_engine(const struct doctor_engine *e)
+/* `e` is one of the engines from `first` on; what is the same as of one before is not repeated. */
+static void print_engine(const struct doctor_engine *first, const struct doctor_engine *e)
 {
+    const struct doctor_engine *same = first;
     char text[sizeof e->text];
+    while (same < e && (same->status || e->status || strcmp(same->text, e->text) != 0))
+        same++;
     memcpy(text, e->text, sizeof text);
     printf("%-14s %s\n", e->engine->name, e->status ? "SKIPPED" : "runs");
+    if (same < e && strchr(e->text, '\n')) {
+        printf("    as %s\n", same->engine->name);
+        return;
+    }
     if (e->status)
-        printf("    why: %s\n", e->reason.text);
+        screen_line(9, "    why: %s\n", e->reason.text);
     if (!e->status || !strstr(text, e->reason.text)) /* else the text repeats the reason */
         print_lines(text);
 }
@@ -66,12 +82,13 @@ static void print_driver(const struct doctor_driver *d)
 {
     char text[4096];
     if (d->status) {
-        printf("driver %-12s SKIPPED\n    why: %s\n", d->name, d->reason.text);
+        printf("driver %-12s SKIPPED\n", d->name);
+        screen_line(9, "    why: %s\n", d->reason.text);
         return;
     }
-    printf("driver %-12s %s, %s\n", d->name, d->card.limits.device, d->card.limits.driver);
+    screen_line(20, "driver %-12s %s, %s\n", d->name, d->card.limits.device, d->card.limits.driver);
     if (d->version[0])
-        printf("    %s\n", d->version);
+        screen_line(8, "    %s\n", d->version);
     card_text(&d->card, text, sizeof text);
     print_lines(text);
 }
@@ -83,9 +100,10 @@ static int print_float_environment(void)
     volatile float least = FLT_MIN, half = 0.5f, one = 1.0f, tiny = 0x1p-24f;
     bool subnormals = least * half > 0.0f;
     bool nearest = fegetround() == FE_TONEAREST && one + tiny == one;
-    printf("float          %s: FLT_EVAL_METHOD %d, subnormals %s, rounding %s\n",
-           subnormals && nearest && FLT_EVAL_METHOD == 0 ? "IEEE" : "NOT IEEE", FLT_EVAL_METHOD,
-           subnormals ? "kept" : "flushed", nearest ? "to nearest" : "directed");
+    screen_line(15, "float          %s: FLT_EVAL_METHOD %d, subnormals %s, rounding %s\n",
+                subnormals && nearest && FLT_EVAL_METHOD == 0 ? "IEEE" : "NOT IEEE",
+                FLT_EVAL_METHOD, subnormals ? "kept" : "flushed",
+                nearest ? "to nearest" : "directed");
     return subnormals && nearest && FLT_EVAL_METHOD == 0 ? EXIT_AGREE : EXIT_INTERNAL;
 }
 
@@ -118,10 +136,11 @@ static const struct option_set set = {
 static int examine(const struct arguments *arguments, struct doctor *doctor)
 {
     int code = print_float_environment();
-    size_t drivers = 0;
+    size_t drivers = 0, running = 0;
     for (size_t i = 0; engines[i] && i < DOCTOR_MOST; i++, doctor->engine_count++) {
         ask_engine(engines[i], &arguments->engine, &doctor->engine[i]);
-        print_engine(&doctor->engine[i]);
+        print_engine(doctor->engine, &doctor->engine[i]);
+        running += doctor->engine[i].status == STATUS_OK;
         if (doctor->engine[i].status && !engines[i]->gpu)
             code = exit_worse(code, EXIT_SKIPPED);
     }
@@ -132,6 +151,8 @@ static int examine(const struct arguments *arguments, struct doctor *doctor)
         print_driver(&doctor->driver[i]);
         drivers += doctor->driver[i].status == STATUS_OK;
     }
+    screen_line(4, "conclusion: %zu of %zu engines run, %zu of %zu Vulkan drivers are here\n",
+                running, doctor->engine_count, drivers, doctor->driver_count);
     return drivers > 0 ? code : exit_worse(code, EXIT_SKIPPED);
 }
 
@@ -143,7 +164,7 @@ int cmd_doctor(int argc, char **argv)
         return code;
     if (first < argc)
         return usage_error("doctor", "'%s' is not an option", argv[first]);
-    printf("raydiff        %s, compiled by %s\n", RAYDIFF_VERSION, __VERSION__);
+    printf("raydiff        %s, compiled by %s\n", RAYDIFF_VERSION, COMPILER);
     printf("processors     %ld\n", sysconf(_SC_NPROCESSORS_ONLN));
     struct doctor *doctor = alloc_zeroed(1, sizeof *doctor);
     struct reason reason = {""};

@@ -30,6 +30,9 @@ static enum status take_cause(void *options, const struct option_value *given,
     return STATUS_OK;
 }
 
+/* In place of the default layout, of scenes that are too large for it. */
+#define LARGE_LAYOUT "f32"
+
 #define ROWS_OF struct explain_options
 
 static const struct option_row rows[] = {
@@ -45,7 +48,8 @@ static const struct option_row rows[] = {
     SEED_ROW(of.seed),
     {"engine", "E", "engine; pipe:COMMAND is a tracer of your own",
      OF_MEMBER(of.engine, TABLE_ENGINES), .value = "cpu"},
-    {"layout", "L", "layout", OF_MEMBER(of.layout, TABLE_LAYOUTS), .value = "rf16"},
+    {"layout", "L", "layout", OF_MEMBER(of.layout, TABLE_LAYOUTS), .value = "rf16",
+     .shown = "rf16, or " LARGE_LAYOUT " where that cannot hold the scene"},
     {"store", "S", "triangle storage, see raydiff list storages", OF_MEMBER(of.store, TABLE_STORES),
      .value = "indexed"},
     {"builder", "B", "builder", OF_MEMBER(of.builder, TABLE_BUILDERS), .value = "median"},
@@ -101,8 +105,8 @@ static enum status make_rays(struct explaining *e, struct reason *reason)
     const struct explain_options *o = e->options;
     if (o->has_file) {
         if (o->has_index && o->index >= e->ray_count)
-            return fail(reason, STATUS_INPUT, "--index: %llu of %zu rays",
-                        (unsigned long long)o->index, e->ray_count);
+            return fail(reason, STATUS_INPUT, "--index: %llu is no ray here: 0 to %zu",
+                        (unsigned long long)o->index, e->ray_count ? e->ray_count - 1 : 0);
         return STATUS_OK;
     }
     e->ray_count = o->ray_text ? 1 : (size_t)o->count;
@@ -112,8 +116,8 @@ static enum status make_rays(struct explaining *e, struct reason *reason)
     if (o->ray_text)
         return ray_text_read(o->ray_text, RAY_TMAX, e->ray, reason);
     if (o->has_index && o->index >= o->count)
-        return fail(reason, STATUS_INPUT, "--index: %llu of %llu rays",
-                    (unsigned long long)o->index, (unsigned long long)o->count);
+        return fail(reason, STATUS_INPUT, "--index: %llu is no ray here: 0 to %llu",
+                    (unsigned long long)o->index, (unsigned long long)o->count - 1);
     return ray_set_make(o->rays, &e->scene, o->of.seed, e->ray_count, e->ray, reason);
 }
 
@@ -140,6 +144,11 @@ static enum status make_tree(struct explaining *e, struct reason *reason)
         return tree_file_pack(&e->tree, of->layout, &e->scene, &e->packed, reason);
     if (!status)
         status = packed_make_stored(of->layout, of->store, &e->bvh, &e->scene, &e->packed, reason);
+    if (status == STATUS_LIMIT && e->bvh.node_count > 0 && !option_was_given("layout") &&
+        !e->options->has_trial) {
+        e->options->of.layout = layout_find(LARGE_LAYOUT);
+        status = packed_make_stored(of->layout, of->store, &e->bvh, &e->scene, &e->packed, reason);
+    }
     return status;
 }
 

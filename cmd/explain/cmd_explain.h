@@ -37,6 +37,9 @@ enum status explain_write_html(const char *path, const struct explain_page *page
 const char *explain_note_text(const struct replay_note *note);
 const char *explain_fault_text(enum bound_fault fault);
 
+/* What stands before an opinion's text: "wrong, ", "allowed, ", or nothing if it is right. */
+const char *explain_opinion(const struct opinion *opinion);
+
 /* True if the answer is wrong: not allowed, or with other bits than C's. */
 static inline bool explain_is_wrong(const struct judged_ray *ray)
 {

@@ -194,9 +194,10 @@ static void write_head(struct html *html, const struct explain_page *page)
     else if (ray->judgement.verdict == VERDICT_WRONG)
         html_element_format(html, "p", "bad", "WRONG: %s", wrong_name(ray->judgement.wrong));
     else
-        html_element_format(html, "p", explain_is_wrong(ray) ? "bad" : NULL, "%s: %s",
-                            explain_is_wrong(ray) ? "allowed, but not C's bits" : "allowed",
-                            verdict_name(ray->judgement.verdict));
+        html_element_format(html, "p", explain_is_wrong(ray) ? "bad" : NULL, "%s%s%s",
+                            ray->judgement.verdict == VERDICT_RIGHT ? "" : "allowed: ",
+                            verdict_name(ray->judgement.verdict),
+                            explain_is_wrong(ray) ? ", but not C's bits" : "");
     if (ray->why.cause != CAUSE_NONE)
         html_element_format(html, "p", NULL, "Cause: %s, %s.", cause_name(ray->why.cause),
                             cause_text(ray->why.cause));
@@ -281,8 +282,8 @@ static void write_tried(struct html *html, const struct explanation *why)
         else
             html_element_format(html, "td", NULL, "triangle %u at t = %.9g", attempt->hit.prim,
                                 (double)attempt->hit.t);
-        html_element_format(html, "td", NULL, "%s, %s",
-                            attempt->opinion.allowed ? "allowed" : "wrong", attempt->opinion.text);
+        html_element_format(html, "td", NULL, "%s%s", explain_opinion(&attempt->opinion),
+                            attempt->opinion.text);
         html_end(html, "tr");
     }
     html_table_end(html);

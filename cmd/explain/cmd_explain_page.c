@@ -9,6 +9,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static void print_hit(FILE *out, const struct hit *hit)
 {
@@ -67,7 +68,8 @@ static void print_verdict(FILE *out, const struct judged_ray *ray)
         return;
     }
     if (judgement->verdict != VERDICT_WRONG)
-        fprintf(out, "allowed: %s", verdict_name(judgement->verdict));
+        fprintf(out, "%s%s", judgement->verdict == VERDICT_RIGHT ? "" : "allowed: ",
+                verdict_name(judgement->verdict));
     else if (judgement->expected == ABI_NO_PRIM)
         fprintf(out, "WRONG: %s", wrong_name(judgement->wrong));
     else
@@ -83,6 +85,13 @@ static void print_verdict(FILE *out, const struct judged_ray *ray)
     if (judgement->verdict != VERDICT_WRONG && explain_is_wrong(ray))
         fputs("; but not the bits that C gives, as this engine promises", out);
     putc('\n', out);
+}
+
+const char *explain_opinion(const struct opinion *opinion)
+{
+    if (!opinion->allowed)
+        return "wrong, ";
+    return strcmp(opinion->text, verdict_name(VERDICT_RIGHT)) == 0 ? "" : "allowed, ";
 }
 
 const char *explain_note_text(const struct replay_note *note)
@@ -210,8 +219,7 @@ static void print_tried(FILE *out, const struct explanation *why)
             fputs("not finished", out);
         else
             print_hit(out, &attempt->hit);
-        fprintf(out, ": %s%s\n", attempt->opinion.allowed ? "allowed, " : "wrong, ",
-                attempt->opinion.text);
+        fprintf(out, ": %s%s\n", explain_opinion(&attempt->opinion), attempt->opinion.text);
     }
 }
 

@@ -2,7 +2,9 @@
 #include "fuzz/export/export.h"
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
+#include "cmd/common/cmd_screen.h"
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 #include "ref/files/file.h"
 
 #include <string.h>
@@ -24,8 +26,10 @@ static const struct option_row rows[] = {
      OF_CHOICE(options.form, export_form_names), .value = "c"},
     {"engine", "E", "for vulkan, vulkan_brute, rayquery, embree or embree_robust",
      OF_MEMBER(options.engine, TABLE_ENGINES), .shown = "the file's; else vulkan"},
-    {"layout", "L", "its tree's layout", OF_MEMBER(options.layout, TABLE_LAYOUTS),
-     .shown = "the file's; else f32"},
+    {"layout", "L",
+     "its tree's layout; FILE.so, one from outside, also where the finding is on it and no tree is "
+     "written",
+     OF_MEMBER(options.layout, TABLE_LAYOUTS), .shown = "the file's; else f32"},
     {"ray", "N", "this ray alone", OF_COUNT(options.ray, 0, FUZZ_RAYS_MOST), .shown = "all"},
     {0},
 };
@@ -38,13 +42,24 @@ static const struct option_set set = {
              "with which tolerance.",
     .group = {GROUP(rows), GROUP_AT(engine_rows, options.engines)},
     .codes = "0 written, 2 bad input, or nothing that can run outside raydiff",
-    .example = "export fuzz/corpus/sentinel.trial --engine vulkan --to x.c\n"
+    .example = "export fuzz/corpus/eighth-slot.trial --engine vulkan --to x.c\n"
                "         cc x.c -lvulkan -o x && ./x",
 };
 
-/* Prints the writer's remarks to standard error, one per line. */
-static void print_said(const char *path, const struct export_said *said)
+/* Prints what was written and the writer's remarks: for a file one line, else to standard error,
+ * one per line. */
+static void print_said(const char *path, const char *to, const struct export_said *said)
 {
+    if (to) {
+        char line[2 * sizeof said->text] = "";
+        for (const char *at = said->text; *at;) {
+            const size_t length = strcspn(at, "\n");
+            text_append(line, sizeof line, "%s%.*s", at > said->text ? "; " : "", (int)length, at);
+            at += length + (at[length] == '\n');
+        }
+        screen_line(4, "wrote %s%s%s\n", to, line[0] ? ", but " : "", line);
+        return;
+    }
     for (const char *at = said->text; *at;) {
         size_t length = strcspn(at, "\n");
         fprintf(stderr, "raydiff export: %s: %.*s\n", path, (int)length, at);
@@ -73,7 +88,7 @@ static int write_file(const char *path, const struct taken *taken, const struct 
     if (!standard)
         status = file_out_commit(&out, &reason);
     if (!status)
-        print_said(path, &said);
+        print_said(path, standard ? NULL : taken->to, &said);
     return exit_with_reason("export", status, &reason);
 }
 
@@ -89,10 +104,15 @@ static int check_use(const struct export_options *o, const struct finding_file *
     const struct engine *engine = o->engine             ? o->engine
                                   : file->has_signature ? engine_find(file->signature.engine)
                                                         : engine_find("vulkan");
-    const struct list list = list_of_one(TABLE_ENGINES, engine); /* empty: the peer is not loaded */
+    struct list list = list_of_one(TABLE_ENGINES, engine); /* empty: the peer is not loaded */
+    const bool brings = o->layout && o->layout->outside;   /* without it the file is not read */
+    if (brings && !list_needs_trees(&list))
+        list_add(&list, TABLE_ENGINES, engine_reference(true));
     const struct option_use use = {.engine = &list};
     const struct option_use ours = {.by = "an export of no vendor's engine",
-                                    .never = is_vendors(engine) ? "" : "layout threads"};
+                                    .never = is_vendors(engine) ? ""
+                                             : brings           ? "threads"
+                                                                : "layout threads"};
     int code = options_refused("export", &use);
     return code < 0 ? options_refused("export", &ours) : code;
 }

@@ -1,5 +1,6 @@
 /* The members that pairs are formed from, and the report on pairs. */
 #include "cmd/fuzz/cmd_fuzz.h"
+#include "cmd/common/cmd_screen.h"
 
 #include "ref/base/json_record.h"
 
@@ -65,19 +66,26 @@ void fuzz_pairs_print(const struct fuzz_command *c, const struct campaign_view *
     struct pair_coverage_summary sum = pair_coverage_summarize(c->pair_coverage, c->pairs);
     char name[PAIR_NAME_MOST];
     uint64_t count;
-    printf("pairs      %u of members can meet, %u met; trials of a pair: least %llu, median %llu\n",
-           sum.possible, sum.met, (unsigned long long)sum.least, (unsigned long long)sum.median);
+    if (sum.possible == 0)
+        screen_line(11, "pairs      none: no engine here runs two members that vary\n");
+    else
+        screen_line(11,
+                    "pairs      %u of members can meet, %u met; trials of a pair: least %llu, "
+                    "median %llu\n",
+                    sum.possible, sum.met, (unsigned long long)sum.least,
+                    (unsigned long long)sum.median);
     for (uint32_t i = 0;
          i < RAREST_SHOWN && pair_coverage_rarest(c->pair_coverage, i, name, &count); i++)
-        printf("           %s %llu\n", name, (unsigned long long)count);
+        screen_line(11, "           %s %llu\n", name, (unsigned long long)count);
     if (view->refitted + view->rebuilt > 0)
-        printf("moved      %llu trees refitted, %llu rebuilt\n", (unsigned long long)view->refitted,
-               (unsigned long long)view->rebuilt);
+        screen_line(11, "moved      %llu trees refitted, %llu rebuilt\n",
+                    (unsigned long long)view->refitted, (unsigned long long)view->rebuilt);
     if (c->pairs > 0 && sum.possible == 0)
-        printf("short      --pairs: the engines share no member that could form a pair\n");
+        screen_line(11, "short      --pairs: the engines share no member that could form a pair\n");
     if (c->pairs > 0 && sum.below > 0)
-        printf("short      %u pairs met in fewer than %llu trials: run again to continue\n",
-               sum.below, (unsigned long long)c->pairs);
+        screen_line(11,
+                    "short      %u pairs met in fewer than %llu trials: run again to continue\n",
+                    sum.below, (unsigned long long)c->pairs);
 }
 
 struct json_t *fuzz_pairs_json(const struct fuzz_command *c, const struct campaign_view *view)

@@ -5,7 +5,9 @@
 #include "fuzz/play/coverage.h"
 #include "fuzz/campaign/worker.h"
 #include "cmd/common/cmd_json.h"
+#include "cmd/common/cmd_screen.h"
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 #include "ref/base/json_record.h"
 
 #include <stdio.h>
@@ -183,13 +185,13 @@ static void print_finding(const struct fuzz_command *c, const struct campaign_vi
     const struct findings_entry *entry = findings_entry(view->findings, i);
     struct finding_words words;
     fuzz_describe(c, view, i, &words);
-    printf("%-7s  %s  %llu time%s, smallest: %u triangle%s, %u ray%s\n",
-           report_state_name(words.state), words.signature, (unsigned long long)entry->count,
-           plural(entry->count), entry->smallest.triangles, plural(entry->smallest.triangles),
-           entry->smallest.rays, plural(entry->smallest.rays));
-    printf("         %s\n", cause_text(entry->signature.cause));
+    screen_line(9, "%-7s  %s  %llu time%s, smallest: %u triangle%s, %u ray%s\n",
+                report_state_name(words.state), words.signature, (unsigned long long)entry->count,
+                plural(entry->count), entry->smallest.triangles, plural(entry->smallest.triangles),
+                entry->smallest.rays, plural(entry->smallest.rays));
+    screen_line(9, "         %s\n", cause_text(entry->signature.cause));
     if (words.answer.text[0])
-        printf("         %s\n", words.answer.text);
+        screen_line(9, "         %s\n", words.answer.text);
     printf("         %s\n", words.replay);
 }
 
@@ -198,7 +200,7 @@ static void print_unused(const struct fuzz_command *c, const struct campaign_vie
     char line[UNUSED_MOST];
     size_t at = c->baseline.list[0].count; /* skip the shipped list: it may excuse nothing here */
     while (fuzz_unused_line(c, view, &at, line))
-        printf("unused     %s\n", line);
+        screen_line(11, "unused     %s\n", line);
 }
 
 /* True if no run played a trial. */
@@ -223,15 +225,35 @@ static void print_turnout(const struct campaign_view *view)
         const struct campaign_turnout *turnout = &view->turnout[i];
         const char *vacuous = campaign_vacuous(view, i), *loses = campaign_loses(view, i);
         char lost[MATCH_EDGES_TEXT];
+        char line[1024];
         fuzz_contestant_name(view, i, name);
-        printf("%-10s %s answered %llu trials, refused %llu", i ? "" : "contestant", name,
-               (unsigned long long)turnout->played, (unsigned long long)turnout->declined);
+        snprintf(line, sizeof line, "%-10s %s answered %llu trials, refused %llu",
+                 i ? "" : "contestant", name, (unsigned long long)turnout->played,
+                 (unsigned long long)turnout->declined);
         if (view->refused[i] > 0 && view->options->rules.field.who[i].layout)
-            printf(", of this run %llu for its layout", (unsigned long long)view->refused[i]);
+            text_append(line, sizeof line, "; its layout refused %llu of this run",
+                        (unsigned long long)view->refused[i]);
         match_edges_text(turnout->edges, lost);
-        printf("%s%s%s%s\n", vacuous ? "; vacuous: " : "", vacuous ? vacuous : "",
-               loses ? "; lost beside edges " : "", loses ? lost : "");
+        screen_line(11, "%s%s%s%s%s\n", line, vacuous ? "; vacuous: " : "", vacuous ? vacuous : "",
+                    loses ? "; lost beside edges " : "", loses ? lost : "");
     }
+}
+
+static void print_trials(const struct campaign_view *view)
+{
+    char line[300];
+    snprintf(line, sizeof line, "trials     %llu (%.0f/s), of %.1f triangles (median %u)",
+             (unsigned long long)view->trials, rate(view->trials, view->play_ns),
+             view->trials ? (double)view->triangles / (double)view->trials : 0,
+             campaign_triangles_median(view));
+    if (view->corpus > 0)
+        text_append(line, sizeof line, ", %llu of the corpus", (unsigned long long)view->corpus);
+    if (view->mutants > 0)
+        text_append(line, sizeof line, ", %llu mutants", (unsigned long long)view->mutants);
+    if (view->before > 0)
+        text_append(line, sizeof line, ", after %llu generated ones of earlier runs",
+                    (unsigned long long)view->before);
+    screen_line(11, "%s\n", line);
 }
 
 static void print_summary(const struct fuzz_command *c, const struct campaign_view *view)
@@ -241,24 +263,15 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
     for (size_t i = 0; i < count; i++)
         left += !view->mark[i].shrunk && !view->mark[i].known;
     if (c->left_out[0])
-        printf("left out   %s\n", c->left_out);
-    printf("trials     %llu (%.0f/s), of %.1f triangles (median %u)",
-           (unsigned long long)view->trials, rate(view->trials, view->play_ns),
-           view->trials ? (double)view->triangles / (double)view->trials : 0,
-           campaign_triangles_median(view));
-    if (view->corpus > 0)
-        printf(", %llu of the corpus", (unsigned long long)view->corpus);
-    if (view->mutants > 0)
-        printf(", %llu mutants", (unsigned long long)view->mutants);
-    if (view->before > 0)
-        printf(", after %llu generated ones of earlier runs", (unsigned long long)view->before);
-    printf("\njudged     %llu rays (%.0f/s); harness %.0f %% of the time\n",
+        screen_line(11, "left out   %s\n", c->left_out);
+    print_trials(view);
+    printf("judged     %llu rays (%.0f/s); harness %.0f %% of the time\n",
            (unsigned long long)view->judged, rate(view->judged, view->play_ns),
            100 * campaign_harness_share(view, NULL));
     printf("coverage   %u of %u states\n", coverage_count(view->coverage), coverage_known());
     fuzz_pairs_print(c, view);
     if (view->restarts > 0)
-        printf("restarts   %u; the last: %s\n", view->restarts, view->said);
+        screen_line(11, "restarts   %u; the last: %s\n", view->restarts, view->said);
     if (view->renewed > 0)
         printf("renewed    %u workers that held half of --memory\n", view->renewed);
     if (flaky > 0)
@@ -277,7 +290,8 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
         printf("unshrunk   findings are left: run again to shrink them\n");
     if (is_vacuous(view))
         printf("vacuous    no trial was played: nothing is tested\n");
-    printf("findings   %zu distinct, %zu outside the baseline, in %s\n", count, news, c->folder);
+    screen_line(11, "findings   %zu distinct, %zu outside the baseline, in %s\n", count, news,
+                c->folder);
 }
 
 void fuzz_report(void *user, const struct campaign_view *view)

@@ -1,16 +1,26 @@
 /* raydiff merge: joins the findings of several campaigns, such as shards, in one folder. */
 #include "fuzz/findings/findings.h"
 #include "cmd/common/cmd_rows.h"
+#include "cmd/common/cmd_tables.h"
 #include "ref/base/command.h"
 
 struct merge_options {
     const char *to;
+    struct list layout;
 };
+
+static enum status take_layouts(void *options, const struct option_value *given,
+                                struct reason *reason)
+{
+    return list_bring_layouts(&((struct merge_options *)options)->layout, given->text, reason);
+}
 
 #define ROWS_OF struct merge_options
 
 static const struct option_row rows[] = {
     {"to", "DIR", "the new folder; it must not exist or be empty", OF_FOLDER(to)},
+    {"layout", "L,..", "brings FILE.so, a layout from outside, to findings on it",
+     OF_OWN(take_layouts), .file = true, .repeats = true},
     {0},
 };
 
@@ -57,7 +67,7 @@ static enum status print_folder(const char *folder, const char *what, bool list,
 
 int cmd_merge(int argc, char **argv)
 {
-    struct merge_options options = {NULL};
+    struct merge_options options = {.to = NULL};
     struct reason reason = {""};
     int first, code = options_read(&set, &options, argc, argv, &first);
     if (code >= 0)

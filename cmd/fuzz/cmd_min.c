@@ -13,25 +13,10 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Each finding names its layout, so --layout only accepts external ones. */
 static enum status take_layouts(void *options, const struct option_value *given,
                                 struct reason *reason)
 {
-    struct min_options *o = options;
-    struct list list;
-    enum status status = table_parse(TABLE_LAYOUTS, "--layout", given->text, &list, reason);
-    for (size_t i = 0; i < list.count && !status; i++) {
-        const struct layout *layout = layouts_all[list.index[i]];
-        if (!layout->outside)
-            return fail(
-                reason, STATUS_INPUT,
-                "--layout: takes only FILE.so, since a finding names its layout; '%s' is built in",
-                layout->name);
-        if (list_has(&o->layout, list.index[i]))
-            return fail(reason, STATUS_INPUT, "--layout: %s is named twice", layout->name);
-        o->layout.index[o->layout.count++] = list.index[i]; /* fits: no duplicates */
-    }
-    return status;
+    return list_bring_layouts(&((struct min_options *)options)->layout, given->text, reason);
 }
 
 enum status min_check_layouts(const struct min_options *options, const char *path,

@@ -4,6 +4,7 @@
 #include "cmd/fuzz/cmd_replay.h"
 #include "ref/outside/pipe.h"
 #include "cmd/common/cmd_json.h"
+#include "cmd/common/cmd_screen.h"
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"
 
@@ -30,9 +31,10 @@ static const char *end_text(enum shrink_end end)
 
 static void print_size(const char *title, const struct fuzz_trial_size *size, size_t bytes)
 {
-    printf("  %-8s %u triangle%s, %u ray%s, %u vert%s, %llu bits of numbers, %zu bytes\n", title,
-           size->triangles, plural(size->triangles), size->rays, plural(size->rays), size->vertices,
-           size->vertices == 1 ? "ex" : "ices", (unsigned long long)size->bits, bytes);
+    screen_line(11, "  %-8s %u triangle%s, %u ray%s, %u vert%s, %llu bits of numbers, %zu bytes\n",
+                title, size->triangles, plural(size->triangles), size->rays, plural(size->rays),
+                size->vertices, size->vertices == 1 ? "ex" : "ices", (unsigned long long)size->bits,
+                bytes);
 }
 
 static void print_replay(const struct min_row *row)
@@ -51,7 +53,7 @@ void min_print(const struct min_row *row)
         return;
     }
     fuzz_signature_print(&row->file.signature, signature);
-    printf("%s: %s\n", row->path, signature);
+    screen_line(4, "%s: %s\n", row->path, signature);
     print_size("before", &row->stats.before, row->bytes_before);
     if (row->fate == MIN_NOT_SHOWN) {
         puts("  it does not show here; nothing was written");
@@ -59,22 +61,22 @@ void min_print(const struct min_row *row)
         return;
     }
     print_size("after", &row->stats.after, row->bytes_after);
-    printf("  asked    %llu trials in %u rounds (%llu asks), %llu were smaller; %s\n",
-           (unsigned long long)row->stats.tried, row->stats.rounds,
-           (unsigned long long)row->stats.asks, (unsigned long long)row->stats.accepted,
-           end_text(row->stats.end));
+    screen_line(11, "  asked    %llu trials in %u round%s (%llu asks), %llu were smaller; %s\n",
+                (unsigned long long)row->stats.tried, row->stats.rounds, plural(row->stats.rounds),
+                (unsigned long long)row->stats.asks, (unsigned long long)row->stats.accepted,
+                end_text(row->stats.end));
     replay_finding_line(&row->smaller.trial, &row->stats.finding, text, sizeof text);
     if (text[0])
-        printf("  shows    ray %u %s\n", row->stats.finding.ray, text);
+        screen_line(11, "  shows    ray %u %s\n", row->stats.finding.ray, text);
     if (row->stats.finding.said[0])
-        printf("  shows    %s\n", row->stats.finding.said);
+        screen_line(11, "  shows    %s\n", row->stats.finding.said);
     if (row->file.signature.kind == FUZZ_KIND_CRASH)
         puts("  shows    the engine's process ends");
     else if (row->file.signature.kind == FUZZ_KIND_HANG)
         puts("  shows    the engine does not answer in time");
     else
-        printf("  cause    %s: %s\n", cause_name(row->file.signature.cause),
-               cause_text(row->file.signature.cause));
+        screen_line(11, "  cause    %s: %s\n", cause_name(row->file.signature.cause),
+                    cause_text(row->file.signature.cause));
     printf("  wrote    %s\n", row->written[0] ? row->written : "nothing: it is the smallest");
     print_replay(row);
 }

@@ -60,7 +60,8 @@ enum status replay_engine(const struct finding_file *file, const struct engine *
                           struct reason *reason) MUST_USE;
 
 /* True if the finding is what the file expects. An engine or layout named by an option replaces the
- * signature's. */
+ * signature's; of a named engine without a layout the kind alone is compared, if the signature has
+ * one, since causes within a layout are none of it. */
 bool replay_is_expected(const struct replay_options *options, const struct finding_file *file,
                         const struct fuzz_signature *found);
 

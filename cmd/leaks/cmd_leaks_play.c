@@ -119,43 +119,63 @@ static enum status play_row(struct play *play, struct leak_row row, struct reaso
     return add_row(play, &row, reason);
 }
 
-/* False for engines that have a triangle test of their own, whichever was named. */
-static bool runs_our_tests(struct play *play, const struct engine *engine,
-                           const struct tri_test *tri)
+/* The triangle test that an engine with one of its own reports, or NULL: none of the table, or it
+ * cannot run here. */
+static const struct tri_test *own_test_of(struct play *play, const struct leak_row *row)
 {
     enum status status;
-    void *self = pool_get(play->pool, engine, &status, NULL);
-    return self && engine->model(self, tri).formula == twin_of_tri(tri->id);
+    void *self = pool_get(play->pool, row->engine, &status, NULL);
+    const char *name = self ? row_formula_name(row->engine->model(self, row->tri).formula) : NULL;
+    return name ? tri_test_find(name) : NULL;
 }
 
 /* Runs the engines that need no tree. Those with a test of their own run only once. */
-static enum status play_treeless(struct play *play, struct leak_row row, bool first,
+static enum status play_treeless(struct play *play, const struct leak_row *like, bool first,
                                  struct reason *reason)
 {
     const struct leaks_options *o = play->options;
     enum status status = STATUS_OK;
-    row.layout = NULL;
     for (size_t e = 0; e < o->engine.count && !status; e++) {
+        struct leak_row row = *like;
+        row.layout = NULL;
         row.engine = engines[o->engine.index[e]];
-        if (row.engine->needs_packed)
+        if (row.engine->needs_packed || (row.engine->own_tri && !first))
             continue;
-        row.own_test = !runs_our_tests(play, row.engine, row.tri);
-        if (first || !row.own_test)
-            status = play_row(play, row, reason);
+        const struct tri_test *own = row.engine->own_tri ? own_test_of(play, &row) : NULL;
+        row.own_test = row.engine->own_tri && !own;
+        if (own)
+            row.tri = own;
+        status = play_row(play, row, reason);
     }
     return status;
 }
 
-static enum status play_packed(struct play *play, struct leak_row row, struct reason *reason)
+/* The box test under whose name an engine with a tree of its own runs, which tests boxes in its own
+ * way: a watertight one, if any is to be played. */
+static size_t box_of_own_tree(const struct list *box)
+{
+    for (size_t b = 0; b < box->count; b++)
+        if (box_tests[box->index[b]]->watertight)
+            return b;
+    return 0;
+}
+
+/* Runs the engines that need a tree. Those with a triangle test or a tree of their own run only
+ * once, since the tests named make no difference to them. */
+static enum status play_packed(struct play *play, struct leak_row row, bool first,
+                               struct reason *reason)
 {
     const struct leaks_options *o = play->options;
+    const size_t own = box_of_own_tree(&o->box);
     enum status status = STATUS_OK;
     for (size_t b = 0; b < o->box.count && !status; b++) {
         row.box = box_tests[o->box.index[b]];
         play->cpu_known = false;
         for (size_t e = 0; e < o->engine.count && !status; e++) {
             row.engine = engines[o->engine.index[e]];
-            if (row.engine->needs_packed)
+            const bool again =
+                (row.engine->own_tri && !first) || (row.engine->own_tree && b != own);
+            if (row.engine->needs_packed && !again)
                 status = play_row(play, row, reason);
         }
     }
@@ -164,7 +184,7 @@ static enum status play_packed(struct play *play, struct leak_row row, struct re
 
 /* `bvh` NULL: uses the tree of the file. */
 static enum status play_layouts(struct play *play, const struct bvh *bvh, struct leak_row row,
-                                struct reason *reason)
+                                bool first, struct reason *reason)
 {
     const struct leaks_options *o = play->options;
     struct list list = o->layout_named ? o->layout : tree_layouts(&play->tree, &o->layout);
@@ -181,7 +201,7 @@ static enum status play_layouts(struct play *play, const struct bvh *bvh, struct
         else if (row.status)
             status = fail(reason, row.status, "%s", row.reason.text);
         else
-            status = play_packed(play, row, reason);
+            status = play_packed(play, row, first, reason);
         packed_free(&play->packed);
     }
     return status;
@@ -195,9 +215,9 @@ static enum status play_tree(struct play *play, const struct bvh *bvh, struct le
     enum status status = STATUS_OK;
     for (size_t t = 0; t < o->tri.count && !status; t++) {
         row.tri = tri_tests[o->tri.index[t]];
-        status = play_layouts(play, bvh, row, reason);
+        status = play_layouts(play, bvh, row, t == 0, reason);
         if (!status && first)
-            status = play_treeless(play, row, t == 0, reason);
+            status = play_treeless(play, &row, t == 0, reason);
     }
     return status;
 }

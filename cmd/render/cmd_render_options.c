@@ -92,7 +92,7 @@ static const char *const handlers[] = {"naive", "bvh", "bvh-rf", "blank", NULL};
 #define ROWS_OF struct render_settings
 
 const struct option_row render_rows[] = {
-    {"path", "SCENE", "a mesh file (.json .obj .ply, also .gz) or a generator", OF_FILE(scene),
+    {"path", "SCENE", "a mesh file (.json .obj .ply .stl, also .gz) or a generator", OF_FILE(scene),
      .shown = RENDER_SCENE_DEFAULT},
     SEED_ROW(seed),
     {"width", "W",

@@ -54,6 +54,16 @@ static enum status take_given(void *options, const struct option_value *given,
     return STATUS_OK;
 }
 
+static enum status take_findings(void *options, const struct option_value *given,
+                                 struct reason *reason)
+{
+    struct report_options *o = options;
+    if (o->findings_count == FOLDERS_GIVEN)
+        return fail(reason, STATUS_INPUT, "--findings: at most %d folders", FOLDERS_GIVEN);
+    o->findings[o->findings_count++] = given->text;
+    return STATUS_OK;
+}
+
 static enum status take_picture(void *options, const struct option_value *given,
                                 struct reason *reason)
 {
@@ -123,7 +133,7 @@ static const struct option_row given_rows[] = {
      .repeats = true},
     {"doctor", "FILE", "what raydiff doctor --json wrote, once", OF_FILE(doctor)},
     {"findings", "DIR", "a folder of raydiff fuzz; each finding is played again and explained",
-     OF_FOLDER(findings)},
+     OF_OWN(take_findings), .file = true, .repeats = true},
     {"baseline", "FILE", "known findings, besides those that are part of raydiff",
      OF_OWN(take_baseline), .file = true, .repeats = true},
     {0},
@@ -149,7 +159,8 @@ static const struct option_set set = {
         "Plays SCENEs (default: " REPORT_DEFAULT_SCENES_TEXT "), or puts results together: with "
         "results given and no SCENE only findings are played.",
     .group = {GROUP(rows),
-              {.row = given_rows, .title = "results that exist, each as often as you like:"},
+              {.row = given_rows,
+               .title = "results that exist, each as often as you like but --doctor:"},
               {.row = passed_rows, .title = "and handed on to the commands that take it:"},
               GROUP_AT(engine_rows, engines),
               GROUP_AT(outside_rows, engines)},
@@ -215,8 +226,8 @@ static enum status write_json(const char *path, const struct report *report, siz
 static void print_sum(const struct report *report, const char *path, size_t bytes)
 {
     struct report_sum sum = report_sum(report);
-    printf("%s: %.1f kB, %zu parts, %zu figures\n", path, (double)bytes / 1e3, sum.parts,
-           sum.figures);
+    printf("%s: %.1f kB, %zu part%s, %zu figure%s\n", path, (double)bytes / 1e3, sum.parts,
+           plural(sum.parts), sum.figures, plural(sum.figures));
     for (size_t i = 0; i < report->part_count; i++) {
         const struct report_part *part = &report->part[i];
         int code = report_part_code(part);
@@ -285,7 +296,8 @@ static char *own_scenes[] = {REPORT_DEFAULT_SCENES};
 
 static int check_options(struct report_options *o)
 {
-    bool given = o->check_count + o->bench_count + o->picture_count > 0 || o->doctor || o->findings;
+    bool given =
+        o->check_count + o->bench_count + o->picture_count > 0 || o->doctor || o->findings_count;
     if (!o->out)
         return usage_error("report", "--out FILE.html is needed");
     if (o->scene_count == 0 && !given) {

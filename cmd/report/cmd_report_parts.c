@@ -267,17 +267,18 @@ static enum status make_finding(const struct report_options *options, struct run
     return status;
 }
 
-static enum status make_findings(const struct report_options *options, struct runner *runner,
-                                 struct report *report, struct reason *reason)
+static enum status make_findings(const struct report_options *options, const char *folder,
+                                 struct runner *runner, struct report *report,
+                                 struct reason *reason)
 {
     struct findings *findings;
     report->wanted[REPORT_FINDING] = true;
-    enum status status = findings_look(options->findings, &findings, reason);
+    enum status status = findings_look(folder, &findings, reason);
     if (status)
         return status;
     size_t count = findings_count(findings);
     size_t shown = count < FINDINGS_SHOWN ? count : FINDINGS_SHOWN;
-    report->findings_left_out = count - shown;
+    report->findings_left_out += count - shown;
     for (size_t i = 0; i < shown && status == STATUS_OK && !runner_signal(); i++)
         status = make_finding(options, runner, findings, i, report, reason);
     findings_close(findings);
@@ -356,8 +357,8 @@ enum status report_make(const struct report_options *options, struct runner *run
         status = make_bench(options, runner, "layouts", report, reason);
     if (!status && scenes && options->wanted[REPORT_PICTURES] && !runner_signal())
         status = report_make_pictures(options, runner, report, reason);
-    if (!status && options->findings && !runner_signal())
-        status = make_findings(options, runner, report, reason);
+    for (size_t i = 0; i < options->findings_count && !status && !runner_signal(); i++)
+        status = make_findings(options, options->findings[i], runner, report, reason);
     if (!status && !options->doctor && options->wanted[REPORT_MACHINE] && !runner_signal())
         status = make_machine(options, runner, report, reason);
     return status;

@@ -17,6 +17,7 @@ struct baseline; /* fuzz/findings/baseline.h */
 #define PICTURES_GIVEN 64
 #define PICTURE_SCENES 2
 #define FILES_GIVEN    16
+#define FOLDERS_GIVEN  16
 
 /* An option passed on unchanged; `to` is the set of commands that take it. A shader is passed
  * together with its layout, also where only one of several layouts is passed. */
@@ -36,7 +37,9 @@ struct report_options {
     bool quick;
     uint64_t count, rounds; /* 0: the default */
     uint64_t seconds;       /* time limit of a part */
-    const char *title, *out, *json, *findings;
+    const char *title, *out, *json;
+    const char *findings[FOLDERS_GIVEN];
+    size_t findings_count;
     const char *check[FILES_GIVEN], *bench[FILES_GIVEN], *doctor; /* existing results */
     size_t check_count, bench_count;
     char *picture[PICTURES_GIVEN]; /* TITLE=FILE */

@@ -85,13 +85,14 @@ int report_check_use(const struct report_options *options)
         {plays && (wanted[REPORT_CHECK] || wanted[REPORT_BENCH] || wanted[REPORT_PICTURES]),
          machine},
         {!options->doctor && wanted[REPORT_MACHINE], " threads driver device workgroup"},
-        {options->findings, " baseline"},
-        {options->findings, machine},
+        {options->findings_count > 0, " baseline"},
+        {options->findings_count > 0, machine},
     };
-    for (size_t i = 0; options->findings && i < engine.count; i++) /* replay gets peers from here */
+    for (size_t i = 0; options->findings_count && i < engine.count;
+         i++) /* replay gets peers from here */
         if (engine_is_peer(engines[engine.index[i]]))
             strcat(only, " engine");
-    for (size_t i = 0; options->findings && i < layout.count; i++)
+    for (size_t i = 0; options->findings_count && i < layout.count; i++)
         if (layouts_all[layout.index[i]]->outside)
             strcat(only, " layout");
     for (size_t i = 0; i < ARRAY_COUNT(parts); i++)
@@ -99,5 +100,6 @@ int report_check_use(const struct report_options *options)
             strncat(only, parts[i].options, sizeof only - strlen(only) - 1);
     const struct option_use of_parts = {.by = "the parts of this report", .only = only};
     int code = options_refused("report", &of_parts);
-    return code < 0 && plays && !options->findings ? options_refused("report", &of_engines) : code;
+    return code < 0 && plays && !options->findings_count ? options_refused("report", &of_engines)
+                                                         : code;
 }

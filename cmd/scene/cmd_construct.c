@@ -184,11 +184,11 @@ static enum status take_transform(void *options, const struct option_value *word
 #define ROWS_OF struct construct_options
 
 static const struct option_row rows[] = {
-    {"out", "FILE", "scene JSON as RTRS writes it; or .obj, .ply: the triangles only",
+    {"out", "FILE", "scene JSON as RTRS writes it; or .obj, .ply, .stl: the triangles only",
      OF_OUTPUT(out)},
     {"model", "MESH IDX",
-     ".obj, .ply or .json, each also .gz, or a generator (soup:n=50); its triangles get material "
-     "IDX, or the default one: 'default'; more models by more pairs or more --model",
+     ".obj, .ply, .stl or .json, each also .gz, or a generator (soup:n=50); its triangles get "
+     "material IDX, or the default one: 'default'; more models by more pairs or more --model",
      OF_OWN(take_model), .repeats = true},
     {"camera-pos", "X Y Z ATX ATY ATZ", "where the camera is, and what it looks at",
      OF_WORDS(take_position, 6, 0, "6 numbers: position and target")},
@@ -203,7 +203,7 @@ static const struct option_row rows[] = {
     {"fill-normals", NULL,
      "a vertex whose triangles give it no normal gets 0 1 0; else it is an error",
      OF_FLAG(construct.fill_normals)},
-    SEED_ROW(construct.seed),
+    SCENE_SEED_ROW(construct.seed),
     {"json", NULL, "what was made as JSON on the standard output", OF_FLAG(json)},
     {0},
 };

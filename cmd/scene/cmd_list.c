@@ -1,5 +1,6 @@
 /* raydiff list: prints every member of every table. */
 #include "cmd/common/cmd_rows.h"
+#include "cmd/common/cmd_screen.h"
 #include "ref/base/command.h"
 #include "ref/base/text.h"
 
@@ -25,7 +26,7 @@ static void print_table(enum table table)
     const char *name, *summary;
     printf("%s\n", table_name(table));
     for (size_t i = 0; (name = table_member(table, i, &summary)); i++)
-        printf("  %-14s %s\n", name, summary);
+        screen_line(17, "  %-14s %s\n", name, summary);
 }
 
 static int unknown(const char *kind)

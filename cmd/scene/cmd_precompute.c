@@ -37,7 +37,8 @@ static enum status take_layout(void *options, const struct option_value *given,
 #define ROWS_OF struct precompute
 
 static const struct option_row rows[] = {
-    {"scene", "SCENE", "a mesh file (.json .obj .ply, also .gz) or a generator such as soup:n=50",
+    {"scene", "SCENE",
+     "a mesh file (.json .obj .ply .stl, also .gz) or a generator such as soup:n=50",
      OF_FILE(scene)},
     {"out", "FILE", "written to a temporary name and renamed", OF_OUTPUT(out)},
     {"layout", "L", "not as JSON, but packed in a layout: see ref/packed/packed_file.h",
@@ -49,7 +50,7 @@ static const struct option_row rows[] = {
      OF_COUNT(build.leaf, 1, UINT32_MAX), .standard = BUILD_LEAF_DEFAULT},
     {"eps", "E", "builder rtrs: a box below half of it is not split",
      OF_REAL(build.eps, -INFINITY, INFINITY), .standard = BUILD_EPS_DEFAULT},
-    SEED_ROW(seed),
+    SCENE_SEED_ROW(seed),
     {0},
 };
 

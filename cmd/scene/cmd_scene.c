@@ -1,28 +1,22 @@
 /* raydiff scene: describes, converts and lists scenes. */
 #define _GNU_SOURCE /* scandir */
+#include "cmd/scene/cmd_scene.h"
+
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
+#include "cmd/common/cmd_screen.h"
 #include "ref/base/nearest_name.h"
 #include "ref/base/command.h"
 #include "ref/base/decimal.h"
 #include "scenes/facts.h"
-#include "scenes/scenes.h"
 #include "ref/base/json_record.h"
 
 #include <dirent.h>
-#include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 #define FETCHED "scenes/fetched"
-
-struct scene_options {
-    uint64_t seed;
-    bool json;
-    char **argument;
-    int argument_count;
-};
 
 /* Writes "x y z" in the shortest decimals that identify the floats. */
 static const char *show3(const float x[3], char text[3 * DECIMAL_TEXT])
@@ -85,23 +79,40 @@ static json_t *json_info(const char *spec, const struct scene *scene, const stru
         scene->material_count, place);
 }
 
-/* Adds one scene to the report. `list` NULL: prints it instead. */
+static enum status inform_scene(const char *spec, const struct scene *scene, json_t **json,
+                                struct reason *reason)
+{
+    struct facts facts;
+    enum status status = facts_make(scene, &facts);
+    if (status)
+        return fail(reason, status, "%s: no memory to compare %u triangles", spec,
+                    scene->tri_count);
+    if (json)
+        *json = json_info(spec, scene, &facts);
+    else
+        print_info(spec, scene, &facts);
+    return STATUS_OK;
+}
+
+/* Adds one scene or world to the report. `list` NULL: prints it instead. */
 static enum status inform(const char *spec, uint64_t seed, json_t *list, struct reason *reason)
 {
-    struct scene scene;
-    enum status status = scene_open(spec, seed, &scene, reason);
+    struct world world;
+    json_t *json = NULL;
+    enum status status = world_open(spec, seed, &world, reason);
     if (status != STATUS_OK)
         return status;
-    struct facts facts;
-    status = facts_make(&scene, &facts);
-    if (status != STATUS_OK)
-        fail(reason, status, "%s: no memory to compare %u triangles", spec, scene.tri_count);
-    else if (!list)
-        print_info(spec, &scene, &facts);
-    else if (json_array_append_new(list, json_info(spec, &scene, &facts)) != 0)
+    const struct scene *scene = world_only_scene(&world);
+    if (scene)
+        status = inform_scene(spec, scene, list ? &json : NULL, reason);
+    else if (list)
+        json = world_json(spec, &world);
+    else
+        world_print(spec, &world);
+    if (!status && list && json_array_append_new(list, json) != 0)
         status = fail(reason, STATUS_INPUT,
                       "%s: a name that is not UTF-8 cannot be written to JSON", spec);
-    scene_free(&scene);
+    world_free(&world);
     return status;
 }
 
@@ -123,30 +134,6 @@ static int scene_info(const struct scene_options *options)
         putchar('\n');
     json_decref(whole);
     return code;
-}
-
-static int scene_convert(const struct scene_options *options)
-{
-    if (options->argument_count != 2)
-        return usage_error("scene", "convert: one scene and one file are needed");
-    const char *from = options->argument[0], *to = options->argument[1];
-    struct scene scene;
-    struct reason reason;
-    enum status status = scene_open(from, options->seed, &scene, &reason);
-    if (status == STATUS_OK)
-        status = scene_write(to, &scene, &reason);
-    if (status != STATUS_OK) {
-        scene_free(&scene);
-        return exit_with_reason("scene", status, &reason);
-    }
-    printf("%s: %u triangles, %u vertices\n", to, scene.tri_count, scene.vertex_count);
-    size_t length = strlen(to);
-    bool rtrs = length > 5 && strcasecmp(to + length - 5, ".json") == 0;
-    if (!rtrs && (scene.normal || scene.light_count || scene.material_count || scene.has_camera))
-        printf("not kept, since the format has no place for them: normals, lights, materials, "
-               "camera\n");
-    scene_free(&scene);
-    return EXIT_AGREE;
 }
 
 static int is_shown(const struct dirent *entry)
@@ -172,20 +159,44 @@ static void list_fetched(void)
     free(entry);
 }
 
+/* A generator: its name, what it is, and its params. */
+static void list_generator(const char *name, const char *summary, const struct param *param)
+{
+    putchar('\n');
+    screen_line(13, "  %-10s %s\n", name, summary);
+    for (size_t k = 0; k < GENERATOR_PARAMS && param[k].name; k++) {
+        char range[64];
+        snprintf(range, sizeof range, "%.9g to %.9g", param[k].least, param[k].most);
+        screen_line(38, "    %-10s %-22s [%.9g] %s\n", param[k].name, range, param[k].value,
+                    param[k].summary);
+    }
+}
+
+/* What a generator of worlds makes of its defaults. */
+static void list_made(const struct world_generator *generator)
+{
+    struct world world;
+    struct reason reason;
+    char shown[WORLD_SHOWN];
+    if (world_open(generator->name, 1, &world, &reason) == STATUS_OK)
+        printf("    (by default %s)\n", world_show(&world, shown));
+    world_free(&world);
+}
+
 static int scene_list(const struct scene_options *options)
 {
     if (options->argument_count != 0)
         return usage_error("scene", "list: takes no argument");
-    printf("generators, as NAME or NAME:PARAMETER=VALUE,PARAMETER=VALUE; each also takes seed=S\n"
-           "(range of every parameter, and [default])\n");
-    for (size_t i = 0; generators[i]; i++) {
-        printf("\n  %-10s %s\n", generators[i]->name, generators[i]->summary);
-        for (size_t k = 0; k < GENERATOR_PARAMS && generators[i]->param[k].name; k++) {
-            const struct param *param = &generators[i]->param[k];
-            char range[64];
-            snprintf(range, sizeof range, "%.9g to %.9g", param->least, param->most);
-            printf("    %-10s %-22s [%.9g] %s\n", param->name, range, param->value, param->summary);
-        }
+    screen_line(
+        0, "generators, as NAME or NAME:PARAMETER=VALUE,PARAMETER=VALUE; each also takes seed=S");
+    puts("(range of every parameter, and [default])");
+    for (size_t i = 0; generators[i]; i++)
+        list_generator(generators[i]->name, generators[i]->summary, generators[i]->param);
+    printf("\ngenerators of worlds: meshes that are placed by instances\n");
+    for (size_t i = 0; world_generators[i]; i++) {
+        const struct world_generator *generator = world_generators[i];
+        list_generator(generator->name, generator->summary, generator->param);
+        list_made(generator);
     }
     list_fetched();
     return EXIT_AGREE;
@@ -203,7 +214,7 @@ static const struct {
 
 static const struct option_row rows[] = {
     {"json", NULL, "info as one JSON object, {\"scenes\": [...]}", OF_FLAG(json)},
-    SEED_ROW(seed),
+    SCENE_SEED_ROW(seed),
     {0},
 };
 
@@ -212,19 +223,23 @@ static const struct option_set set = {
     .usage = "scene info SCENE... [--json] [--seed S]\n"
              "scene convert SCENE FILE [--seed S]\n"
              "scene list",
-    .about = "A SCENE is a mesh file (.json as RTRS writes it, .obj, .ply; each also .gz) or a "
-             "generator with parameters, such as soup:n=1000,seed=7.\n"
+    .about = "A SCENE is a mesh file (.json as RTRS writes it, .obj, .ply, .stl), a world file "
+             "(.gltf, .glb, .json of raydiff; all also .gz) or a generator with parameters, such "
+             "as soup:n=1000,seed=7. A world places meshes by instances.\n"
              "\n"
              "  info      triangles, vertices, bounds, zero-area and duplicate triangles, lights "
-             "and more\n"
-             "  convert   reads SCENE and writes FILE, by its ending: .json, .obj or .ply "
-             "(binary); coordinates keep every bit, triangles their order\n"
+             "and more; of a world its meshes and instances\n"
+             "  convert   reads SCENE and writes FILE, by its ending: .json, .obj, .ply "
+             "(binary), .stl (binary), .gltf or .glb; coordinates and transforms keep every bit, "
+             "triangles and instances their order. A scene as .json is RTRS's; a world, or a scene "
+             "as .world.json, is raydiff's\n"
              "  list      the generators with their parameters, and the meshes that `make "
              "scenes` fetched",
     .group = {GROUP(rows)},
     .codes = "0, 2 bad input, 4 no memory",
     .example = "scene info scenes/fetched/glmark2-bunny.obj soup:n=1000\n"
-               "scene convert terrain:k=6 terrain.ply",
+               "scene convert terrain:k=6 terrain.ply\n"
+               "scene convert crowd:n=100 crowd.glb",
 };
 
 static int run_action(size_t i, const struct scene_options *options)

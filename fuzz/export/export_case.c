@@ -219,7 +219,7 @@ void export_buffers(const struct export_case *the, struct export_buffer out[DISP
         [ABI_BIND_FLAGS] = rays * sizeof(uint32_t),
         [ABI_BIND_NODES] = packed_node_bytes(&the->packed),
         [ABI_BIND_ITEMS] = packed_item_bytes(&the->packed),
-        [ABI_BIND_TRIS] = in_buffers ? gather_bytes(&the->trial->scene) : 0,
+        [ABI_BIND_TRIS] = in_buffers ? gather_bytes(the->trial->scene.tri_count) : 0,
     };
     for (uint32_t i = 0; i < DISPATCH_BINDINGS; i++) {
         out[i] = (struct export_buffer){names[i], bytes[i] ? bytes[i] : 16, bytes[i]};

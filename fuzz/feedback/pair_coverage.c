@@ -109,13 +109,23 @@ static enum status can_meet(const struct pair_tables *t, enum pair_factor a, uin
     return STATUS_OK;
 }
 
+/* True if an engine of the tables meets both factors: else no trial shows a pair of them. */
+static bool is_shared(const struct pair_tables *t, enum pair_factor a, enum pair_factor b)
+{
+    for (uint32_t i = 0; i < t->count[MEET_ENGINE]; i++)
+        if (pair_coverage_meets(t->member[MEET_ENGINE][i], a) &&
+            pair_coverage_meets(t->member[MEET_ENGINE][i], b))
+            return true;
+    return false;
+}
+
 static enum status find_possible(struct pair_coverage *m, struct reason *reason)
 {
     const struct pair_tables *t = &m->tables;
     enum status status = STATUS_OK;
     for (enum pair_factor a = 0; a < MEET_FACTORS; a++)
         for (enum pair_factor b = a + 1; b < MEET_FACTORS; b++)
-            for (uint32_t i = 0; i < t->count[a]; i++)
+            for (uint32_t i = 0; i < t->count[a] && is_shared(t, a, b); i++)
                 for (uint32_t j = 0; j < t->count[b] && !status; j++)
                     status = can_meet(t, a, i, b, j,
                                       &pair_coverage_of_pair(m, a, i, b, j)->possible, reason);

@@ -3,13 +3,16 @@
 #include "gpu/frame/framer.h"
 #include "gpu/trace/tracer.h"
 #include "gpu/trace/vulkan_options.h"
+#include "gpu/trace/world_runner.h"
 #include "ref/twin/twin.h"
 
 #include <stdlib.h>
 
 struct vulkan {
     struct tracer *tracer;
-    struct framer *framer; /* NULL until a frame is prepared */
+    struct framer *framer;       /* NULL until a frame is prepared */
+    struct world_runner *worlds; /* NULL until a world is */
+    uint32_t workgroup;
 };
 
 static void close(void *self)
@@ -18,6 +21,7 @@ static void close(void *self)
     if (!v)
         return;
     framer_free(v->framer);
+    world_runner_free(v->worlds);
     (void)tracer_close(v->tracer, NULL);
     free(v);
 }
@@ -29,6 +33,7 @@ static enum status open(const struct engine_options *options, void **self, struc
     *self = v;
     if (!v)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for the engine");
+    v->workgroup = options->workgroup;
     enum status status = tracer_open(&vk_options, options->workgroup, &v->tracer, reason);
     if (status) {
         close(v);
@@ -83,6 +88,36 @@ static enum status frame(void *self, const struct view *view, struct frame *out,
     return framer_draw(((struct vulkan *)self)->framer, view, out, report, reason);
 }
 
+static enum status prepare_world(void *self, const struct world_job *job, struct reason *reason)
+{
+    struct vulkan *v = self;
+    if (!v->worlds)
+        v->worlds = world_runner_make(tracer_device(v->tracer), v->workgroup);
+    if (!v->worlds)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the engine");
+    return world_runner_prepare(v->worlds, job, reason);
+}
+
+static enum status trace_world(void *self, const struct ray *ray, const struct ray_mode *mode,
+                               size_t ray_count, struct hit *hit, uint32_t *tag,
+                               struct trace_report *report, struct reason *reason)
+{
+    return world_runner_trace(((struct vulkan *)self)->worlds, ray, mode, ray_count, 1, hit, tag,
+                              NULL, report, reason);
+}
+
+static enum status trace_world_all(void *self, const struct ray *ray, const struct ray_mode *mode,
+                                   size_t ray_count, uint32_t capacity, struct hit *hit,
+                                   uint32_t *tag, uint32_t *hit_count, struct reason *reason)
+{
+    struct trace_report unused;
+    return world_runner_trace(((struct vulkan *)self)->worlds, ray, mode, ray_count, capacity, hit,
+                              tag, hit_count, &unused, reason);
+}
+
+static const struct world_tracer worlds = {
+    .prepare_world = prepare_world, .trace_world = trace_world, .trace_world_all = trace_world_all};
+
 extern const struct engine engine_vulkan;
 static const struct frame_renderer renderer = {.prepare = frame_prepare, .draw = frame};
 
@@ -97,6 +132,7 @@ const struct engine engine_vulkan = {
     .trace = trace,
     .trace_tasks = trace_tasks,
     .trace_all = trace_all,
+    .worlds = &worlds,
     .renderer = &renderer,
     .model = model,
     .close = close,

@@ -3,15 +3,13 @@
 
 #include <stdio.h>
 
-/* Finds the smallest stack size that suffices: 16, 32, 64 and so on. */
-static enum status stack_class(const struct packed *packed, uint32_t *out, struct reason *reason)
+enum status dispatch_stack(uint32_t need, uint32_t most, uint32_t *out, struct reason *reason)
 {
-    uint32_t most = layout_stack_most(packed->layout);
-    if (packed->stack_need > most)
-        return fail(reason, STATUS_LIMIT, "vulkan: stacks of %u entries, the tree needs %u", most,
-                    packed->stack_need);
     *out = 16;
-    while (*out < packed->stack_need)
+    if (need > most)
+        return fail(reason, STATUS_LIMIT, "vulkan: stacks of %u entries, the tree needs %u", most,
+                    need);
+    while (*out < need)
         *out *= 2;
     return STATUS_OK;
 }
@@ -39,7 +37,8 @@ enum status dispatch_tree(const struct job *job, uint32_t workgroup, struct disp
                  .tri_count = job->scene->tri_count,
                  .capacity = 1},
     };
-    enum status status = stack_class(packed, &out->constant[ABI_SPEC_STACK], reason);
+    enum status status = dispatch_stack(packed->stack_need, layout_stack_most(layout),
+                                        &out->constant[ABI_SPEC_STACK], reason);
     if (!status)
         status = tri_store_check(packed->store, job->tri->id, job->tri->name, reason);
     if (!status && !out->shader) {

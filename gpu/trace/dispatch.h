@@ -30,6 +30,11 @@ struct dispatch {
 enum status dispatch_tree(const struct job *job, uint32_t workgroup, struct dispatch *out,
                           struct reason *reason) MUST_USE;
 
+/* Finds the smallest stack that holds `need` entries: 16, 32, 64 and so on. Errors: STATUS_LIMIT
+ * `need` is over `most`. */
+enum status dispatch_stack(uint32_t need, uint32_t most, uint32_t *out,
+                           struct reason *reason) MUST_USE;
+
 /* Makes the dispatch of engine vulkan_brute for the first DISPATCH_PART triangles, or the push
  * constants for those from `first` on. */
 struct dispatch dispatch_brute(const struct job *job, uint32_t workgroup);

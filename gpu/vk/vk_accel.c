@@ -17,7 +17,9 @@ struct level {
 };
 
 struct vk_accel {
-    struct level bottom, top;
+    struct level *bottom; /* bottom_count of them */
+    uint32_t bottom_count;
+    struct level top;
 };
 
 void *vk_ray_chain(struct vk_ray_features *features, bool wanted)
@@ -87,21 +89,29 @@ static enum status make_level(struct vk *vk, VkAccelerationStructureTypeKHR type
                     "vkCreateAccelerationStructureKHR", reason);
 }
 
+/* The geometries of one level: `count` of them, and how many primitives each has. */
+struct level_input {
+    const VkAccelerationStructureGeometryKHR *geometry;
+    const VkAccelerationStructureBuildRangeInfoKHR *range;
+    uint32_t *most; /* of range, for the sizes */
+    uint32_t count;
+};
+
 static enum status build_level(struct vk *vk, VkAccelerationStructureTypeKHR type,
-                               const VkAccelerationStructureGeometryKHR *geometry, uint32_t count,
-                               struct level *out, struct reason *reason)
+                               const struct level_input *input, struct level *out,
+                               struct reason *reason)
 {
     VkAccelerationStructureBuildGeometryInfoKHR info = {
         .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR,
         .type = type,
         .mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR,
-        .geometryCount = 1,
-        .pGeometries = geometry,
+        .geometryCount = input->count,
+        .pGeometries = input->geometry,
     };
     VkAccelerationStructureBuildSizesInfoKHR sizes = {
         .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_SIZES_INFO_KHR};
     vk->fn.GetAccelerationStructureBuildSizesKHR(
-        vk->device, VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR, &info, &count, &sizes);
+        vk->device, VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR, &info, input->most, &sizes);
     uint64_t align = limits_of(vk).minAccelerationStructureScratchOffsetAlignment;
     align = align ? align : 1;
     struct vk_buffer *scratch = NULL;
@@ -113,9 +123,7 @@ static enum status build_level(struct vk *vk, VkAccelerationStructureTypeKHR typ
     if (!status) {
         info.dstAccelerationStructure = out->structure;
         info.scratchData.deviceAddress = (address_of(vk, scratch) + align - 1) / align * align;
-        const VkAccelerationStructureBuildRangeInfoKHR range = {.primitiveCount = count};
-        const VkAccelerationStructureBuildRangeInfoKHR *ranges = &range;
-        vk->fn.CmdBuildAccelerationStructuresKHR(vk->command, 1, &info, &ranges);
+        vk->fn.CmdBuildAccelerationStructuresKHR(vk->command, 1, &info, &input->range);
         /* It is read by the next build and by shaders. Both are later submissions, which wait for
          * this one's fence. */
         vk_barrier(vk, VK_PIPELINE_STAGE_ACCELERATION_STRUCTURE_BUILD_BIT_KHR,
@@ -129,46 +137,84 @@ static enum status build_level(struct vk *vk, VkAccelerationStructureTypeKHR typ
     return status;
 }
 
-static enum status build_bottom(struct vk *vk, struct vk_buffer *vertices, uint32_t vertex_count,
-                                struct vk_buffer *indices, uint32_t tri_count, struct level *out,
-                                struct reason *reason)
+static VkAccelerationStructureGeometryKHR
+triangles_of(struct vk *vk, const struct vk_accel_mesh *mesh, bool opaque)
 {
-    const VkAccelerationStructureGeometryKHR geometry = {
+    return (VkAccelerationStructureGeometryKHR){
         .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR,
         .geometryType = VK_GEOMETRY_TYPE_TRIANGLES_KHR,
         .geometry.triangles =
             {
                 .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_TRIANGLES_DATA_KHR,
                 .vertexFormat = VK_FORMAT_R32G32B32_SFLOAT,
-                .vertexData.deviceAddress = address_of(vk, vertices),
+                .vertexData.deviceAddress = address_of(vk, mesh->vertices),
                 .vertexStride = 3 * sizeof(float),
-                .maxVertex = vertex_count - 1,
+                .maxVertex = mesh->vertex_count ? mesh->vertex_count - 1 : 0,
                 .indexType = VK_INDEX_TYPE_UINT32,
-                .indexData.deviceAddress = address_of(vk, indices),
+                .indexData.deviceAddress = address_of(vk, mesh->indices),
             },
         /* So that queries which list candidates get each triangle once. */
-        .flags = VK_GEOMETRY_NO_DUPLICATE_ANY_HIT_INVOCATION_BIT_KHR,
+        .flags = VK_GEOMETRY_NO_DUPLICATE_ANY_HIT_INVOCATION_BIT_KHR |
+                 (opaque ? VK_GEOMETRY_OPAQUE_BIT_KHR : 0u),
     };
-    return build_level(vk, VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, &geometry, tri_count,
-                       out, reason);
 }
 
-static enum status build_top(struct vk *vk, const struct level *bottom, struct level *out,
-                             struct reason *reason)
+static enum status build_bottom(struct vk *vk, const struct vk_accel_mesh *mesh, struct level *out,
+                                struct reason *reason)
 {
-    const VkAccelerationStructureDeviceAddressInfoKHR where = {
-        .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR,
-        .accelerationStructure = bottom->structure,
+    const uint32_t count = mesh->geometry_count;
+    VkAccelerationStructureGeometryKHR *geometry = alloc_zeroed(count, sizeof *geometry);
+    VkAccelerationStructureBuildRangeInfoKHR *range = alloc_zeroed(count, sizeof *range);
+    uint32_t *most = alloc_zeroed(count, sizeof *most);
+    enum status status = STATUS_OK;
+    if (!geometry || !range || !most)
+        status = fail(reason, STATUS_MEMORY, "vulkan: no memory for %u geometries", count);
+    for (uint32_t i = 0; i < count && !status; i++) {
+        geometry[i] = triangles_of(vk, mesh, mesh->geometry[i].opaque);
+        range[i].primitiveCount = most[i] = mesh->geometry[i].count;
+        range[i].primitiveOffset = mesh->geometry[i].first * 3 * (uint32_t)sizeof(uint32_t);
+    }
+    if (!status)
+        status = build_level(vk, VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR,
+                             &(struct level_input){geometry, range, most, count}, out, reason);
+    free(geometry);
+    free(range);
+    free(most);
+    return status;
+}
+
+static VkAccelerationStructureInstanceKHR instance_of(struct vk *vk, const struct vk_accel *accel,
+                                                      const struct vk_accel_instance *from)
+{
+    VkAccelerationStructureInstanceKHR instance = {
+        .instanceCustomIndex = from->custom & 0xFFFFFFu,
+        .mask = from->mask & 0xFFu,
+        .flags = from->flags & 0xFFu,
     };
-    const VkAccelerationStructureInstanceKHR instance = {
-        .transform.matrix = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}},
-        .mask = 0xFF,
-        .flags = VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR,
-        .accelerationStructureReference =
-            vk->fn.GetAccelerationStructureDeviceAddressKHR(vk->device, &where),
-    };
+    memcpy(instance.transform.matrix, from->transform, sizeof from->transform);
+    if (from->mesh != VK_ACCEL_NO_MESH) {
+        const VkAccelerationStructureDeviceAddressInfoKHR where = {
+            .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR,
+            .accelerationStructure = accel->bottom[from->mesh].structure,
+        };
+        instance.accelerationStructureReference =
+            vk->fn.GetAccelerationStructureDeviceAddressKHR(vk->device, &where);
+    }
+    return instance;
+}
+
+static enum status build_top(struct vk *vk, const struct vk_accel_world *world,
+                             struct vk_accel *accel, struct reason *reason)
+{
+    uint32_t count = world->instance_count;
+    VkAccelerationStructureInstanceKHR *instance = alloc_zeroed(count, sizeof *instance);
     struct vk_buffer *buffer = NULL;
-    enum status status = vk_buffer_make_of(vk, &instance, sizeof instance, &buffer, reason);
+    if (!instance)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for %u instances", count);
+    for (uint32_t i = 0; i < count; i++)
+        instance[i] = instance_of(vk, accel, &world->instance[i]);
+    enum status status = vk_buffer_make_of(vk, instance, count * sizeof *instance, &buffer, reason);
+    free(instance);
     if (!status) {
         const VkAccelerationStructureGeometryKHR geometry = {
             .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR,
@@ -179,30 +225,64 @@ static enum status build_top(struct vk *vk, const struct level *bottom, struct l
                     .data.deviceAddress = address_of(vk, buffer),
                 },
         };
-        status = build_level(vk, VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, &geometry, 1, out,
-                             reason);
+        const VkAccelerationStructureBuildRangeInfoKHR range = {.primitiveCount = count};
+        status =
+            build_level(vk, VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR,
+                        &(struct level_input){&geometry, &range, &count, 1}, &accel->top, reason);
     }
     vk_buffer_free(vk, buffer);
     return status;
 }
 
-enum status vk_accel_make(struct vk *vk, struct vk_buffer *vertices, uint32_t vertex_count,
-                          struct vk_buffer *indices, uint32_t tri_count, struct vk_accel **out,
-                          struct reason *reason)
+/* A number of `what`, and what the device allows. */
+static enum status check_limit(struct vk *vk, uint64_t number, uint64_t most, const char *what,
+                               struct reason *reason)
+{
+    if (number <= most)
+        return STATUS_OK;
+    return fail(reason, STATUS_LIMIT, "vulkan: %s allows %llu %s, %llu are needed",
+                vk->limits.device, (unsigned long long)most, what, (unsigned long long)number);
+}
+
+static enum status check_limits(struct vk *vk, const struct vk_accel_world *world,
+                                struct reason *reason)
+{
+    const VkPhysicalDeviceAccelerationStructurePropertiesKHR limits = limits_of(vk);
+    enum status status = check_limit(vk, world->instance_count, limits.maxInstanceCount,
+                                     "instances in an acceleration structure", reason);
+    for (uint32_t i = 0; i < world->mesh_count && !status; i++) {
+        uint64_t triangles = 0;
+        for (uint32_t k = 0; k < world->mesh[i].geometry_count; k++)
+            triangles += world->mesh[i].geometry[k].count;
+        status = check_limit(vk, triangles, limits.maxPrimitiveCount,
+                             "triangles in an acceleration structure", reason);
+        if (!status)
+            status = check_limit(vk, world->mesh[i].geometry_count, limits.maxGeometryCount,
+                                 "geometries in an acceleration structure", reason);
+    }
+    return status;
+}
+
+enum status vk_accel_make_world(struct vk *vk, const struct vk_accel_world *world,
+                                struct vk_accel **out, struct reason *reason)
 {
     *out = NULL;
-    const uint64_t most = limits_of(vk).maxPrimitiveCount;
-    if (tri_count > most)
-        return fail(reason, STATUS_LIMIT,
-                    "vulkan: %s allows %llu triangles in an acceleration structure, %u are needed",
-                    vk->limits.device, (unsigned long long)most, tri_count);
+    enum status status = check_limits(vk, world, reason);
+    if (status)
+        return status;
     struct vk_accel *accel = alloc_zeroed(1, sizeof *accel);
-    if (!accel)
+    if (accel)
+        accel->bottom = alloc_zeroed(world->mesh_count, sizeof *accel->bottom);
+    if (!accel || !accel->bottom) {
+        free(accel);
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for an acceleration structure");
-    enum status status =
-        build_bottom(vk, vertices, vertex_count, indices, tri_count, &accel->bottom, reason);
+    }
+    for (uint32_t i = 0; i < world->mesh_count && !status; i++) {
+        accel->bottom_count = i + 1;
+        status = build_bottom(vk, &world->mesh[i], &accel->bottom[i], reason);
+    }
     if (!status)
-        status = build_top(vk, &accel->bottom, &accel->top, reason);
+        status = build_top(vk, world, accel, reason);
     if (status)
         vk_accel_free(vk, accel);
     else
@@ -210,22 +290,45 @@ enum status vk_accel_make(struct vk *vk, struct vk_buffer *vertices, uint32_t ve
     return status;
 }
 
+enum status vk_accel_make(struct vk *vk, struct vk_buffer *vertices, uint32_t vertex_count,
+                          struct vk_buffer *indices, uint32_t tri_count, struct vk_accel **out,
+                          struct reason *reason)
+{
+    const struct vk_accel_geometry geometry = {.count = tri_count};
+    const struct vk_accel_mesh mesh = {vertices, indices, vertex_count, &geometry, 1};
+    const struct vk_accel_instance instance = {
+        .transform = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}},
+        .mask = 0xFF,
+        .flags = VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR,
+    };
+    const struct vk_accel_world world = {&mesh, &instance, 1, 1};
+    return vk_accel_make_world(vk, &world, out, reason);
+}
+
+static void free_level(struct vk *vk, struct level *level)
+{
+    if (level->structure)
+        vk->fn.DestroyAccelerationStructureKHR(vk->device, level->structure, NULL);
+    vk_buffer_free(vk, level->memory);
+}
+
 void vk_accel_free(struct vk *vk, struct vk_accel *accel)
 {
     if (!accel || !vk_idle(vk))
         return;
-    struct level *level[] = {&accel->top, &accel->bottom};
-    for (int i = 0; i < 2; i++) {
-        if (level[i]->structure)
-            vk->fn.DestroyAccelerationStructureKHR(vk->device, level[i]->structure, NULL);
-        vk_buffer_free(vk, level[i]->memory);
-    }
+    free_level(vk, &accel->top);
+    for (uint32_t i = accel->bottom_count; i-- > 0;)
+        free_level(vk, &accel->bottom[i]);
+    free(accel->bottom);
     free(accel);
 }
 
 uint64_t vk_accel_bytes(const struct vk_accel *accel)
 {
-    return accel ? vk_buffer_bytes(accel->bottom.memory) + vk_buffer_bytes(accel->top.memory) : 0;
+    uint64_t bytes = accel ? vk_buffer_bytes(accel->top.memory) : 0;
+    for (uint32_t i = 0; accel && i < accel->bottom_count; i++)
+        bytes += vk_buffer_bytes(accel->bottom[i].memory);
+    return bytes;
 }
 
 void vk_pipeline_use(struct vk *vk, struct vk_pipeline *pipeline, const struct vk_accel *accel)

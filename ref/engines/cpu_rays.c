@@ -6,13 +6,6 @@
 #include <omp.h>
 #include <stdlib.h>
 
-struct cpu_rays {
-    cpu_ray_fn *answer;
-    cpu_ray_all_fn *answer_all;
-    unsigned threads;
-    struct job job;
-};
-
 unsigned cpu_rays_threads(const struct engine_options *options)
 {
     return options->threads ? options->threads : (unsigned)omp_get_max_threads();
@@ -114,7 +107,10 @@ enum status cpu_rays_trace_all(void *self, const struct ray *ray, size_t ray_cou
 
 void cpu_rays_close(void *self)
 {
-    free(self);
+    struct cpu_rays *rays = self;
+    if (rays)
+        free(rays->record);
+    free(rays);
 }
 
 struct model cpu_rays_model(void *self, const struct tri_test *tri)

@@ -14,6 +14,16 @@ typedef enum status cpu_ray_fn(const struct job *job, const struct ray *ray, str
 typedef enum status cpu_ray_all_fn(const struct job *job, const struct ray *ray, uint32_t capacity,
                                    struct hit *hit, uint32_t *count);
 
+/* The open engine. */
+struct cpu_rays {
+    cpu_ray_fn *answer;
+    cpu_ray_all_fn *answer_all;
+    unsigned threads;
+    struct job job;
+    struct world_job world;         /* ref/engines/cpu_worlds.c */
+    struct instance_record *record; /* of the world, if it has no packed one; owned */
+};
+
 /* The number of threads that `options` sets, at least 1. */
 unsigned cpu_rays_threads(const struct engine_options *options);
 

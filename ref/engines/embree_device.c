@@ -1,36 +1,15 @@
-/* Embree 3 or 4. The only file of the library that includes its headers. */
+/* Embree 3 or 4: devices, scenes, and rays through them. */
 #include "ref/engines/embree_device.h"
 
 #if HAVE_EMBREE
 
 #include "ref/engines/cpu_rays.h"
-
-#if HAVE_EMBREE == 4
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
+#include "ref/engines/embree_inner.h"
 
 #include <fenv.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-struct embree {
-    RTCDevice device;
-    RTCScene scene; /* NULL before the first prepare */
-    enum embree_mode mode;
-    bool compact;
-    bool unguarded;
-    unsigned threads;
-    enum query query;
-    atomic_llong bytes; /* currently allocated by Embree */
-};
-
-/* Rays whose origin or direction reaches this are out of contract: Embree asserts from 1.844e18
- * on. */
-#define EMBREE_MOST 1e18f
 
 static bool embree_memory(void *user, ssize_t bytes, bool post)
 {
@@ -40,7 +19,7 @@ static bool embree_memory(void *user, ssize_t bytes, bool post)
     return true;
 }
 
-static enum status embree_error(struct embree *embree, const char *doing, struct reason *reason)
+enum status embree_error(struct embree *embree, const char *doing, struct reason *reason)
 {
     enum RTCError error = rtcGetDeviceError(embree->device);
     if (error == RTC_ERROR_NONE)
@@ -49,13 +28,21 @@ static enum status embree_error(struct embree *embree, const char *doing, struct
     return fail(reason, status, "Embree: error %d while %s", (int)error, doing);
 }
 
+void embree_drop(struct embree *embree)
+{
+    if (embree->scene)
+        rtcReleaseScene(embree->scene);
+    embree->scene = NULL;
+    embree_world_free(embree->world);
+    embree->world = NULL;
+}
+
 void embree_close(void *self)
 {
     struct embree *embree = self;
     if (!embree)
         return;
-    if (embree->scene)
-        rtcReleaseScene(embree->scene);
+    embree_drop(embree);
     if (embree->device)
         rtcReleaseDevice(embree->device);
     free(embree);
@@ -81,6 +68,7 @@ enum status embree_open_mode(const struct engine_options *options, enum embree_m
         return fail(reason, STATUS_UNSUPPORTED, "Embree: no device for this processor (error %d)",
                     (int)rtcGetDeviceError(NULL));
     }
+    embree->masks = rtcGetDeviceProperty(embree->device, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED);
     rtcSetDeviceMemoryMonitorFunction(embree->device, embree_memory, embree);
     *self = embree;
     return STATUS_OK;
@@ -88,11 +76,7 @@ enum status embree_open_mode(const struct engine_options *options, enum embree_m
 
 /* One ray of QUERY_ALL: the context that Embree passes to the filter, and the list of hits. */
 struct embree_list {
-#if HAVE_EMBREE == 4
-    struct RTCRayQueryContext context; /* first: Embree passes its address to the filter */
-#else
-    struct RTCIntersectContext context;
-#endif
+    embree_context context; /* first: Embree passes its address to the filter */
     struct hit *hit;
     uint32_t capacity, found;
 };
@@ -135,32 +119,40 @@ static enum status embree_add_mesh(struct embree *embree, const struct scene *sc
     return STATUS_OK;
 }
 
-enum status embree_prepare(void *self, const struct job *job, struct reason *reason)
+RTCScene embree_scene(const struct embree *embree)
 {
-    struct embree *embree = self;
-    if (embree->scene)
-        rtcReleaseScene(embree->scene);
-    embree->query = job->query;
-    embree->scene = rtcNewScene(embree->device);
-    rtcSetSceneFlags(embree->scene,
+    RTCScene scene = rtcNewScene(embree->device);
+    rtcSetSceneFlags(scene,
                      (embree->mode == EMBREE_ROBUST ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE) |
                          (embree->compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE));
     if (embree->mode == EMBREE_HIGH)
-        rtcSetSceneBuildQuality(embree->scene, RTC_BUILD_QUALITY_HIGH);
-    enum status status = STATUS_OK;
-    if (job->scene->tri_count > 0)
-        status = embree_add_mesh(embree, job->scene, reason);
-    if (status)
-        return status;
+        rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+    return scene;
+}
+
+enum status embree_commit(struct embree *embree, RTCScene scene, struct reason *reason)
+{
     /* The build sets flush-to-zero on this thread; restore the mode for the reference. */
     fenv_t environment;
     fegetenv(&environment);
-    rtcCommitScene(embree->scene);
+    rtcCommitScene(scene);
     fesetenv(&environment);
     return embree_error(embree, "building", reason);
 }
 
-static bool embree_takes(const struct embree *embree, const struct ray *ray)
+enum status embree_prepare(void *self, const struct job *job, struct reason *reason)
+{
+    struct embree *embree = self;
+    embree_drop(embree);
+    embree->query = job->query;
+    embree->scene = embree_scene(embree);
+    enum status status = STATUS_OK;
+    if (job->scene->tri_count > 0)
+        status = embree_add_mesh(embree, job->scene, reason);
+    return status ? status : embree_commit(embree, embree->scene, reason);
+}
+
+bool embree_takes(const struct embree *embree, const struct ray *ray)
 {
     if (embree->unguarded)
         return true;
@@ -171,7 +163,7 @@ static bool embree_takes(const struct embree *embree, const struct ray *ray)
     return ray->tmin >= 0.0f && ray->tmax >= ray->tmin;
 }
 
-static struct RTCRayHit embree_query(const struct ray *ray)
+struct RTCRayHit embree_query(const struct ray *ray)
 {
     return (struct RTCRayHit){
         .ray = {.org_x = ray->org[0],
@@ -187,16 +179,47 @@ static struct RTCRayHit embree_query(const struct ray *ray)
     };
 }
 
+static void embree_start(embree_context *context)
+{
+#if HAVE_EMBREE == 4
+    rtcInitRayQueryContext(context);
+#else
+    rtcInitIntersectContext(context);
+#endif
+}
+
+void embree_intersect(RTCScene scene, embree_context *context, struct RTCRayHit *query)
+{
+    embree_start(context);
+#if HAVE_EMBREE == 4
+    struct RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.context = context;
+    rtcIntersect1(scene, query, &arguments);
+#else
+    rtcIntersect1(scene, context, query);
+#endif
+}
+
+bool embree_occluded(RTCScene scene, embree_context *context, struct RTCRay *ray)
+{
+    embree_start(context);
+#if HAVE_EMBREE == 4
+    struct RTCOccludedArguments arguments;
+    rtcInitOccludedArguments(&arguments);
+    arguments.context = context;
+    rtcOccluded1(scene, ray, &arguments);
+#else
+    rtcOccluded1(scene, context, ray);
+#endif
+    return ray->tfar < 0.0f;
+}
+
 static void embree_closest(struct embree *embree, const struct ray *ray, struct hit *hit)
 {
     struct RTCRayHit query = embree_query(ray);
-#if HAVE_EMBREE == 4
-    rtcIntersect1(embree->scene, &query, NULL);
-#else
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(embree->scene, &context, &query);
-#endif
+    embree_context context;
+    embree_intersect(embree->scene, &context, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID)
         *hit = (struct hit){.prim = ABI_NO_PRIM};
     else
@@ -208,39 +231,17 @@ static uint32_t embree_all(struct embree *embree, const struct ray *ray, uint32_
 {
     struct RTCRayHit query = embree_query(ray);
     struct embree_list list = {.hit = hit, .capacity = capacity};
-#if HAVE_EMBREE == 4
-    struct RTCIntersectArguments arguments;
-    rtcInitRayQueryContext(&list.context);
-    rtcInitIntersectArguments(&arguments);
-    arguments.context = &list.context;
-    rtcIntersect1(embree->scene, &query, &arguments);
-#else
-    rtcInitIntersectContext(&list.context);
-    rtcIntersect1(embree->scene, &list.context, &query);
-#endif
+    embree_intersect(embree->scene, &list.context, &query);
     return list.found;
 }
 
 /* Embree does not return what blocked the ray, so a hit is triangle 0 at t = 0. */
 static void embree_any(struct embree *embree, const struct ray *ray, struct hit *hit)
 {
-    struct RTCRay query = {.org_x = ray->org[0],
-                           .org_y = ray->org[1],
-                           .org_z = ray->org[2],
-                           .tnear = ray->tmin,
-                           .dir_x = ray->dir[0],
-                           .dir_y = ray->dir[1],
-                           .dir_z = ray->dir[2],
-                           .tfar = ray->tmax,
-                           .mask = 0xFFFFFFFFu};
-#if HAVE_EMBREE == 4
-    rtcOccluded1(embree->scene, &query, NULL);
-#else
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(embree->scene, &context, &query);
-#endif
-    *hit = (struct hit){.prim = query.tfar < 0.0f ? 0 : ABI_NO_PRIM};
+    struct RTCRayHit query = embree_query(ray);
+    embree_context context;
+    bool blocked = embree_occluded(embree->scene, &context, &query.ray);
+    *hit = (struct hit){.prim = blocked ? 0 : ABI_NO_PRIM};
 }
 
 #include "ref/engines/embree_packets.h"

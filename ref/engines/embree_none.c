@@ -34,6 +34,23 @@ enum status embree_trace_all(void *self, const struct ray *ray, size_t ray_count
     return embree_open_mode(NULL, EMBREE_DEFAULT, &self, reason);
 }
 
+static enum status prepare_world(void *self, const struct world_job *job, struct reason *reason)
+{
+    (void)job;
+    return embree_open_mode(NULL, EMBREE_DEFAULT, &self, reason);
+}
+
+static enum status trace_world(void *self, const struct ray *ray, const struct ray_mode *mode,
+                               size_t ray_count, struct hit *hit, uint32_t *tag,
+                               struct trace_report *report, struct reason *reason)
+{
+    (void)ray, (void)mode, (void)ray_count, (void)hit, (void)tag, (void)report;
+    return embree_open_mode(NULL, EMBREE_DEFAULT, &self, reason);
+}
+
+const struct world_tracer embree_worlds = {.prepare_world = prepare_world,
+                                           .trace_world = trace_world};
+
 void embree_close(void *self)
 {
     (void)self;

@@ -1,6 +1,7 @@
 /* Tests every triangle for every ray, without a tree: any difference between it and another engine
  * comes from the tree. */
 #include "ref/engines/cpu_rays.h"
+#include "ref/engines/cpu_worlds.h"
 #include "ref/trace/trace.h"
 
 #include <stdio.h>
@@ -41,6 +42,7 @@ const struct engine engine_brute = {
     .prepare = cpu_rays_prepare,
     .trace = cpu_rays_trace,
     .trace_all = cpu_rays_trace_all,
+    .worlds = &cpu_worlds_brute,
     .model = cpu_rays_model,
     .close = cpu_rays_close,
     .describe = brute_describe,

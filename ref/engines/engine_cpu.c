@@ -1,5 +1,6 @@
 /* The reference traversal on all cores. */
 #include "ref/engines/cpu_rays.h"
+#include "ref/engines/cpu_worlds.h"
 #include "ref/trace/trace.h"
 #include "ref/store.h"
 #include "ref/twin/model.h"
@@ -62,6 +63,7 @@ const struct engine engine_cpu = {
     .trace = cpu_rays_trace,
     .trace_tasks = cpu_tasks,
     .trace_all = cpu_rays_trace_all,
+    .worlds = &cpu_worlds_packed,
     .model = cpu_model,
     .close = cpu_rays_close,
     .describe = cpu_describe,

@@ -27,6 +27,7 @@ struct buffer {
 struct source {
     const char *label;
     size_t most;
+    bool stored; /* never zipped, and a regular file */
 };
 
 static enum status too_large(const struct source *source, size_t most, struct reason *reason)
@@ -81,6 +82,8 @@ static enum status read_raw(const struct source *source, int file, struct buffer
         return fail(reason, STATUS_INPUT, "%s: %s", source->label, strerror(errno));
     if (S_ISDIR(about.st_mode))
         return fail(reason, STATUS_INPUT, "%s: is a directory", source->label);
+    if (source->stored && !S_ISREG(about.st_mode))
+        return fail(reason, STATUS_INPUT, "%s: is no regular file", source->label);
     return read_all(source, file, about.st_size > 0 ? (size_t)about.st_size : 0, buffer, reason);
 }
 
@@ -175,22 +178,22 @@ static enum status gunzip(const struct source *source, const struct buffer *pack
     return STATUS_OK;
 }
 
-enum status file_read_from(int file, const char *path, size_t most, char **bytes, size_t *size,
-                           struct reason *reason)
+/* Reads an open file, and closes it. */
+static enum status read_source(const struct source *source, int file, char **bytes, size_t *size,
+                               struct reason *reason)
 {
-    const struct source source = {file_label(path), most};
     *bytes = NULL;
     *size = 0;
     struct buffer raw = {0}, text = {0};
-    enum status status = read_raw(&source, file, &raw, reason);
+    enum status status = read_raw(source, file, &raw, reason);
     close(file);
-    if (!status && is_gzip(raw.bytes, raw.size)) {
-        status = gunzip(&source, &raw, &text, reason);
+    if (!status && !source->stored && is_gzip(raw.bytes, raw.size)) {
+        status = gunzip(source, &raw, &text, reason);
         free(raw.bytes);
         raw = text;
     }
     if (!status && raw.size == 0)
-        status = fail(reason, STATUS_INPUT, "%s: is empty", source.label);
+        status = fail(reason, STATUS_INPUT, "%s: is empty", source->label);
     if (status) {
         free(raw.bytes);
         return status;
@@ -201,15 +204,36 @@ enum status file_read_from(int file, const char *path, size_t most, char **bytes
     return STATUS_OK;
 }
 
-enum status file_read_most(const char *path, size_t most, char **bytes, size_t *size,
+enum status file_read_from(int file, const char *path, size_t most, char **bytes, size_t *size,
                            struct reason *reason)
 {
-    int file = file_open_again(AT_FDCWD, path, O_RDONLY);
+    const struct source source = {.label = file_label(path), .most = most};
+    return read_source(&source, file, bytes, size, reason);
+}
+
+/* A pipe without a writer would be waited for, but for O_NONBLOCK, which regular files ignore. */
+static enum status open_source(const char *path, const struct source *source, char **bytes,
+                               size_t *size, struct reason *reason)
+{
+    int file = file_open_again(AT_FDCWD, path, source->stored ? O_RDONLY | O_NONBLOCK : O_RDONLY);
     *bytes = NULL;
     *size = 0;
     if (file < 0)
-        return fail(reason, STATUS_INPUT, "%s: %s", file_label(path), strerror(errno));
-    return file_read_from(file, path, most, bytes, size, reason);
+        return fail(reason, STATUS_INPUT, "%s: %s", source->label, strerror(errno));
+    return read_source(source, file, bytes, size, reason);
+}
+
+enum status file_read_most(const char *path, size_t most, char **bytes, size_t *size,
+                           struct reason *reason)
+{
+    const struct source source = {.label = file_label(path), .most = most};
+    return open_source(path, &source, bytes, size, reason);
+}
+
+enum status file_read_stored(const char *path, char **bytes, size_t *size, struct reason *reason)
+{
+    const struct source source = {.label = file_label(path), .most = FILE_LARGEST, .stored = true};
+    return open_source(path, &source, bytes, size, reason);
 }
 
 enum status file_read(const char *path, char **bytes, size_t *size, struct reason *reason)

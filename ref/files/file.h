@@ -23,6 +23,11 @@ enum status file_read(const char *path, char **bytes, size_t *size, struct reaso
 enum status file_read_most(const char *path, size_t most, char **bytes, size_t *size,
                            struct reason *reason) MUST_USE;
 
+/* As file_read for what another file names: a regular file, which is never zipped, whatever its
+ * first bytes. */
+enum status file_read_stored(const char *path, char **bytes, size_t *size,
+                             struct reason *reason) MUST_USE;
+
 /* As file_read_most for an open file, which it closes. `path` is used in reasons only. */
 enum status file_read_from(int file, const char *path, size_t most, char **bytes, size_t *size,
                            struct reason *reason) MUST_USE;

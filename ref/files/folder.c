@@ -27,11 +27,12 @@ void folder_path(const struct folder *folder, const char *name, char *path, size
 }
 
 /* Buffer for the path of a name, for reasons. */
-struct place {
+struct folder_place {
     char path[FOLDER_PATH_MOST];
 };
 
-static const char *place_of(const struct folder *folder, const char *name, struct place *place)
+static const char *place_of(const struct folder *folder, const char *name,
+                            struct folder_place *place)
 {
     folder_path(folder, name, place->path, sizeof place->path);
     return place->path;
@@ -52,7 +53,7 @@ static const char *kind_name(mode_t mode)
 static enum status look(const struct folder *folder, const char *name, mode_t want, bool *there,
                         struct reason *reason)
 {
-    struct place place;
+    struct folder_place place;
     struct stat about;
     const char *path = place_of(folder, name, &place);
     *there = fstatat(folder->file, name, &about, STAT_FLAGS) == 0;
@@ -100,7 +101,7 @@ enum status folder_open(const char *path, bool make, struct folder *out, struct 
 enum status folder_open_in(const struct folder *parent, const char *name, bool make,
                            struct folder *out, struct reason *reason)
 {
-    struct place place;
+    struct folder_place place;
     bool there;
     const char *path = place_of(parent, name, &place);
     *out = (struct folder){0};
@@ -141,7 +142,7 @@ static enum status check_file(int file, const char *path, bool append, struct re
 enum status folder_open_file(const struct folder *folder, const char *name, bool append, int *file,
                              struct reason *reason)
 {
-    struct place place;
+    struct folder_place place;
     bool there;
     const char *path = place_of(folder, name, &place);
     *file = -1;
@@ -165,7 +166,7 @@ enum status folder_open_file(const struct folder *folder, const char *name, bool
 enum status folder_read(const struct folder *folder, const char *name, size_t most, char **bytes,
                         size_t *size, struct reason *reason)
 {
-    struct place place;
+    struct folder_place place;
     int file;
     *bytes = NULL;
     *size = 0;
@@ -214,7 +215,7 @@ enum status folder_list(const struct folder *folder, folder_name_fn *each, void 
 
 enum status folder_remove(const struct folder *folder, const char *name, struct reason *reason)
 {
-    struct place place;
+    struct folder_place place;
     if (unlinkat(folder->file, name, 0) == 0 || errno == ENOENT ||
         (errno == EISDIR && unlinkat(folder->file, name, AT_REMOVEDIR) == 0))
         return STATUS_OK;

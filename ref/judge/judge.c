@@ -20,8 +20,64 @@ const char *wrong_name(enum wrong wrong)
 {
     static const char *const names[WRONG_COUNT] = {
         "not",        "missed",         "phantom",       "triangle", "distance", "barycentric",
-        "not_finite", "not_repeatable", "any_disagrees", "twice",    "order"};
+        "not_finite", "not_repeatable", "any_disagrees", "twice",    "order",    "masked",
+        "culled",     "opacity",        "instance",      "facing"};
     return wrong < WRONG_COUNT ? names[wrong] : "unknown";
+}
+
+/* The coordinates of a scene are in contract. */
+static bool scene_in_contract(const struct scene *scene, float largest[3])
+{
+    bool in_contract = true;
+    struct box box = scene_bounds(scene);
+    for (int k = 0; k < 3 && scene->tri_count > 0; k++) {
+        largest[k] = fmaxf(fabsf(box.lo[k]), fabsf(box.hi[k]));
+        in_contract = in_contract && largest[k] <= LARGEST_COORDINATE;
+    }
+    return in_contract;
+}
+
+/* The transforms, and whether coordinates are in contract in every mesh and in the world. */
+static enum status make_places(struct judge *judge, struct reason *reason)
+{
+    const struct world *world = judge->world;
+    struct reason why = {""};
+    judge->place = alloc_zeroed(world->instance_count, sizeof *judge->place);
+    if (!judge->place)
+        return fail(reason, STATUS_MEMORY, "no memory for a judge");
+    for (uint32_t i = 0; i < world->instance_count; i++) {
+        const struct instance *instance = &world->instance[i];
+        float largest[3] = {0.0f, 0.0f, 0.0f};
+        if (instance->mesh == WORLD_NO_MESH || world_scene(world, i)->tri_count == 0)
+            continue;
+        if (twin_place_of(instance, &judge->place[i], &why))
+            return fail(reason, STATUS_LIMIT, "instance %u: %s", i, why.text);
+        judge->in_contract =
+            judge->in_contract && scene_in_contract(world_scene(world, i), largest);
+        for (int k = 0; k < 3; k++) {
+            double reach = fabs((double)instance->m[k][3]);
+            for (int j = 0; j < 3; j++)
+                reach += fabs((double)instance->m[k][j]) * (double)largest[j];
+            judge->in_contract = judge->in_contract && reach <= (double)LARGEST_COORDINATE;
+        }
+    }
+    return STATUS_OK;
+}
+
+static enum status make_lazy(struct judge *judge, struct reason *reason)
+{
+    uint32_t count = judge->world ? judge->world->mesh_count : 1;
+    struct judge_lazy *lazy = judge->lazy = alloc_zeroed(1, sizeof *lazy);
+    if (!lazy)
+        return fail(reason, STATUS_MEMORY, "no memory for a judge");
+    pthread_mutex_init(&lazy->lock, NULL);
+    lazy->topology = alloc_zeroed(count, sizeof *lazy->topology);
+    if (!lazy->topology)
+        return fail(reason, STATUS_MEMORY, "no memory for a judge");
+    lazy->count = count;
+    for (uint32_t i = 0; i < count; i++)
+        atomic_init(&lazy->topology[i], NULL);
+    return STATUS_OK;
 }
 
 enum status judge_make(const struct oracle *oracle, const struct model *model, enum query query,
@@ -33,22 +89,29 @@ enum status judge_make(const struct oracle *oracle, const struct model *model, e
         return fail(reason, STATUS_MEMORY, "no memory for a judge");
     judge->oracle = oracle;
     judge->scene = oracle_scene(oracle);
+    judge->world = oracle_world(oracle);
+    judge->tri_count = judge->world ? world_tri_count(judge->world) : judge->scene->tri_count;
+    judge->mode = ray_mode_all();
     judge->model = *model;
+    if (judge->world && !twin_is_own(model->formula)) { /* transforms are its own, too */
+        judge->model.formula = TWIN_UNKNOWN;
+        judge->beyond = judge_share_beyond(model); /* but t is not transformed */
+    }
     judge->query = query;
     judge->own = twin_is_own(model->formula);
     judge->displacement = model->displacement > 0.0 ? model->displacement : JUDGE_DISPLACEMENT_MOST;
     /* The proof in judge_fan.c needs the same rounding of the same product wherever it is made. */
     judge->fans =
         model->watertight && model->formula == TWIN_WOOP && rounding_is_nearest(model->rounding);
-    judge->in_contract = true;
-    struct box box = scene_bounds(judge->scene);
-    for (int k = 0; k < 3 && judge->scene->tri_count > 0; k++) {
-        judge->largest[k] = fmaxf(fabsf(box.lo[k]), fabsf(box.hi[k]));
-        judge->in_contract = judge->in_contract && judge->largest[k] <= LARGEST_COORDINATE;
+    judge->in_contract = judge->world || scene_in_contract(judge->scene, judge->largest);
+    enum status status = judge->world ? make_places(judge, reason) : STATUS_OK;
+    if (!status)
+        status = make_lazy(judge, reason);
+    if (status) {
+        judge_free(judge);
+        *out = NULL;
     }
-    pthread_mutex_init(&judge->lock, NULL);
-    atomic_init(&judge->topology, NULL);
-    return STATUS_OK;
+    return status;
 }
 
 void judge_by_bounds(struct judge *judge, bool on)
@@ -56,28 +119,27 @@ void judge_by_bounds(struct judge *judge, bool on)
     judge->by_bounds = on;
 }
 
+static void free_lazy(struct judge_lazy *lazy)
+{
+    for (uint32_t i = 0; i < lazy->count; i++) {
+        struct topology *topology = atomic_load(&lazy->topology[i]);
+        if (topology)
+            topology_free(topology);
+        free(topology);
+    }
+    free(lazy->topology);
+    pthread_mutex_destroy(&lazy->lock);
+    free(lazy);
+}
+
 void judge_free(struct judge *judge)
 {
     if (!judge)
         return;
-    struct topology *topology = atomic_load(&judge->topology);
-    if (topology)
-        topology_free(topology);
-    free(topology);
-    pthread_mutex_destroy(&judge->lock);
+    if (judge->lazy)
+        free_lazy(judge->lazy);
+    free(judge->place);
     free(judge);
-}
-
-struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_t prim,
-                       const struct judge_known *known)
-{
-    float v[3][3];
-    for (size_t i = 0; known && i < known->count; i++)
-        if (known->prim[i] == prim)
-            return known->twin[i];
-    scene_tri(judge->scene, prim, v);
-    struct twin twin = twin_eval(judge->model.formula, judge->model.rounding, ray, v);
-    return twin;
 }
 
 double judge_over(double t, double lo, double hi, double bound)
@@ -164,7 +226,7 @@ enum status judge_knowing(const struct judge *judge, const struct ray *ray, bool
                               .expected = truth->prim,
                               .t_lo = truth->t_lo,
                               .t_hi = truth->t_hi};
-    if (hit && !unnamed && answer->prim >= judge->scene->tri_count) {
+    if (hit && !unnamed && answer->prim >= judge->tri_count) {
         judge_set_wrong(out, WRONG_PHANTOM); /* whatever the ray */
         return STATUS_OK;
     }
@@ -199,13 +261,19 @@ static bool is_open(enum verdict verdict)
            verdict == VERDICT_IN_PLANE || verdict == VERDICT_SLAB || verdict == VERDICT_NOISE;
 }
 
+static bool is_unjudged(const struct judgement *judgement)
+{
+    return judgement->verdict == VERDICT_OUT_OF_CONTRACT;
+}
+
 void judge_any_against_closest(const struct judge *judge, const struct ray *ray,
                                const struct hit *closest, const struct judgement *closest_judgement,
                                const struct hit *any, struct judgement *any_judgement)
 {
     bool any_hit = any->prim != ABI_NO_PRIM, truth_hit = any_judgement->expected != ABI_NO_PRIM;
     if ((closest->prim != ABI_NO_PRIM) == any_hit || !judge->in_contract || !ray_in_contract(ray) ||
-        any_judgement->verdict == VERDICT_WRONG)
+        any_judgement->verdict == VERDICT_WRONG || is_unjudged(closest_judgement) ||
+        is_unjudged(any_judgement))
         return;
     const struct judgement *off = any_hit != truth_hit ? any_judgement : closest_judgement;
     if (judge->own || !is_open(off->verdict))

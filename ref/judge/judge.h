@@ -36,6 +36,11 @@ enum wrong {
     WRONG_ANY_DISAGREES, /* any-hit and closest-hit of one engine contradict each other; likewise */
     WRONG_TWICE,         /* all hits: one triangle is listed twice, see ref/judge/judge_all.h */
     WRONG_ORDER,         /* all hits: a later t before an earlier one */
+    WRONG_MASKED,        /* worlds: of an instance that the ray does not meet */
+    WRONG_CULLED,        /* worlds: of a side that the ray's flags cull */
+    WRONG_OPACITY,       /* worlds: culled as opaque or not, or passed over by the filter */
+    WRONG_INSTANCE,      /* worlds: another instance is hit, or its custom index is another */
+    WRONG_FACING,        /* worlds: the other side is seen */
     WRONG_COUNT
 };
 
@@ -57,7 +62,9 @@ struct judgement {
                             classical test's bound, where more than JUDGE_DISPLACEMENT_MOST is
                             allowed in as many parts of that; else 0 */
     bool edge_lost;      /* likewise: it was lost for that */
-    bool fan;            /* unknown formula: a hit inside a closed fan was lost, see judge_answer */
+    bool ill_conditioned; /* worlds, VERDICT_OUT_OF_CONTRACT of an unknown formula: kappa of the
+                             instance is over 2^10 */
+    bool fan; /* unknown formula: a hit inside a closed fan was lost, see judge_answer */
 };
 
 /* The displacement of any triangle that an answer of an unknown formula may need, in units, unless
@@ -81,8 +88,9 @@ const char *wrong_name(enum wrong wrong);
 
 struct judge;
 
-/* Makes the judge of answers to `query` of an engine with this model, on the oracle's scene. The
- * oracle and its scene are borrowed. Errors: STATUS_MEMORY. */
+/* Makes the judge of answers to `query` of an engine with this model, on the oracle's scene, or
+ * world (ref/judge/judge_world.h). The oracle and what it was made of are borrowed. Errors:
+ * STATUS_LIMIT the inverse of an instance's transform is beyond float32; STATUS_MEMORY. */
 enum status judge_make(const struct oracle *oracle, const struct model *model, enum query query,
                        struct judge **out, struct reason *reason) MUST_USE;
 

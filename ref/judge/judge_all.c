@@ -12,6 +12,7 @@ struct listing {
     const struct judge *judge;
     const struct ray *ray;
     const struct hit *hit;
+    const uint32_t *tag; /* of each; NULL in a scene */
     size_t count;
     struct judge_found found;
     struct oracle_crossing *crossing;
@@ -19,10 +20,12 @@ struct listing {
     struct list_judgement *out;
 };
 
-static void wrong(struct listing *l, enum wrong kind, struct hit at_fault)
+/* Hit `at` of the list is at fault; l->count: one that is lost. */
+static void wrong(struct listing *l, enum wrong kind, size_t at)
 {
     judge_set_wrong(&l->out->judgement, kind);
-    l->out->at_fault = at_fault;
+    l->out->at_fault = at < l->count ? l->hit[at] : hit_none();
+    l->out->tag = at < l->count && l->tag ? l->tag[at] : 0;
 }
 
 static bool is_wrong(const struct listing *l)
@@ -63,18 +66,20 @@ static void index_list(struct listing *l)
     for (size_t i = 1; i < l->count && !is_wrong(l); i++)
         if (slot[i].prim == slot[i - 1].prim) {
             double t = (double)l->hit[slot[i - 1].at].t;
-            wrong(l, WRONG_TWICE, l->hit[slot[i].at]);
+            wrong(l, WRONG_TWICE, slot[i].at);
             expect(l, slot[i].prim, t, t);
         }
 }
 
 /* Judges each listed triangle alone. */
-static void judge_listed(struct listing *l)
+static enum status judge_listed(struct listing *l)
 {
+    enum status status = STATUS_OK;
     const struct oracle_answer nothing = {.prim = ABI_NO_PRIM}; /* not possible: a phantom */
     struct judgement *sum = &l->out->judgement;
     bool unknown = l->judge->model.formula == TWIN_UNKNOWN;
-    for (size_t i = 0; i < l->count && !is_wrong(l); i++) {
+    for (size_t i = 0; i < l->count && !is_wrong(l) && !status; i++) {
+        bool anothers = false;
         struct judgement one = {.verdict = VERDICT_RIGHT};
         enum verdict verdict =
             unknown ? judge_named_by_distance(l->judge, l->ray, &nothing, &l->hit[i], &one)
@@ -83,10 +88,13 @@ static void judge_listed(struct listing *l)
         sum->displacement = fmax(sum->displacement, one.displacement);
         sum->share = fmax(sum->share, one.share);
         if (verdict == VERDICT_WRONG)
-            wrong(l, one.wrong, l->hit[i]);
+            status = judge_is_anothers(l->judge, l->ray, &l->hit[i], &anothers);
+        if (verdict == VERDICT_WRONG)
+            wrong(l, anothers ? WRONG_INSTANCE : one.wrong, i);
         else
             need(l, verdict);
     }
+    return status;
 }
 
 /* Each t is within its bound of the exact one, so sorted ones are in order up to both bounds. */
@@ -95,7 +103,7 @@ static void judge_order(struct listing *l)
     for (size_t i = 1; i < l->count && !is_wrong(l); i++)
         if (l->hit[i - 1].t > l->hit[i].t) {
             double t = (double)l->hit[i].t;
-            wrong(l, WRONG_ORDER, l->hit[i - 1]);
+            wrong(l, WRONG_ORDER, i - 1);
             expect(l, l->hit[i].prim, t, t);
         }
 }
@@ -149,7 +157,7 @@ static enum status left_out_by_distance(struct listing *l, const struct oracle_c
     }
     sum->fan = sum->fan || closed;
     if (loss.over > 1.0 || (l->judge->model.watertight && closed)) {
-        wrong(l, WRONG_MISSED, hit_none());
+        wrong(l, WRONG_MISSED, l->count);
         expect(l, crossing->prim, crossing->pair.t_lo, crossing->pair.t_hi);
     } else {
         need(l, loss.why);
@@ -164,7 +172,7 @@ static enum status left_out(struct listing *l, const struct oracle_crossing *cro
     enum status status = judge_cannot_miss(l->judge, l->ray, crossing->prim, pair->t_lo, pair->t_hi,
                                            (double)INFINITY, &l->found, NULL, &lost);
     if (lost) {
-        wrong(l, WRONG_MISSED, hit_none());
+        wrong(l, WRONG_MISSED, l->count);
         expect(l, crossing->prim, pair->t_lo, pair->t_hi);
     } else {
         need(l, judge_why_lost(l->judge, l->ray, crossing->prim, pair->t_lo, pair->t_hi,
@@ -174,7 +182,7 @@ static enum status left_out(struct listing *l, const struct oracle_crossing *cro
 }
 
 /* Judges every exact hit: whether it is listed, and in its place. */
-static enum status judge_crossings(struct listing *l)
+static enum status judge_left_out(struct listing *l)
 {
     bool unknown = l->judge->model.formula == TWIN_UNKNOWN;
     const struct judge_slot *before = NULL;
@@ -201,10 +209,17 @@ static bool settled(struct listing *l)
 {
     const struct judge *judge = l->judge;
     for (size_t i = 0; i < l->count; i++)
-        if (l->hit[i].prim >= judge->scene->tri_count) {
-            wrong(l, WRONG_PHANTOM, l->hit[i]); /* whatever the ray */
+        if (l->hit[i].prim >= judge->tri_count) {
+            wrong(l, WRONG_PHANTOM, i); /* whatever the ray */
             return true;
         }
+    for (size_t i = 0; i < l->count && l->tag; i++) {
+        enum wrong ruled = judge_ruled_out(judge, l->ray, &l->hit[i], l->tag[i]);
+        if (ruled) {
+            wrong(l, ruled, i);
+            return true;
+        }
+    }
     if (!judge->in_contract || !ray_in_contract(l->ray)) {
         l->out->judgement.verdict = VERDICT_OUT_OF_CONTRACT;
         return true;
@@ -212,17 +227,19 @@ static bool settled(struct listing *l)
     for (size_t i = 0; i < l->count; i++) {
         const struct hit *hit = &l->hit[i];
         if (!float_is_finite(hit->t) || !float_is_finite(hit->u) || !float_is_finite(hit->v)) {
-            wrong(l, WRONG_NOT_FINITE, *hit);
+            wrong(l, WRONG_NOT_FINITE, i);
             return true;
         }
     }
     return false;
 }
 
-enum status judge_list(const struct judge *judge, const struct ray *ray, const struct hit *hit,
-                       size_t count, struct list_judgement *out)
+enum status judge_list_tagged(const struct judge *judge, const struct ray *ray,
+                              const struct hit *hit, const uint32_t *tag, size_t count,
+                              struct list_judgement *out)
 {
-    struct listing l = {.judge = judge, .ray = ray, .hit = hit, .count = count, .out = out};
+    struct listing l = {
+        .judge = judge, .ray = ray, .hit = hit, .tag = tag, .count = count, .out = out};
     size_t capacity = 0;
     *out = (struct list_judgement){.judgement = {.verdict = VERDICT_RIGHT, .expected = ABI_NO_PRIM},
                                    .at_fault = hit_none()};
@@ -231,13 +248,15 @@ enum status judge_list(const struct judge *judge, const struct ray *ray, const s
     l.found.slot = alloc_zeroed(count, sizeof *l.found.slot);
     enum status status = l.found.slot ? STATUS_OK : STATUS_MEMORY;
     if (!status)
-        status = oracle_crossings(judge->oracle, ray, (double)INFINITY, &l.crossing, &capacity,
-                                  &l.crossings, NULL);
+        status =
+            judge_crossings(judge, ray, (double)INFINITY, &l.crossing, &capacity, &l.crossings);
     if (!status) {
         index_list(&l);
-        judge_listed(&l);
+        status = judge_listed(&l);
         judge_order(&l);
-        status = judge_crossings(&l);
+    }
+    if (!status) {
+        status = judge_left_out(&l);
     }
     if (!status && judge->model.formula == TWIN_UNKNOWN)
         note_one(&l);
@@ -246,4 +265,10 @@ enum status judge_list(const struct judge *judge, const struct ray *ray, const s
     if (status)
         out->judgement.verdict = VERDICT_OUT_OF_CONTRACT;
     return status;
+}
+
+enum status judge_list(const struct judge *judge, const struct ray *ray, const struct hit *hit,
+                       size_t count, struct list_judgement *out)
+{
+    return judge_list_tagged(judge, ray, hit, NULL, count, out);
 }

@@ -13,6 +13,7 @@ struct list_judgement {
                                    before the one at fault; else ABI_NO_PRIM. over and displacement:
                                    the largest of the list */
     struct hit at_fault;        /* if WRONG: the hit; a miss if one is lost */
+    uint32_t tag;               /* of a world: the tag of at_fault; 0 of a miss */
 };
 
 /* Judges the list of one ray; safe from several threads at once.

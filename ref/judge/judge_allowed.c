@@ -25,6 +25,10 @@
 
 #define STEPS   16.0
 #define DIVIDED 10.0
+#ifndef TRANSFORM /* a test turns it */
+/* Of kappa u (|o| + |T| + |hit|): what the transform of an engine may move. */
+#define TRANSFORM 64.0
+#endif
 /* A product, sum or operand that is subnormal may be flushed. */
 #define FLUSHED 0x1p-126
 /* Products of three such, less 2^-24 of each on the way, are normal numbers. */
@@ -71,22 +75,65 @@ static void widen(int base, struct judge_rounding *out)
     out->t_most = fmax(out->t_most, bound_of(e2, s, e1));
 }
 
-struct judge_rounding judge_rounding_of(const struct ray *ray, float v[3][3])
+/* The rest of a judge_rounding whose triangle is set. */
+static void complete(struct judge_rounding *out)
 {
-    struct judge_rounding out = {.tri = ray_triangle_of(ray, v)};
-    const struct ray_triangle *tri = &out.tri;
-    out.det = judge_dot(tri->d, tri->n);
-    out.t = judge_dot(tri->v[0], tri->n);
+    const struct ray_triangle *tri = &out->tri;
+    out->det = judge_dot(tri->d, tri->n);
+    out->t = judge_dot(tri->v[0], tri->n);
     for (int c = 0; c < 3; c++) {
         const double *side = tri->side[(c + 1) % 3];
         double beside[3], across[3];
         judge_cross(tri->v[(c + 1) % 3], side, beside);
         judge_cross(tri->d, side, across);
-        out.edge[c] = judge_dot(tri->d, beside);
-        out.across[c] = sqrt(judge_dot(across, across));
+        out->edge[c] = judge_dot(tri->d, beside);
+        out->across[c] = sqrt(judge_dot(across, across));
     }
     for (int base = 0; base < 3; base++)
-        widen(base, &out);
+        widen(base, out);
+}
+
+struct judge_rounding judge_rounding_of(const struct ray *ray, float v[3][3])
+{
+    struct judge_rounding out = {.tri = ray_triangle_of(ray, v)};
+    complete(&out);
+    return out;
+}
+
+/* An engine's ray in the space of a mesh may be off by TRANSFORM u kappa of the sizes that cancel
+ * there, as a displacement in the world: docs/numerics.md, "Closed fans, and unpublished formulas".
+ * The determinant is a sum of edge functions, each of which two vertices move. */
+static void allow_transform(const struct judge *judge, const struct ray *ray,
+                            const struct judge_at *at, struct judge_rounding *out)
+{
+    const struct instance *instance = &judge->world->instance[at->instance];
+    double far = 0.0, across = 0.0;
+    for (int k = 0; k < 3; k++) {
+        double o = (double)ray->org[k], hit = 0.0;
+        for (int c = 0; c < 3; c++)
+            hit = fmax(hit, fabs(out->tri.v[c][k] + o));
+        far = fmax(far, fabs(o) + fabs((double)instance->m[k][3]) + hit);
+        across += out->across[k];
+    }
+    double moved = TRANSFORM * judge->place[at->instance].kappa * JUDGE_UNIT * far;
+    out->extra = out->tri.unit > 0.0 ? moved / out->tri.unit : 0.0;
+    out->det_most += 2.0 * moved * across;
+}
+
+struct judge_rounding judge_rounding_at(const struct judge *judge, const struct ray *ray,
+                                        uint32_t prim)
+{
+    float v[3][3];
+    judge_tri(judge, prim, v);
+    if (!judge->world)
+        return judge_rounding_of(ray, v);
+    struct judge_at at = judge_locate(judge, prim);
+    if (judge->place[at.instance].identity)
+        return judge_rounding_of(ray, v);
+    struct judge_rounding out = {
+        .tri = ray_triangle_placed(ray, judge->world->instance[at.instance].m, v)};
+    complete(&out);
+    allow_transform(judge, ray, &at, &out);
     return out;
 }
 
@@ -103,7 +150,7 @@ double judge_unit_of_t(const struct judge_rounding *r)
 double judge_edge_allowed(const struct judge *judge, const struct judge_rounding *r, int c)
 {
     double scale = r->across[c] * r->tri.unit;
-    return fmax(judge->displacement, scale > 0.0 ? r->edge_most[c] / scale : 0.0);
+    return fmax(judge->displacement, scale > 0.0 ? r->edge_most[c] / scale : 0.0) + r->extra;
 }
 
 double judge_plane_allowed(const struct judge *judge, const struct judge_rounding *r, double t)
@@ -111,14 +158,15 @@ double judge_plane_allowed(const struct judge *judge, const struct judge_roundin
     double det = r->det_most + DIVIDED * JUDGE_UNIT * fabs(r->det);
     double scale = r->tri.area * r->tri.unit;
     double most = r->t_most + fabs(t) * det + FLUSHED * fabs(r->det);
-    return fmax(judge->displacement, scale > 0.0 ? most / scale : 0.0);
+    return fmax(judge->displacement, scale > 0.0 ? most / scale : 0.0) + r->extra;
 }
 
 bool judge_weight_allowed(const struct judge_rounding *r, int c, double weight)
 {
     double det = r->det_most + DIVIDED * JUDGE_UNIT * fabs(r->det);
     double off = fabs(weight * r->det - r->edge[c]);
-    return off <= r->edge_most[c] + fabs(weight) * det + FLUSHED * fabs(r->det);
+    double moved = 2.0 * r->extra * r->tri.unit * r->across[c];
+    return off <= r->edge_most[c] + fabs(weight) * det + FLUSHED * fabs(r->det) + moved;
 }
 
 bool judge_det_is_open(const struct judge_rounding *r)
@@ -172,9 +220,7 @@ static bool may_reach(const struct judge *judge, const struct judge_rounding *r,
 
 bool judge_may_be_hit(const struct judge *judge, const struct ray *ray, uint32_t prim)
 {
-    float v[3][3];
-    scene_tri(judge->scene, prim, v);
-    struct judge_rounding r = judge_rounding_of(ray, v);
+    struct judge_rounding r = judge_rounding_at(judge, ray, prim);
     return judge_may_accept(judge, &r) &&
            (judge_det_is_open(&r) || may_reach(judge, &r, (double)ray->tmin, (double)ray->tmax));
 }

@@ -41,9 +41,7 @@ static void keep_plane(const struct judge *judge, const struct judge_rounding *r
 struct judge_loss judge_loss_of(const struct judge *judge, const struct ray *ray,
                                 const struct oracle_crossing *lost, double reach)
 {
-    float v[3][3];
-    scene_tri(judge->scene, lost->prim, v);
-    struct judge_rounding rounding = judge_rounding_of(ray, v);
+    struct judge_rounding rounding = judge_rounding_at(judge, ray, lost->prim);
     struct judge_loss loss = {lost->prim,      INFINITY,         INFINITY,         lost->pair.t_lo,
                               lost->pair.t_hi, VERDICT_BOUNDARY, rounding.tri.unit};
     for (int c = 0; c < 3; c++)
@@ -54,6 +52,11 @@ struct judge_loss judge_loss_of(const struct judge *judge, const struct ray *ray
     keep_plane(judge, &rounding, (double)ray->tmin, VERDICT_BORDER, &loss);
     if (isfinite(ray->tmax))
         keep_plane(judge, &rounding, (double)ray->tmax, VERDICT_BORDER, &loss);
+    bool takes = judge_takes(judge, ray, lost->prim);
+    if (!takes || !judge_surely_counts(judge, ray, lost->prim, NULL)) {
+        loss.need = loss.over = 0.0;
+        loss.why = takes ? VERDICT_BOUNDARY : VERDICT_OUT_OF_CONTRACT;
+    }
     return loss;
 }
 
@@ -66,8 +69,7 @@ static enum status worst_loss(const struct judge *judge, const struct ray *ray,
     bool *fan = &out->fan;
     struct oracle_crossing *list = NULL;
     size_t capacity = 0, count = 0;
-    enum status status =
-        oracle_crossings(judge->oracle, ray, reach, &list, &capacity, &count, NULL);
+    enum status status = judge_crossings(judge, ray, reach, &list, &capacity, &count);
     for (size_t i = 0; i < count && status == STATUS_OK; i++) {
         if (!oracle_is_hit(&list[i].pair) || !(reach > list[i].pair.t_hi))
             continue;
@@ -94,7 +96,7 @@ static bool weights_fit(const struct judge *judge, const struct hit *answer,
     double u = (double)answer->u, w = (double)answer->v, p[3];
     for (int k = 0; k < 3; k++)
         p[k] = (1.0 - u - w) * tri->v[0][k] + u * tri->v[1][k] + w * tri->v[2][k];
-    double most = judge->displacement * tri->unit;
+    double most = (judge->displacement + rounding->extra) * tri->unit;
     if (ray_triangle_line_distance(p, tri) <= most && ray_triangle_distance(p, tri) <= most)
         return true;
     /* No test accepts weights below 0; Embree's replaces those from -2^-23 on by 0. */
@@ -112,7 +114,7 @@ static double hit_over(const struct judge *judge, double t, const struct judge_r
     const struct ray_triangle *tri = &rounding->tri;
     *noise = false;
     *need = judge_point_displacement(tri, t);
-    double over = *need / judge->displacement;
+    double over = *need / (judge->displacement + rounding->extra);
     if (!judge_may_accept(judge, rounding))
         return over;
     double plane = ray_triangle_plane_distance(t, tri) / tri->unit;
@@ -124,21 +126,39 @@ static double hit_over(const struct judge *judge, double t, const struct judge_r
     return fmin(over, along);
 }
 
+/* Where the ray meets the plane. */
+static double plane_t_of(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                         const struct judge_rounding *rounding)
+{
+    float v[3][3];
+    if (judge->world)
+        return rounding->t / rounding->det;
+    scene_tri(judge->scene, prim, v);
+    return judge_plane_t(ray, v);
+}
+
+/* True if t lies outside the range by no more than judge->beyond. */
+static bool just_beyond(const struct judge *judge, const struct ray *ray, double t)
+{
+    return judge->beyond > 0.0 && t >= (double)ray->tmin * (1.0 - judge->beyond) &&
+           t <= (double)ray->tmax * (1.0 + judge->beyond);
+}
+
 enum verdict judge_named_by_distance(const struct judge *judge, const struct ray *ray,
                                      const struct oracle_answer *truth, const struct hit *answer,
                                      struct judgement *out)
 {
-    float v[3][3];
     struct oracle_pair pair;
     bool noise;
-    scene_tri(judge->scene, answer->prim, v);
-    struct judge_rounding rounding = judge_rounding_of(ray, v);
+    if (!judge_takes(judge, ray, answer->prim))
+        return VERDICT_OUT_OF_CONTRACT;
+    struct judge_rounding rounding = judge_rounding_at(judge, ray, answer->prim);
     oracle_pair(judge->oracle, ray, answer->prim, &pair);
     out->share = hit_over(judge, (double)answer->t, &rounding, &out->displacement, &noise);
-    if (!judge_in_range(judge, ray, answer->t))
+    if (!judge_in_range(judge, ray, answer->t) && !just_beyond(judge, ray, (double)answer->t))
         return judge_set_wrong(out, WRONG_DISTANCE);
     if (out->share > 1.0) {
-        double unused, exact = (double)(float)judge_plane_t(ray, v);
+        double unused, exact = (double)(float)plane_t_of(judge, ray, answer->prim, &rounding);
         bool open;
         return pair.det != 0 && hit_over(judge, exact, &rounding, &unused, &open) <= 1.0
                    ? judge_set_wrong(out, WRONG_DISTANCE)
@@ -146,15 +166,15 @@ enum verdict judge_named_by_distance(const struct judge *judge, const struct ray
     }
     if (!weights_fit(judge, answer, &rounding))
         return judge_set_wrong(out, WRONG_BARYCENTRIC);
-    return noise ? VERDICT_NOISE : judge_by_pair(judge, &pair);
+    return noise ? VERDICT_NOISE : judge_by_pair(judge, ray, answer->prim, &pair);
 }
 
 double judge_margin_of(const struct judge *judge, const struct ray *ray, uint32_t prim)
 {
-    float v[3][3];
     bool near = false;
-    scene_tri(judge->scene, prim, v);
-    struct judge_rounding rounding = judge_rounding_of(ray, v);
+    if (!judge_takes(judge, ray, prim))
+        return 0.0;
+    struct judge_rounding rounding = judge_rounding_at(judge, ray, prim);
     for (int c = 0; c < 3; c++)
         near = near ||
                fabs(judge_edge_distance(&rounding, c)) <= judge_edge_allowed(judge, &rounding, c);
@@ -231,8 +251,7 @@ enum status judge_need(const struct judge *judge, const struct ray *ray,
         return STATUS_OK;
     struct oracle_crossing *list = NULL;
     size_t capacity = 0, count = 0;
-    enum status status =
-        oracle_crossings(judge->oracle, ray, reach, &list, &capacity, &count, NULL);
+    enum status status = judge_crossings(judge, ray, reach, &list, &capacity, &count);
     for (size_t i = 0; i < count && !status; i++) {
         if (!oracle_is_hit(&list[i].pair) || !(reach > list[i].pair.t_hi))
             continue;

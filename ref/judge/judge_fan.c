@@ -27,7 +27,11 @@
  *
  * "Proven" is as in the twin: the exact value, and every evaluation of it that the rounding
  * allows, has that sign; the exact edge function of the sheared places is one of those evaluations.
- */
+ *
+ * In a world a fan lies within one instance: all its triangles see one ray, o' and d', in the space
+ * of the mesh, whatever that is off, and signs are proven for every o' and d' that may be computed.
+ * Each triangle must surely count: one that is culled or passed over is none that the test can hit.
+ * Nothing is proven across instances. */
 #include "ref/judge/judge_inner.h"
 
 #include <math.h>
@@ -40,6 +44,7 @@ struct fan {
     const struct judge *judge;
     const struct topology *topology;
     const struct ray *ray;
+    struct judge_at at; /* the first triangle */
     uint32_t prim[FAN_MOST];
     size_t count;
     int sign;     /* of all determinants */
@@ -53,7 +58,7 @@ struct seen {
     double t_most;
 };
 
-/* Returns false if its t is not proven to lie inside the range. */
+/* Returns false if its t is not proven to lie inside the range, or if it may not count. */
 static bool see_by_twin(const struct fan *fan, uint32_t prim, struct seen *seen)
 {
     struct twin twin = judge_twin(fan->judge, fan->ray, prim, NULL);
@@ -62,7 +67,8 @@ static bool see_by_twin(const struct fan *fan, uint32_t prim, struct seen *seen)
     for (int c = 0; c < 3; c++)
         seen->edge[c] = twin.edge[c];
     seen->t_most = t + 2.0 * e;
-    return t - e > (double)fan->ray->tmin && t + e < (double)fan->ray->tmax;
+    return t - e > (double)fan->ray->tmin && t + e < (double)fan->ray->tmax &&
+           judge_surely_counts(fan->judge, fan->ray, prim, &twin);
 }
 
 /* The same by exact signs and distances, for an unknown formula. */
@@ -70,7 +76,7 @@ static bool see_by_distance(const struct fan *fan, uint32_t prim, struct seen *s
 {
     float v[3][3];
     struct oracle_pair pair;
-    scene_tri(fan->judge->scene, prim, v);
+    judge_tri(fan->judge, prim, v); /* where it is: at the identity, if in a world */
     oracle_pair(fan->judge->oracle, fan->ray, prim, &pair);
     struct judge_rounding rounding = judge_rounding_of(fan->ray, v);
     seen->det = pair.det;
@@ -78,7 +84,8 @@ static bool see_by_distance(const struct fan *fan, uint32_t prim, struct seen *s
         seen->edge[c] = fabs(judge_edge_distance(&rounding, c)) > FAN_BAND ? pair.edge[c] : 0;
     double t = judge_plane_t(fan->ray, v), band = FAN_BAND * judge_unit_of_t(&rounding);
     seen->t_most = t + fmax(1.0, fan->judge->displacement / FAN_BAND) * band;
-    return t - band > (double)fan->ray->tmin && t + band < (double)fan->ray->tmax;
+    return t - band > (double)fan->ray->tmin && t + band < (double)fan->ray->tmax &&
+           judge_surely_counts(fan->judge, fan->ray, prim, NULL);
 }
 
 /* The one other triangle at the edge opposite corner `c`, which it runs along the other way;
@@ -106,6 +113,13 @@ static bool join(struct fan *fan, uint32_t prim)
     return true;
 }
 
+/* The neighbour of a triangle of the scene or the world, as above. */
+static uint32_t neighbour(const struct fan *fan, uint32_t prim, uint32_t c)
+{
+    uint32_t base = fan->at.base, other = beyond(fan->topology, prim - base, c);
+    return other == TOPOLOGY_NONE ? TOPOLOGY_NONE : base + other;
+}
+
 /* Adds the neighbours of member `i`; false if the fan is not closed there. */
 static bool grow(struct fan *fan, size_t i)
 {
@@ -124,30 +138,32 @@ static bool grow(struct fan *fan, size_t i)
             fan->rim = true;
             continue;
         }
-        uint32_t other = beyond(fan->topology, prim, c);
+        uint32_t other = neighbour(fan, prim, c);
         if (other == TOPOLOGY_NONE || !join(fan, other))
             return false;
     }
     return true;
 }
 
-/* The scene's topology, made by the first thread that needs it. */
-static enum status topology_of(const struct judge *judge, const struct topology **out)
+/* The topology of a mesh, made by the first thread that needs it. */
+static enum status topology_of(const struct judge *judge, const struct judge_at *at,
+                               const struct topology **out)
 {
-    struct judge *lazy = (struct judge *)judge; /* only the cache changes */
-    struct topology *made = atomic_load(&lazy->topology);
+    struct judge_lazy *lazy = judge->lazy;
+    _Atomic(struct topology *) *place = &lazy->topology[at->mesh];
+    struct topology *made = atomic_load(place);
     enum status status = STATUS_OK;
     if (!made) {
         pthread_mutex_lock(&lazy->lock);
-        made = atomic_load(&lazy->topology);
+        made = atomic_load(place);
         if (!made) {
             made = malloc(sizeof *made);
-            status = made ? topology_make(judge->scene, made, NULL) : STATUS_MEMORY;
+            status = made ? topology_make(at->scene, made, NULL) : STATUS_MEMORY;
             if (status) {
                 free(made);
                 made = NULL;
             }
-            atomic_store(&lazy->topology, made);
+            atomic_store(place, made);
         }
         pthread_mutex_unlock(&lazy->lock);
     }
@@ -160,7 +176,10 @@ enum status judge_fan(const struct judge *judge, const struct ray *ray, uint32_t
 {
     struct fan fan = {.judge = judge, .ray = ray, .limit = -INFINITY};
     *closed = false;
-    enum status status = topology_of(judge, &fan.topology);
+    fan.at = judge_locate(judge, prim);
+    if (judge->world && !judge->own && !judge->place[fan.at.instance].identity)
+        return STATUS_OK; /* nothing is known of the ray that it tests */
+    enum status status = topology_of(judge, &fan.at, &fan.topology);
     if (status)
         return status;
     fan.prim[fan.count++] = prim;

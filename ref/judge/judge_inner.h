@@ -2,18 +2,30 @@
 #ifndef JUDGE_INNER_H
 #define JUDGE_INNER_H
 
-#include "ref/judge/judge.h"
+#include "ref/judge/judge_world.h"
 #include "ref/judge/ray_triangle.h"
 #include "ref/scene/topology.h"
+#include "ref/twin/twin_placed.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
 
 #define JUDGE_UNIT 0x1p-24 /* u */
 
+/* Made at the first use; a million triangles take a second. */
+struct judge_lazy {
+    pthread_mutex_t lock;
+    uint32_t count;                       /* of meshes; 1 for a scene */
+    _Atomic(struct topology *) *topology; /* one each */
+};
+
 struct judge {
     const struct oracle *oracle;
-    const struct scene *scene;
+    const struct scene *scene; /* NULL: of a world */
+    const struct world *world; /* NULL: of a scene */
+    struct twin_place *place;  /* of each instance; zeros where no ray meets it */
+    uint32_t tri_count;        /* of the scene, or placed ones */
+    struct ray_mode mode;      /* worlds: of the ray that is judged */
     struct model model;
     enum query query;
     bool own;            /* the formula is one of ref/primitives/tri.h */
@@ -22,9 +34,9 @@ struct judge {
     bool in_contract;    /* the scene's coordinates are in contract */
     double displacement; /* unknown formula: what any triangle allows, in units */
     float largest[3];    /* |coordinate| per axis of the scene */
-    /* Made at the first use; a million triangles take a second. */
-    pthread_mutex_t lock;
-    _Atomic(struct topology *) topology;
+    double beyond;       /* worlds: share of an end of the range that an engine's t may lie beyond
+                            it, since it compares before it divides (judge_noise.c) */
+    struct judge_lazy *lazy;
 };
 
 /* Share of its bound by which a twin's near-exact u or v may be off, with room to spare. */
@@ -34,6 +46,9 @@ struct judge {
  * sure of its side: Woop with Vulkan's loosest rounding is within 24. */
 #define FAN_BAND 32.0
 
+/* The largest kappa (struct twin_place) of a transform with which an unknown formula is judged. */
+#define JUDGE_KAPPA_MOST 0x1p10
+
 /* Twins of one ray that were computed before, together with those of other rays. */
 #define JUDGE_KNOWN_MOST 2
 struct judge_known {
@@ -42,9 +57,64 @@ struct judge_known {
     size_t count;
 };
 
-/* The twin of a triangle of the scene; `known` may be NULL. */
+/* --- judge_geometry.c: a triangle of the scene, or a placed one ------------------------------- */
+
+/* Where a triangle is. */
+struct judge_at {
+    const struct scene *scene;
+    uint32_t prim;     /* of that scene */
+    uint32_t base;     /* numbers of the scene's triangles begin here */
+    uint32_t mesh;     /* 0 for a scene */
+    uint32_t instance; /* likewise */
+};
+
+struct judge_at judge_locate(const struct judge *judge, uint32_t prim);
+
+/* The vertices in the space that the triangle test works in. */
+void judge_tri(const struct judge *judge, uint32_t prim, float v[3][3]);
+
+/* The ray in the space of the mesh of a placed triangle. */
+void judge_take_along(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                      struct twin_ray *out);
+
+/* True if the judge promises anything of that triangle: false where the ray in the space of its
+ * mesh is out of contract, or, for an unknown formula, its transform is ill-conditioned. */
+bool judge_takes(const struct judge *judge, const struct ray *ray, uint32_t prim);
+
+/* The twin of a triangle; `known` may be NULL. */
 struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_t prim,
                        const struct judge_known *known);
+
+#define JUDGE_TOGETHER 64u /* triangles looked at together, at most */
+
+/* The twins of `count` triangles, without t, u and v. */
+void judge_twins(const struct judge *judge, const struct ray *ray, const uint32_t *prim,
+                 size_t count, struct twin *out);
+
+/* As oracle_crossings; of a world as oracle_crossings_world. */
+enum status judge_crossings(const struct judge *judge, const struct ray *ray, double t_most,
+                            struct oracle_crossing **list, size_t *capacity, size_t *count);
+
+/* --- judge_admit.c: what counts in a world ---------------------------------------------------- */
+
+/* Whether an answer, whose triangle exists, is one that the world rules out, whatever the numbers:
+ * WRONG_MASKED, CULLED, OPACITY, INSTANCE or FACING; else WRONG_NOT. */
+enum wrong judge_ruled_out(const struct judge *judge, const struct ray *ray,
+                           const struct hit *answer, uint32_t tag);
+
+/* True if the triangle counts in every evaluation that accepts it. Always, in a scene. */
+bool judge_surely_counts(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                         const struct twin *twin);
+
+/* True if the triangle of a world counts in some evaluation that accepts it. */
+bool judge_may_count(const struct judge *judge, const struct ray *ray, uint32_t prim);
+
+/* True if another instance has the answered triangle where it was answered: WRONG is then
+ * WRONG_INSTANCE. *found is false in a scene. Errors: STATUS_MEMORY. */
+enum status judge_is_anothers(const struct judge *judge, const struct ray *ray,
+                              const struct hit *answer, bool *found);
+
+/* --- judge.c --- */
 
 /* As judge_answer, in_contract being that of the ray. */
 enum status judge_knowing(const struct judge *judge, const struct ray *ray, bool in_contract,
@@ -67,7 +137,8 @@ enum verdict judge_named(const struct judge *judge, const struct ray *ray,
                          const struct judge_known *known, struct judgement *out);
 
 /* The class of an answer whose t, u and v are right for the triangle's plane. */
-enum verdict judge_by_pair(const struct judge *judge, const struct oracle_pair *pair);
+enum verdict judge_by_pair(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                           const struct oracle_pair *pair);
 
 /* An answer that names a triangle which cannot be hit. Returns VERDICT_WRONG. */
 static inline enum verdict judge_impossible(const struct oracle_answer *truth,
@@ -83,15 +154,26 @@ bool judge_barycentrics(const struct twin *twin, const struct hit *answer);
 
 /* True if some evaluation of a named formula can give this answer: for a triangle whose
  * determinant's sign is open, so that no bound of t is known. */
-bool judge_can_answer(const struct judge *judge, const struct ray *ray, float v[3][3],
+bool judge_can_answer(const struct judge *judge, const struct ray *ray, uint32_t prim,
                       const struct hit *answer);
 
 /* The same for any answer in the range of the ray. */
-bool judge_can_hit(const struct judge *judge, const struct ray *ray, float v[3][3]);
+bool judge_can_hit(const struct judge *judge, const struct ray *ray, uint32_t prim);
 
-/* True if the formula, which accepts triangle `v`, may answer t: in the ray's range, or as far
+/* The share of an end of the range that a t of this model may lie beyond it; 0 unless it is that of
+ * Embree's default test. */
+double judge_share_beyond(const struct model *model);
+
+/* True if the formula, which accepts the triangle, may answer t: in the ray's range, or as far
  * outside as a comparison before the division allows. */
-bool judge_may_keep(const struct judge *judge, const struct ray *ray, float v[3][3], float t);
+bool judge_may_keep(const struct judge *judge, const struct ray *ray, uint32_t prim, float t);
+
+/* --- judge_all.c --- */
+
+/* As judge_list; in a world with the tags of the hits. */
+enum status judge_list_tagged(const struct judge *judge, const struct ray *ray,
+                              const struct hit *hit, const uint32_t *tag, size_t count,
+                              struct list_judgement *out);
 
 /* --- judge_unnamed.c --- */
 
@@ -181,9 +263,14 @@ struct judge_rounding {
     double det, det_most;         /* D, likewise */
     double t, t_most;             /* T, likewise */
     double across[3];             /* |d x edge c|: w_c over it is the distance of ray and edge */
+    double extra; /* displacement in units that is allowed of the transform; 0 in a scene */
 };
 
 struct judge_rounding judge_rounding_of(const struct ray *ray, float v[3][3]);
+
+/* The same of a triangle of the scene, or of a placed one in the world. */
+struct judge_rounding judge_rounding_at(const struct judge *judge, const struct ray *ray,
+                                        uint32_t prim);
 
 /* Distance of the line of the ray to the line of edge c, in the plane across the ray, in units. */
 double judge_edge_distance(const struct judge_rounding *rounding, int c);

@@ -68,7 +68,8 @@ enum status judge_cannot_miss(const struct judge *judge, const struct ray *ray, 
     struct twin twin = judge_twin(judge, ray, prim, known);
     double limit = t_hi + 2.0 * twin.t_err;
     *lost = false;
-    if (!(t_lo > LEAST_T) || !(reach > t_hi))
+    if (!(t_lo > LEAST_T) || !(reach > t_hi) || !judge_takes(judge, ray, prim) ||
+        !judge_surely_counts(judge, ray, prim, &twin))
         return STATUS_OK;
     if (!twin.certain) {
         bool closed = false;
@@ -89,10 +90,10 @@ enum status judge_cannot_miss(const struct judge *judge, const struct ray *ray, 
 static void know(const struct judge *judge, const struct ray *ray,
                  const struct oracle_crossing *crossing, size_t count, struct twin *out)
 {
-    struct twin_pair pair[TOGETHER];
+    uint32_t prim[TOGETHER];
     for (size_t i = 0; i < count; i++)
-        pair[i] = (struct twin_pair){ray, crossing[i].prim};
-    twin_eval_many(judge->model.formula, judge->model.rounding, judge->scene, pair, count, out);
+        prim[i] = crossing[i].prim;
+    judge_twins(judge, ray, prim, count, out);
 }
 
 /* Tries every exact hit before `reach`, nearest first. */
@@ -102,8 +103,7 @@ static enum status try_all(const struct judge *judge, const struct ray *ray, dou
     struct oracle_crossing *list = NULL;
     size_t capacity = 0, count = 0;
     struct twin twin[TOGETHER];
-    enum status status =
-        oracle_crossings(judge->oracle, ray, reach, &list, &capacity, &count, NULL);
+    enum status status = judge_crossings(judge, ray, reach, &list, &capacity, &count);
     for (size_t i = 0; i < count && status == STATUS_OK && !*lost; i++) {
         const struct oracle_pair *pair = &list[i].pair;
         if (i % TOGETHER == 0)
@@ -138,9 +138,11 @@ enum verdict judge_why_lost(const struct judge *judge, const struct ray *ray, ui
                             double t_lo, double t_hi, double reach, const struct judge_known *known)
 {
     struct twin twin = judge_twin(judge, ray, prim, known);
+    if (!judge_takes(judge, ray, prim))
+        return VERDICT_OUT_OF_CONTRACT;
     if (isfinite(twin.t_err) && reach <= t_hi + 2.0 * twin.t_err)
         return VERDICT_NEAR_TIE;
-    bool open = twin.det == 0;
+    bool open = twin.det == 0 || !judge_surely_counts(judge, ray, prim, &twin);
     for (int c = 0; c < 3; c++)
         open = open || twin.edge[c] == 0;
     if (open)

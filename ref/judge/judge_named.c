@@ -9,23 +9,44 @@
 /* Bounds of u and v, and of t in proportion, that decide alone; a choice of speed. */
 #define SHARP 0.25
 
+struct judge_line {
+    double o[3], d[3], o_off[3], d_off[3];
+};
+
 /* Where the determinant's sign is open the ray lies in the triangle's plane, within the precision
  * of float32: then a possible t counts as on the triangle if the ray is inside its box there, and
  * any other is the quotient of two roundings. */
-static bool on_the_triangle(const struct ray *ray, float v[3][3], double t)
+static bool on_the_triangle(const struct judge_line *line, float v[3][3], double t)
 {
     for (int k = 0; k < 3; k++) {
-        double o = (double)ray->org[k], at = o + t * (double)ray->dir[k];
+        double o = line->o[k], at = o + t * line->d[k];
         double lo = (double)v[0][k], hi = lo;
         for (int c = 1; c < 3; c++) {
             lo = fmin(lo, (double)v[c][k]);
             hi = fmax(hi, (double)v[c][k]);
         }
         double pad = IN_PLANE_PAD * (fmax(fabs(lo), fabs(hi)) + fabs(o));
+        pad += line->o_off[k] + fabs(t) * line->d_off[k];
         if (!(at >= lo - pad && at <= hi + pad))
             return false;
     }
     return true;
+}
+
+/* The ray in the space of the triangle test, and how far a computed one is off. */
+static struct judge_line line_of(const struct judge *judge, const struct ray *ray, uint32_t prim)
+{
+    struct judge_line line = {.o = {0.0}};
+    struct twin_ray placed;
+    if (judge->world)
+        judge_take_along(judge, ray, prim, &placed);
+    for (int k = 0; k < 3; k++) {
+        line.o[k] = judge->world ? placed.org_near[k] : (double)ray->org[k];
+        line.d[k] = judge->world ? placed.dir_near[k] : (double)ray->dir[k];
+        line.o_off[k] = judge->world ? placed.org_off[k] : 0.0;
+        line.d_off[k] = judge->world ? placed.dir_off[k] : 0.0;
+    }
+    return line;
 }
 
 static bool lies_in_plane(const struct oracle_pair *pair)
@@ -34,19 +55,33 @@ static bool lies_in_plane(const struct oracle_pair *pair)
 }
 
 /* The determinant's sign is open, so nothing bounds t. */
-static enum verdict unbounded(const struct ray *ray, float v[3][3], const struct oracle_pair *pair,
-                              double t)
+static enum verdict unbounded(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                              const struct oracle_pair *pair, double t)
 {
-    if (!on_the_triangle(ray, v, t))
+    float v[3][3];
+    struct judge_line line = line_of(judge, ray, prim);
+    judge_tri(judge, prim, v);
+    if (!on_the_triangle(&line, v, t))
         return VERDICT_NOISE;
     return lies_in_plane(pair) ? VERDICT_IN_PLANE : VERDICT_BOUNDARY;
 }
 
-enum verdict judge_by_pair(const struct judge *judge, const struct oracle_pair *pair)
+/* True if an exact hit counts, exactly. */
+static bool counts(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                   const struct oracle_pair *pair)
+{
+    return !judge->world ||
+           oracle_admit(judge->oracle, ray, judge->mode, prim, pair) == ORACLE_ADMITTED;
+}
+
+enum verdict judge_by_pair(const struct judge *judge, const struct ray *ray, uint32_t prim,
+                           const struct oracle_pair *pair)
 {
     enum oracle_ends ends = judge->model.open ? ORACLE_OPEN : ORACLE_CLOSED;
+    if (oracle_is_hit(pair) && !oracle_in_range(pair, ends))
+        return VERDICT_BORDER;
     if (oracle_is_hit(pair))
-        return oracle_in_range(pair, ends) ? VERDICT_RIGHT : VERDICT_BORDER;
+        return counts(judge, ray, prim, pair) ? VERDICT_RIGHT : VERDICT_BOUNDARY;
     return lies_in_plane(pair) ? VERDICT_IN_PLANE : VERDICT_BOUNDARY;
 }
 
@@ -91,26 +126,27 @@ enum verdict judge_named(const struct judge *judge, const struct ray *ray,
                          const struct oracle_answer *truth, const struct hit *answer,
                          const struct judge_known *known, struct judgement *out)
 {
-    float v[3][3];
     struct oracle_pair pair;
-    struct twin twin = judge_twin(judge, ray, answer->prim, known);
+    uint32_t prim = answer->prim;
+    struct twin twin = judge_twin(judge, ray, prim, known);
     double t = (double)answer->t;
-    scene_tri(judge->scene, answer->prim, v);
+    if (!judge_takes(judge, ray, prim))
+        return VERDICT_OUT_OF_CONTRACT;
     if (!twin.possible)
         return judge_impossible(truth, out);
-    if (!judge_may_keep(judge, ray, v, answer->t))
+    if (!judge_may_keep(judge, ray, prim, answer->t))
         return judge_set_wrong(out, WRONG_DISTANCE);
-    oracle_pair(judge->oracle, ray, answer->prim, &pair);
+    oracle_pair(judge->oracle, ray, prim, &pair);
     if (says_little(&twin) && !is_exact(&pair, &twin, answer) &&
-        !judge_can_answer(judge, ray, v, answer))
-        return judge_can_hit(judge, ray, v) ? judge_set_wrong(out, WRONG_DISTANCE)
-                                            : judge_impossible(truth, out);
+        !judge_can_answer(judge, ray, prim, answer))
+        return judge_can_hit(judge, ray, prim) ? judge_set_wrong(out, WRONG_DISTANCE)
+                                               : judge_impossible(truth, out);
     if (!isfinite(twin.t_err))
-        return unbounded(ray, v, &pair, t);
+        return unbounded(judge, ray, prim, &pair, t);
     out->over = judge_over(t, twin.t_near - twin.t_off, twin.t_near + twin.t_off, twin.t_err);
     if (!(out->over <= 1.0))
         return judge_set_wrong(out, WRONG_DISTANCE);
     if (!judge_barycentrics(&twin, answer))
         return judge_set_wrong(out, WRONG_BARYCENTRIC);
-    return judge_by_pair(judge, &pair);
+    return judge_by_pair(judge, ray, prim, &pair);
 }

@@ -86,11 +86,9 @@ static uint64_t kept(const struct judge *judge, const struct ray *ray, struct un
 static bool may_hit(const struct judge *judge, const struct ray *ray, uint32_t prim,
                     const struct twin *twin)
 {
-    float v[3][3];
     if (!twin->possible || isfinite(twin->t_err))
         return twin->possible;
-    scene_tri(judge->scene, prim, v);
-    return judge_can_hit(judge, ray, v);
+    return judge_can_hit(judge, ray, prim);
 }
 
 static bool has_look(const struct judge *judge)
@@ -130,11 +128,11 @@ static bool possible_by_twin(const struct judge *judge, const struct ray *ray, u
 static double displacement_of(const struct judge *judge, const struct ray *ray, uint32_t prim)
 {
     float v[3][3];
-    scene_tri(judge->scene, prim, v);
-    double t = judge_plane_t(ray, v);
+    judge_tri(judge, prim, v);
+    const struct judge_rounding at = judge_rounding_at(judge, ray, prim);
+    double t = judge->world ? at.t / at.det : judge_plane_t(ray, v);
     t = t > (double)ray->tmin ? fmin(t, (double)ray->tmax) : (double)ray->tmin;
-    const struct ray_triangle tri = ray_triangle_of(ray, v);
-    return judge_point_displacement(&tri, t);
+    return judge_point_displacement(&at.tri, t);
 }
 
 static bool possible_by_distance(const struct judge *judge, const struct ray *ray, uint32_t first,
@@ -153,6 +151,32 @@ static bool possible_by_distance(const struct judge *judge, const struct ray *ra
     return possible;
 }
 
+/* --- worlds, where no formula is known that answers so ---------------------------------------- */
+
+/* Where nothing is exactly hit: what may be, one by one. */
+static void judge_in_world(const struct judge *judge, const struct ray *ray, struct judgement *out)
+{
+    bool ill = false, possible = false;
+    double least = INFINITY;
+    for (uint32_t prim = 0; prim < judge->tri_count && !possible; prim++) {
+        if (!judge_may_count(judge, ray, prim))
+            continue;
+        ill = ill || !judge_takes(judge, ray, prim);
+        possible = judge_takes(judge, ray, prim) && judge_may_be_hit(judge, ray, prim);
+        if (possible)
+            least = displacement_of(judge, ray, prim);
+    }
+    if (possible) {
+        out->verdict = VERDICT_BOUNDARY;
+        out->displacement = isfinite(least) ? least : 0.0;
+    } else if (ill) {
+        out->verdict = VERDICT_OUT_OF_CONTRACT;
+        out->ill_conditioned = true;
+    } else {
+        judge_set_wrong(out, WRONG_PHANTOM);
+    }
+}
+
 void judge_unnamed_hit(const struct judge *judge, const struct ray *ray,
                        const struct oracle_answer *truth, struct judgement *out)
 {
@@ -160,6 +184,10 @@ void judge_unnamed_hit(const struct judge *judge, const struct ray *ray,
     double least = INFINITY;
     if (truth->prim != ABI_NO_PRIM)
         return;
+    if (judge->world) {
+        judge_in_world(judge, ray, out);
+        return;
+    }
     for (uint32_t first = 0; first < judge->scene->tri_count && !possible; first += TOGETHER) {
         uint32_t left = judge->scene->tri_count - first, count = left < TOGETHER ? left : TOGETHER;
         possible = unknown ? possible_by_distance(judge, ray, first, count, &least)

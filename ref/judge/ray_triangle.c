@@ -4,6 +4,13 @@
 
 #include <math.h>
 
+static void finish(struct ray_triangle *t, double most)
+{
+    t->unit = JUDGE_UNIT * most;
+    judge_cross(t->side[2], t->side[0], t->n);
+    t->area = sqrt(judge_dot(t->n, t->n));
+}
+
 struct ray_triangle ray_triangle_of(const struct ray *ray, float v[3][3])
 {
     struct ray_triangle t;
@@ -16,9 +23,28 @@ struct ray_triangle ray_triangle_of(const struct ray *ray, float v[3][3])
             most = fmax(most, fabs(t.v[c][k]));
         }
     }
-    t.unit = JUDGE_UNIT * most;
-    judge_cross(t.side[2], t.side[0], t.n);
-    t.area = sqrt(judge_dot(t.n, t.n));
+    finish(&t, most);
+    return t;
+}
+
+struct ray_triangle ray_triangle_placed(const struct ray *ray, const float m[3][4], float v[3][3])
+{
+    struct ray_triangle t;
+    double most = 0.0;
+    for (int k = 0; k < 3; k++) {
+        t.d[k] = (double)ray->dir[k];
+        for (int c = 0; c < 3; c++) {
+            const float *from = v[c], *to = v[(c + 1) % 3];
+            t.v[c][k] = (double)m[k][3] - (double)ray->org[k];
+            t.side[c][k] = 0.0;
+            for (int j = 0; j < 3; j++) {
+                t.v[c][k] += (double)m[k][j] * (double)from[j];
+                t.side[c][k] += (double)m[k][j] * ((double)to[j] - (double)from[j]);
+            }
+            most = fmax(most, fabs(t.v[c][k]));
+        }
+    }
+    finish(&t, most);
     return t;
 }
 

@@ -28,6 +28,9 @@ struct ray_triangle {
 
 struct ray_triangle ray_triangle_of(const struct ray *ray, float v[3][3]);
 
+/* The same of the vertices M v + T. */
+struct ray_triangle ray_triangle_placed(const struct ray *ray, const float m[3][4], float v[3][3]);
+
 /* Distance of p to the triangle: to its plane above the triangle, else to the nearest edge. */
 double ray_triangle_distance(const double p[3], const struct ray_triangle *t);
 

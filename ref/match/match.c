@@ -1,7 +1,9 @@
 #include "ref/match/match.h"
 
+#include "ref/match/match_engine.h"
 #include "ref/match/match_judge.h"
 #include "ref/match/match_lists.h"
+#include "ref/oracle/oracle_world.h"
 #include "ref/match/match_trees.h"
 #include "ref/base/base.h"
 #include "ref/store.h"
@@ -14,19 +16,10 @@
 /* Ray-triangle tests of engine brute for the rays that it traces again. */
 #define BRUTE_AGAIN 10000000u
 
-static struct job job_of(const struct match *match, const struct engine *engine)
-{
-    return (struct job){.scene = match->scene,
-                        .packed = engine->needs_packed ? &match->packed : NULL,
-                        .box = match->options.box,
-                        .tri = match->options.tri,
-                        .query = match->options.query};
-}
-
 /* How many rays brute force decides, by the options. */
 static size_t brute_share(const struct match *match)
 {
-    uint64_t per_ray = match->scene->tri_count ? match->scene->tri_count : 1;
+    uint64_t tris = match_tri_count(match), per_ray = tris ? tris : 1;
     uint64_t affordable = match->options.brute_budget / per_ray;
     if (match->options.brute_rays && affordable > match->options.brute_rays)
         affordable = match->options.brute_rays;
@@ -41,20 +34,29 @@ static bool same_truth(const struct oracle_answer *a, const struct oracle_answer
            (a->prim == ABI_NO_PRIM || (a->t_lo <= b->t_hi && b->t_lo <= a->t_hi));
 }
 
+static enum status decide(struct match *match, enum oracle_path path, size_t count,
+                          struct oracle_answer *out, struct reason *reason)
+{
+    if (match->world)
+        return oracle_closest_world(match->oracle, path, ORACLE_CLOSED, match->ray, match->mode,
+                                    count, 0, out, &match->work, reason);
+    return oracle_closest(match->oracle, path, ORACLE_CLOSED, match->ray, count, 0, out,
+                          &match->work, reason);
+}
+
 /* Decides all rays by the oracle's tree and the first ones by brute force too. */
 static enum status truth_make(struct match *match, struct reason *reason)
 {
-    enum status status = oracle_make(match->scene, &match->oracle, reason);
+    enum status status = match->world ? oracle_make_world(match->world, &match->oracle, reason)
+                                      : oracle_make(match->scene, &match->oracle, reason);
     match->brute_count = brute_share(match);
     struct oracle_answer *brute = alloc_zeroed(match->brute_count, sizeof *brute);
     if (status == STATUS_OK && !brute)
         status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", match->ray_count);
     if (status == STATUS_OK)
-        status = oracle_closest(match->oracle, ORACLE_TREE, ORACLE_CLOSED, match->ray,
-                                match->ray_count, 0, match->truth, &match->work, reason);
+        status = decide(match, ORACLE_TREE, match->ray_count, match->truth, reason);
     if (status == STATUS_OK)
-        status = oracle_closest(match->oracle, ORACLE_BRUTE, ORACLE_CLOSED, match->ray,
-                                match->brute_count, 0, brute, &match->work, reason);
+        status = decide(match, ORACLE_BRUTE, match->brute_count, brute, reason);
     for (size_t i = 0; i < match->brute_count && status == STATUS_OK; i++)
         if (!same_truth(&brute[i], &match->truth[i]))
             status =
@@ -68,23 +70,28 @@ static enum status truth_make(struct match *match, struct reason *reason)
     return status;
 }
 
-enum status match_make(const struct scene *scene, const struct ray *ray, size_t ray_count,
-                       const struct match_options *options, struct pool *pool, struct match *out,
-                       struct reason *reason)
+static bool make_room(struct match *match)
 {
-    *out = (struct match){
-        .options = *options, .scene = scene, .ray = ray, .ray_count = ray_count, .pool = pool};
-    enum status status =
-        match_rebuild(out, options->builder, &options->build, options->tri, reason);
-    if (status == STATUS_OK) {
-        out->truth = alloc_zeroed(ray_count, sizeof *out->truth);
-        out->answer = alloc_zeroed(ray_count, sizeof *out->answer);
-        out->again = alloc_zeroed(ray_count, sizeof *out->again);
-        out->unstable = alloc_zeroed(ray_count, 1);
-        out->closest.hit = alloc_zeroed(ray_count, sizeof *out->closest.hit);
-        if (!out->truth || !out->answer || !out->again || !out->unstable || !out->closest.hit)
-            status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", ray_count);
-    }
+    size_t count = match->ray_count, tags = match->world ? count : 0;
+    match->truth = alloc_zeroed(count, sizeof *match->truth);
+    match->answer = alloc_zeroed(count, sizeof *match->answer);
+    match->again = alloc_zeroed(count, sizeof *match->again);
+    match->answer_tag = alloc_zeroed(tags, sizeof *match->answer_tag);
+    match->again_tag = alloc_zeroed(tags, sizeof *match->again_tag);
+    match->unstable = alloc_zeroed(count, 1);
+    match->closest.hit = alloc_zeroed(count, sizeof *match->closest.hit);
+    match->closest.tag = alloc_zeroed(tags, sizeof *match->closest.tag);
+    return match->truth && match->answer && match->again && match->answer_tag && match->again_tag &&
+           match->unstable && match->closest.hit && match->closest.tag;
+}
+
+/* What is known of *out by now is what match_make and match_make_world were given. */
+static enum status make(struct match *out, struct reason *reason)
+{
+    const struct match_options options = out->options;
+    enum status status = match_rebuild(out, options.builder, &options.build, options.tri, reason);
+    if (status == STATUS_OK && !make_room(out))
+        status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", out->ray_count);
     if (status == STATUS_OK)
         status = truth_make(out, reason);
     if (status)
@@ -92,16 +99,43 @@ enum status match_make(const struct scene *scene, const struct ray *ray, size_t 
     return status;
 }
 
+enum status match_make(const struct scene *scene, const struct ray *ray, size_t ray_count,
+                       const struct match_options *options, struct pool *pool, struct match *out,
+                       struct reason *reason)
+{
+    *out = (struct match){
+        .options = *options, .scene = scene, .ray = ray, .ray_count = ray_count, .pool = pool};
+    return make(out, reason);
+}
+
+enum status match_make_world(const struct world *world, const struct ray *ray,
+                             const struct ray_mode *mode, size_t ray_count,
+                             const struct match_options *options, struct pool *pool,
+                             struct match *out, struct reason *reason)
+{
+    *out = (struct match){.options = *options,
+                          .world = world,
+                          .mode = mode,
+                          .ray = ray,
+                          .ray_count = ray_count,
+                          .pool = pool};
+    return make(out, reason);
+}
+
 void match_free(struct match *match)
 {
     match_unpack(match);
     bvh_free(&match->bvh);
+    world_trees_free(&match->trees);
     oracle_free(match->oracle);
     free(match->truth);
     free(match->answer);
     free(match->again);
+    free(match->answer_tag);
+    free(match->again_tag);
     free(match->unstable);
     free(match->closest.hit);
+    free(match->closest.tag);
     *match = (struct match){0};
 }
 
@@ -109,8 +143,7 @@ void match_set(struct match *match, const struct box_test *box, enum query query
 {
     match->options.box = box;
     match->options.query = query;
-    free(match->cpu);
-    match->cpu = NULL;
+    match_forget_cpu(match);
 }
 
 void match_refused(const struct match *match, const struct layout *layout,
@@ -131,10 +164,12 @@ static enum status trace_again(struct match *match, const struct engine *engine,
                                size_t count, struct trace_report *report, struct row *row)
 {
     *report = (struct trace_report){0};
-    enum status status = engine->trace(self, match->ray, count, match->again, report, &row->reason);
+    enum status status = match_trace(match, engine, self, count, match->again, match->again_tag,
+                                     report, &row->reason);
     for (size_t i = 0; i < count && status == STATUS_OK; i++)
         match->unstable[i] |=
-            memcmp(&match->answer[i], &match->again[i], sizeof *match->again) != 0;
+            !match_same_bits(match->answer, match->again, match->world ? match->answer_tag : NULL,
+                             match->again_tag, i);
     return status;
 }
 
@@ -147,13 +182,13 @@ static enum status timed_traces(struct match *match, const struct engine *engine
 {
     double speed[REPEAT_MOST];
     unsigned repeats = engine->brute ? 1 : match->options.repeats;
-    uint64_t per_ray = match->scene->tri_count ? match->scene->tri_count : 1;
+    uint64_t tris = match_tri_count(match), per_ray = tris ? tris : 1;
     memset(match->unstable, 0, match->ray_count);
     for (unsigned i = 0; i < repeats; i++) {
         struct trace_report report = {0};
-        enum status status =
-            i ? trace_again(match, engine, self, row->rays, &report, row)
-              : engine->trace(self, match->ray, row->rays, match->answer, &report, &row->reason);
+        enum status status = i ? trace_again(match, engine, self, row->rays, &report, row)
+                               : match_trace(match, engine, self, row->rays, match->answer,
+                                             match->answer_tag, &report, &row->reason);
         if (status)
             return status;
         speed[i] = 1e3 * (double)row->rays / (double)(report.ns ? report.ns : 1);
@@ -180,10 +215,9 @@ static enum status timed_traces(struct match *match, const struct engine *engine
 static enum status prepare_cpu(const struct match *match, void **self, struct reason *reason)
 {
     const struct engine *cpu = engine_reference(true);
-    const struct job job = job_of(match, cpu);
     enum status status = STATUS_OK;
     *self = pool_get(match->pool, cpu, &status, reason);
-    return status ? status : cpu->prepare(*self, &job, reason);
+    return status ? status : match_prepare(match, cpu, *self, reason);
 }
 
 /* Fills match->cpu, which exact engines are compared with. */
@@ -193,17 +227,18 @@ static enum status cpu_hits(struct match *match, struct reason *reason)
         return STATUS_OK;
     void *self;
     struct trace_report report;
-    struct hit *hits = alloc_zeroed(match->ray_count, sizeof *hits);
-    if (!hits)
-        return fail(reason, STATUS_MEMORY, "no memory for %zu rays", match->ray_count);
-    enum status status = prepare_cpu(match, &self, reason);
+    match->cpu = alloc_zeroed(match->ray_count, sizeof *match->cpu);
+    match->cpu_tag = alloc_zeroed(match->world ? match->ray_count : 0, sizeof *match->cpu_tag);
+    enum status status = STATUS_OK;
+    if (!match->cpu || !match->cpu_tag)
+        status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", match->ray_count);
     if (status == STATUS_OK)
-        status = engine_reference(true)->trace(self, match->ray, match->ray_count, hits, &report,
-                                               reason);
+        status = prepare_cpu(match, &self, reason);
+    if (status == STATUS_OK)
+        status = match_trace(match, engine_reference(true), self, match->ray_count, match->cpu,
+                             match->cpu_tag, &report, reason);
     if (status)
-        free(hits);
-    else
-        match->cpu = hits;
+        match_forget_cpu(match);
     return status;
 }
 
@@ -213,6 +248,8 @@ static void keep_closest(struct match *match, const struct engine *engine, size_
     if (match->options.query != QUERY_CLOSEST)
         return;
     memcpy(match->closest.hit, match->answer, count * sizeof *match->answer);
+    if (match->world)
+        memcpy(match->closest.tag, match->answer_tag, count * sizeof *match->answer_tag);
     match->closest.count = count;
     match->closest.engine = engine;
     match->closest.box = match->options.box;
@@ -224,7 +261,7 @@ static bool is_judged(const struct match *match, const struct engine *engine)
 {
     if (!engine->needs_packed)
         return true;
-    return !match->packed.layout->faithful && !match->options.builder->faithful &&
+    return !match_layout(match)->faithful && !match->options.builder->faithful &&
            !match->options.box->faithful;
 }
 
@@ -246,12 +283,12 @@ static enum status play_row(struct match *match, const struct engine *engine, vo
                             struct row *row)
 {
     struct model model = engine->model(self, match->options.tri);
-    row->unknown = model.formula == TWIN_UNKNOWN;
+    row->unknown = model.formula == TWIN_UNKNOWN || /* as the judge of worlds has it */
+                   (match->world && !twin_is_own(model.formula));
     row->formula = row_formula_name(model.formula);
     if (match->options.demands.displacement > 0.0f)
         model.displacement = (double)match->options.demands.displacement;
-    const struct job job = job_of(match, engine);
-    if (!job_keeps_watertight(&job))
+    if (!match_keeps_watertight(match, engine))
         model.watertight = false; /* the triangle test is, but its boxes are not */
     row->judged = is_judged(match, engine);
     row->bits = model.bits;
@@ -280,18 +317,15 @@ static enum status run_and_judge(struct match *match, const struct engine *engin
         row->absent = row->status == ROW_SKIPPED;
         return status;
     }
-    if (engine->needs_packed && !match->packed.layout) {
+    if (engine->needs_packed && !match_layout(match)) {
         row->status = ROW_FAILED;
         return fail(&row->reason, STATUS_INPUT, "engine %s needs a packed layout", engine->name);
     }
-    struct job job = job_of(match, engine);
-    if (match->options.query == QUERY_ALL && !engine->trace_all)
-        status = fail(&row->reason, STATUS_UNSUPPORTED, "%s cannot list all hits", engine->name);
-    else
-        status = engine->prepare(self, &job, &row->reason);
+    status = match_prepare(match, engine, self, &row->reason);
     if (status == STATUS_LIMIT || status == STATUS_UNSUPPORTED) {
         row->status = status == STATUS_LIMIT ? ROW_REFUSED : ROW_SKIPPED;
         row->declined = row->status == ROW_REFUSED;
+        row->absent = match->world && !engine->worlds;
         return status;
     }
     if (status == STATUS_OK)
@@ -309,20 +343,19 @@ void match_run(struct match *match, const struct engine *engine, struct row *row
                         .stats = match->stats,
                         .refit = match->refit,
                         .engine = engine,
+                        .of_world = match->world != NULL,
                         .rays = match->ray_count};
     if (engine->needs_packed) {
-        row->layout = match->packed.layout;
-        row->node_bytes = packed_node_bytes(&match->packed);
-        row->item_bytes = packed_item_bytes(&match->packed);
-        if (match->packed.layout && tri_store_reads_scene(match->packed.store))
-            row->scene_bytes =
-                12 * ((uint64_t)match->scene->vertex_count + match->scene->tri_count);
+        row->layout = match_layout(match);
+        match_row_bytes(match, row);
     }
     if (engine->brute && match->brute_count > 0)
         row->rays = match->brute_count;
     row->cause = run_and_judge(match, engine, row);
     size_t floor = row->rays / VACUOUS_ONE_IN;
-    if (row->status == ROW_OK && row->judged && row->hits < (floor ? floor : 1)) {
+    /* What is already shown to be at fault is not vacuous. */
+    if (row->status == ROW_OK && row->judged && row->differences == 0 &&
+        row->hits < (floor ? floor : 1)) {
         row->status = ROW_VACUOUS;
         fail(&row->reason, STATUS_OK, "vacuous: %zu hits of %zu rays prove nothing", row->hits,
              row->rays);

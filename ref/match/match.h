@@ -6,9 +6,10 @@
 #include "ref/engine.h"
 #include "ref/judge/judge.h"
 #include "ref/packed/tree_file.h"
+#include "ref/two_level/packed_world.h"
 
 #define POOL_MOST       12
-#define FINDING_MOST    4
+#define FINDING_MOST    4 /* kept of a row: so many that are WRONG, and so many bit differences */
 #define REPEAT_MOST     32
 #define MATCH_EDGES     4 /* classes of hits beside edges */
 #define MATCH_EDGES_FEW 4.0
@@ -65,6 +66,14 @@ struct match_refit {
     uint64_t build_ns, pack_ns, refit_ns;
 };
 
+/* What a finding in a world has besides. */
+struct world_finding {
+    bool is; /* false: it is of a scene */
+    struct ray_mode mode;
+    uint32_t tag, expected_tag; /* of the answer, and of engine cpu's if the bits differ */
+    struct place got, expected; /* of the answer's triangle and the expected one, if they are */
+};
+
 /* Something that was not allowed. */
 struct finding {
     size_t ray_index;
@@ -74,6 +83,7 @@ struct finding {
     struct oracle_answer truth;
     struct hit expected; /* engine cpu's, if `bits` */
     bool bits;           /* found by comparing with engine cpu, else by the judge */
+    struct world_finding world;
 };
 
 enum row_status {
@@ -81,7 +91,7 @@ enum row_status {
     ROW_REFUSED, /* the layout cannot hold the scene, or RTRS panics */
     ROW_SKIPPED, /* the engine cannot run here */
     ROW_FAILED,  /* the engine did not finish */
-    ROW_VACUOUS, /* too few hits to mean anything */
+    ROW_VACUOUS, /* no fault, but too few hits to mean anything */
 };
 
 /* Hits of one class of ref/match/match_edges.c, and how many of them were lost. */
@@ -98,7 +108,7 @@ struct row {
     enum row_status status;
     enum status cause; /* of REFUSED, SKIPPED, FAILED */
     bool declined;     /* REFUSED: by the engine itself, not by its layout */
-    bool absent;       /* SKIPPED: the engine cannot run here at all */
+    bool absent;       /* SKIPPED: the engine cannot run here at all, or traces no worlds */
     struct reason reason;
     uint64_t node_bytes, item_bytes, memory_bytes;
     uint64_t scene_bytes; /* of the scene's vertices and indices, where the storage reads them */
@@ -118,7 +128,8 @@ struct row {
     size_t edges_beyond; /* more lost than rounding explains: counted in differences */
     size_t fans_lost; /* with options.demands.watertight: hits lost inside a closed fan; likewise */
     struct {          /* QUERY_ALL: an answer is a list, a hit one that is not empty */
-        size_t triangles;  /* listed */
+        size_t triangles; /* listed */
+        /* Of a world nothing below is known: false and 0. */
         size_t doubles;    /* lists with two triangles of which exactly one should be hit */
         bool closed;       /* the mesh is: then also */
         size_t parity;     /* lists of which it is known whether they must be even or odd, but for
@@ -135,15 +146,16 @@ struct row {
     bool bits;              /* compared with engine cpu bit for bit */
     bool unknown;           /* its formula is not known */
     const char
-        *formula; /* of an engine with own_tri that ran: the triangle test of the table that it
+        *formula;  /* of an engine with own_tri that ran: the triangle test of the table that it
                             reports; NULL: none of the table */
-    bool judged;  /* false: a member as published takes part; answers are only counted */
+    bool of_world; /* the match is of a world */
+    bool judged;   /* false: a member as published takes part; answers are only counted */
     size_t differences;       /* above 0 the exit code is 1 */
     double mrays[3];          /* million rays per second: median, least, most */
     struct match_refit refit; /* with options.rest */
     uint64_t boxes, tris;
     bool device_clock;
-    struct finding finding[FINDING_MOST];
+    struct finding finding[2 * FINDING_MOST];
     size_t finding_count;
 };
 
@@ -169,10 +181,12 @@ size_t match_edges_beyond(const struct edges_lost edges[MATCH_EDGES]);
 /* True if the row makes a command fail with EXIT_MISMATCH. */
 bool row_failed(const struct row *row);
 
-/* Owns what it made; scene and rays are borrowed. */
+/* Owns what it made; scene, world, modes and rays are borrowed. */
 struct match {
     struct match_options options;
-    const struct scene *scene;
+    const struct scene *scene;   /* NULL: of a world */
+    const struct world *world;   /* NULL: of a scene */
+    const struct ray_mode *mode; /* of a world: one per ray; NULL: ray_mode_all() for each */
     const struct ray *ray;
     size_t ray_count;
     struct bvh bvh; /* with options.rest the tree of that scene */
@@ -181,15 +195,19 @@ struct match {
     struct oracle *oracle;
     struct oracle_answer *truth; /* exact nearest hits of closed ranges */
     struct oracle_stats work;    /* what they took */
-    size_t brute_count;      /* the first this many were decided by brute force and by the tree */
-    struct packed packed;    /* of the layout last packed */
-    struct hit *cpu;         /* engine cpu's hits on packed, or NULL if not yet traced */
-    struct hit *answer;      /* of the engine last run */
-    struct hit *again;       /* its second answers */
-    unsigned char *unstable; /* per ray: the two differ */
-    struct {                 /* the last closest hits, for any-hit to be compared with */
-        struct hit *hit;     /* room for all rays */
-        size_t count;        /* 0: none */
+    size_t brute_count;       /* the first this many were decided by brute force and by the tree */
+    struct packed packed;     /* of the layout last packed */
+    struct world_trees trees; /* of a world: in place of bvh */
+    struct packed_world packed_world; /* and of packed */
+    struct hit *cpu;                  /* engine cpu's hits on packed, or NULL if not yet traced */
+    struct hit *answer;               /* of the engine last run */
+    struct hit *again;                /* its second answers */
+    uint32_t *cpu_tag, *answer_tag, *again_tag; /* of a world: tags of these */
+    unsigned char *unstable;                    /* per ray: the two differ */
+    struct {             /* the last closest hits, for any-hit to be compared with */
+        struct hit *hit; /* room for all rays */
+        uint32_t *tag;   /* of a world: theirs */
+        size_t count;    /* 0: none */
         const struct engine *engine;
         const struct box_test *box;
     } closest;
@@ -203,6 +221,20 @@ struct match {
 enum status match_make(const struct scene *scene, const struct ray *ray, size_t ray_count,
                        const struct match_options *options, struct pool *pool, struct match *out,
                        struct reason *reason) MUST_USE;
+
+/* The same of a world that has passed world_finish: hits name placed triangles. The options'
+ * builder builds all trees, and a layout packs both levels. The options have neither tree nor
+ * rest. Errors: as match_make; STATUS_LIMIT also those of world_trees_make. */
+enum status match_make_world(const struct world *world, const struct ray *ray,
+                             const struct ray_mode *mode, size_t ray_count,
+                             const struct match_options *options, struct pool *pool,
+                             struct match *out, struct reason *reason) MUST_USE;
+
+/* The layout that is packed; NULL: none. */
+const struct layout *match_layout(const struct match *match);
+
+/* Triangles of the scene, or placed ones of the world. */
+uint32_t match_tri_count(const struct match *match);
 
 /* Another tree and triangle test for the same rays: the truth stays; nothing is packed. The tree is
  * the options' if they have one, and no builder builds. On an error the match is usable for engines

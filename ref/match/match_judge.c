@@ -1,6 +1,8 @@
 #include "ref/match/match_judge.h"
 
 #include "ref/match/match_edges.h"
+#include "ref/match/match_engine.h"
+#include "ref/judge/judge_world.h"
 #include "ref/base/base.h"
 
 #include <stdlib.h>
@@ -20,10 +22,10 @@ struct judging {
     struct judge *fans; /* options.demands.watertight: finds hits that closed fans lost, or NULL */
 };
 
-bool match_tally_start(struct row *row, const struct model *model, struct match_tally *out)
+bool match_tally_start(struct row *row, struct match_tally *out)
 {
     *out = (struct match_tally){.row = row};
-    if (model->formula != TWIN_UNKNOWN)
+    if (!row->unknown)
         return true;
     out->displacement = alloc_zeroed(row->rays, sizeof *out->displacement);
     out->note = alloc_zeroed(row->rays, sizeof *out->note);
@@ -47,16 +49,36 @@ void match_tally_add(struct match_tally *tally, size_t i, bool hit,
     row->displacement.fan_lost += judgement->fan;
 }
 
+static struct place place_of(const struct world *world, uint32_t prim)
+{
+    return prim < world_tri_count(world) ? world_place(world, prim) : (struct place){0};
+}
+
+static void set_world(const struct match *match, size_t i, struct finding *found)
+{
+    struct world_finding *world = &found->world;
+    world->is = true;
+    world->mode = match_mode(match, i);
+    world->got = place_of(match->world, found->got.prim);
+    world->expected =
+        place_of(match->world, found->bits ? found->expected.prim : found->judgement.expected);
+}
+
 void match_keep_finding(const struct match *match, size_t i, const struct finding *what,
                         struct row *row)
 {
-    if (row->finding_count == FINDING_MOST)
+    size_t alike = 0;
+    for (size_t k = 0; k < row->finding_count; k++)
+        alike += row->finding[k].bits == what->bits;
+    if (alike == FINDING_MOST)
         return;
     struct finding *found = &row->finding[row->finding_count++];
     *found = *what;
     found->ray_index = i;
     found->ray = match->ray[i];
     found->truth = match->truth[i];
+    if (match->world)
+        set_world(match, i, found);
 }
 
 enum status match_tally_end(struct match_tally *tally, const struct match *match,
@@ -77,22 +99,33 @@ enum status match_tally_end(struct match_tally *tally, const struct match *match
     return status;
 }
 
+/* Judges the answer to ray i; tag of a world alone. */
+static enum status judge_with(const struct match *match, const struct judge *judge, size_t i,
+                              const struct hit *hit, const uint32_t *tag, struct judgement *out)
+{
+    const struct ray *ray = &match->ray[i];
+    if (!match->world)
+        return judge_answer(judge, ray, &match->truth[i], &hit[i], out);
+    return judge_world_answer(judge, ray, match_mode(match, i), &match->truth[i], &hit[i], tag[i],
+                              out);
+}
+
 /* Judges one answer in every way. */
 static enum status judge_one(const struct judging *j, size_t i, struct judgement *out)
 {
     const struct match *match = j->match;
     const struct ray *ray = &match->ray[i];
     const struct hit *any = &match->answer[i], *closest = &match->closest.hit[i];
-    enum status status = judge_answer(j->judge, ray, &match->truth[i], any, out);
+    enum status status = judge_with(match, j->judge, i, match->answer, match->answer_tag, out);
     if (status == STATUS_OK && j->closest && i < match->closest.count &&
         (any->prim == ABI_NO_PRIM) != (closest->prim == ABI_NO_PRIM)) {
         struct judgement other;
-        status = judge_answer(j->closest, ray, &match->truth[i], closest, &other);
+        status = judge_with(match, j->closest, i, match->closest.hit, match->closest.tag, &other);
         judge_any_against_closest(j->judge, ray, closest, &other, any, out);
     }
     if (status == STATUS_OK && j->fans && out->verdict != VERDICT_OUT_OF_CONTRACT) {
         struct judgement fan;
-        status = judge_answer(j->fans, ray, &match->truth[i], any, &fan);
+        status = judge_with(match, j->fans, i, match->answer, match->answer_tag, &fan);
         out->fan = out->fan || fan.fan;
     }
     if (match->unstable[i]) /* whatever the ray */
@@ -103,11 +136,14 @@ static enum status judge_one(const struct judging *j, size_t i, struct judgement
 static void count_one(struct judging *j, size_t i, const struct judgement *judgement)
 {
     struct row *row = j->row;
-    const struct finding finding = {.got = j->match->answer[i], .judgement = *judgement};
+    const struct match *match = j->match;
+    const struct finding finding = {.got = match->answer[i],
+                                    .judgement = *judgement,
+                                    .world.tag = match->world ? match->answer_tag[i] : 0};
     match_tally_add(&j->tally, i, finding.got.prim != ABI_NO_PRIM, judgement);
     row->fans_lost += judgement->fan && row->options.demands.watertight;
     if (judgement->verdict == VERDICT_WRONG && row->judged)
-        match_keep_finding(j->match, i, &finding, row);
+        match_keep_finding(match, i, &finding, row);
 }
 
 void match_displacements(double *displacement, struct row *row)
@@ -141,10 +177,15 @@ static enum status judge_all(struct judging *j)
 static void compare_bits(const struct match *match, struct row *row)
 {
     for (size_t i = 0; i < row->rays; i++) {
-        if (judge_bits(&match->ray[i], &match->cpu[i], &match->answer[i]) != VERDICT_WRONG)
+        const uint32_t *tag = match->world ? match->answer_tag : NULL;
+        if (match_same_bits(match->cpu, match->answer, tag, match->cpu_tag, i) ||
+            !ray_in_contract(&match->ray[i]))
             continue;
-        const struct finding finding = {
-            .got = match->answer[i], .expected = match->cpu[i], .bits = true};
+        const struct finding finding = {.got = match->answer[i],
+                                        .expected = match->cpu[i],
+                                        .bits = true,
+                                        .world.tag = tag ? tag[i] : 0,
+                                        .world.expected_tag = tag ? match->cpu_tag[i] : 0};
         row->bit_differences++;
         match_keep_finding(match, i, &finding, row);
     }
@@ -170,7 +211,7 @@ enum status match_judge(const struct match *match, const struct model *model, st
 {
     struct judging j = {.match = match, .row = row};
     j.judgement = alloc_zeroed(CHUNK, sizeof *j.judgement);
-    bool started = match_tally_start(row, model, &j.tally);
+    bool started = match_tally_start(row, &j.tally);
     enum status status = started && j.judgement ? judges_make(&j, model)
                                                 : fail(&row->reason, STATUS_MEMORY,
                                                        "no memory to judge %zu rays", row->rays);

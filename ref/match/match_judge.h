@@ -22,13 +22,14 @@ struct match_tally {
 };
 
 /* Returns false without memory; match_tally_end frees it in any case. */
-bool match_tally_start(struct row *row, const struct model *model, struct match_tally *out);
+bool match_tally_start(struct row *row, struct match_tally *out);
 
 /* Counts the judgement of ray i. `hit`: a triangle was answered. */
 void match_tally_add(struct match_tally *tally, size_t i, bool hit,
                      const struct judgement *judgement);
 
-/* Keeps `what`, all of it but the ray and its truth, as a finding about ray i. */
+/* Keeps `what`, all of it but the ray and its truth, as a finding about ray i; of a world's, `what`
+ * has the tags. */
 void match_keep_finding(const struct match *match, size_t i, const struct finding *what,
                         struct row *row);
 

@@ -1,6 +1,7 @@
 /* Trees of a match: built, packed, and refitted to where the scene has moved. */
 #include "ref/match/match_trees.h"
 
+#include "ref/match/match_engine.h"
 #include "ref/packed/refit.h"
 #include "ref/tree/tree_quality.h"
 #include "ref/store.h"
@@ -8,11 +9,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+void match_forget_cpu(struct match *match)
+{
+    free(match->cpu);
+    free(match->cpu_tag);
+    match->cpu = NULL;
+    match->cpu_tag = NULL;
+}
+
 void match_unpack(struct match *match)
 {
     packed_free(&match->packed);
-    free(match->cpu);
-    match->cpu = NULL;
+    packed_world_free(&match->packed_world);
+    match_forget_cpu(match);
     match->closest.count = 0;
 }
 
@@ -62,6 +71,8 @@ enum status match_rebuild(struct match *match, const struct builder *builder,
     match->options.builder = builder;
     match->options.build = *build;
     match->options.tri = tri;
+    if (match->world)
+        return match_rebuild_world(match, reason);
     const struct tree_file *tree = match->options.tree;
     enum status status = STATUS_OK;
     if (tree)
@@ -84,6 +95,8 @@ enum status match_pack(struct match *match, const struct layout *layout, struct 
 {
     const struct tri_store *store = match->options.store ? match->options.store : tri_stores[0];
     match_unpack(match);
+    if (match->world)
+        return match_pack_world(match, layout, reason);
     if (match->options.tree && store != tri_stores[0])
         return fail(reason, STATUS_LIMIT,
                     "%s: a tree from a file has its own items, not storage %s", layout->name,
@@ -107,6 +120,8 @@ enum status match_pack_auto(struct match *match, char *refused, size_t refused_b
                     match->options.store->name);
     if (tree && tree_file_is_packed(tree))
         return match_pack(match, tree->packed.layout, reason);
+    if (match->world)
+        return match_pack_world_auto(match, refused, refused_bytes, reason);
     match_unpack(match);
     uint64_t start = time_ns();
     enum status status = packed_make_auto(&match->bvh, scene_of_trees(match), &match->packed,

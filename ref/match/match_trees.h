@@ -7,4 +7,7 @@
 /* Frees the packed tree and the answers of engine cpu on it; match->bvh stays. */
 void match_unpack(struct match *match);
 
+/* Frees the answers of engine cpu alone. */
+void match_forget_cpu(struct match *match);
+
 #endif

@@ -3,6 +3,7 @@
 #include "ref/oracle/nearest.h"
 #include "ref/oracle/tree_walk.h"
 
+#include <assert.h>
 #include <omp.h>
 
 #define TILE 16 /* rays that go through the triangles together, while these are in the cache */
@@ -24,8 +25,9 @@ static void take_run(struct work *work, const struct ray *ray, const struct earl
     for (; left; left &= left - 1) {
         struct decided pair;
         uint32_t prim = oracle->tree.order[first + (uint32_t)__builtin_ctzll(left)];
-        pair_decide(oracle, ray, prim, PAIR_HITS, &pair, &work->stats);
-        nearest_add(nearest, oracle, ray, work->ends, &pair);
+        const struct located at = {oracle, NULL, prim};
+        pair_decide(&at, ray, prim, PAIR_HITS, &pair, &work->stats);
+        nearest_add(nearest, ray, work->ends, &pair);
     }
 }
 
@@ -105,6 +107,7 @@ enum status oracle_closest(const struct oracle *oracle, enum oracle_path path,
     bool brute = path == ORACLE_BRUTE ||
                  (path == ORACLE_AUTO && oracle->scene->tri_count <= ORACLE_BRUTE_MOST);
     (void)reason;
+    assert(!oracle->placing);
 #pragma omp parallel num_threads(team) if (count > TILE)
     {
         unsigned long saved = environment_enter();

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#define EARLY_TURN_MOST 0x1p-10 /* of h */
+
 struct early_ray early_ray_make(const struct ray *ray)
 {
     struct early_ray r;
@@ -14,6 +16,32 @@ struct early_ray early_ray_make(const struct ray *ray)
         r.o[k] = (double)ray->org[k];
     r.s[0] = (double)ray->dir[r.kx] / (double)ray->dir[r.kz];
     r.s[1] = (double)ray->dir[r.ky] / (double)ray->dir[r.kz];
+    r.bound = EARLY_BOUND;
+    r.beside = EARLY_BESIDE;
+    r.more = 0;
+    return r;
+}
+
+struct early_ray early_ray_about(const double o[3], const double d[3], const double o_err[3],
+                                 const double d_err[3])
+{
+    struct early_ray r = {.bound = INFINITY, .beside = INFINITY};
+    r.kz = fabs(d[1]) > fabs(d[0]) ? 1 : 0;
+    r.kz = fabs(d[2]) > fabs(d[r.kz]) ? 2 : r.kz;
+    r.kx = (r.kz + 1) % 3;
+    r.ky = (r.kz + 2) % 3;
+    for (int k = 0; k < 3; k++)
+        r.o[k] = o[k];
+    double z = fabs(d[r.kz]) - d_err[r.kz];
+    double h = (fmax(d_err[r.kx], d_err[r.ky]) + d_err[r.kz]) / z;
+    double g = fmax(o_err[r.kx], o_err[r.ky]) + o_err[r.kz];
+    if (!(z > 0 && h < EARLY_TURN_MOST))
+        return r;
+    r.s[0] = d[r.kx] / d[r.kz];
+    r.s[1] = d[r.ky] / d[r.kz];
+    r.bound = EARLY_BOUND * (1 + h / EARLY_SHARE);
+    r.beside = EARLY_BESIDE * (1 + h / EARLY_SHARE);
+    r.more = 1.01 * g / (EARLY_OWN + h);
     return r;
 }
 

@@ -12,9 +12,9 @@ static uint64_t KERNEL(const struct early_soup *soup, const struct early_ray *ra
 {
     const V ox = SPLAT(ray->o[ray->kx]), oy = SPLAT(ray->o[ray->ky]), oz = SPLAT(ray->o[ray->kz]);
     const V sx = SPLAT(ray->s[0]), sy = SPLAT(ray->s[1]);
-    const double size = EARLY_BOUND * largest * largest;
+    const double size = ray->bound * largest * largest;
     const V bound = SPLAT(size), minus_bound = SPLAT(-size), zero = SPLAT(0);
-    const V beside = SPLAT(EARLY_BESIDE * largest);
+    const V beside = SPLAT(ray->beside * largest);
     const double *at[3][3];
     uint64_t missed = 0;
     for (int c = 0; c < 3; c++) {

@@ -1,29 +1,10 @@
 #include "ref/oracle/exact.h"
 
-#include "ref/oracle/oracle_grid.h"
-#include "ref/oracle/medium.h"
-#include "ref/oracle/small.h"
+#include "ref/integers/oracle_grid.h"
+#include "ref/oracle/exact_input.h"
 
+#include <float.h>
 #include <math.h>
-
-/* Units as in ref/oracle/small.h. */
-struct exact_input {
-    struct oracle_grid place, way;
-    struct odd o[3], d[3], v[3][3];
-};
-
-static void read_input(const struct ray *ray, float v[3][3], struct exact_input *in)
-{
-    struct odd all[12];
-    for (int k = 0; k < 3; k++) {
-        in->o[k] = all[k] = odd_of(ray->org[k]);
-        in->d[k] = odd_of(ray->dir[k]);
-        for (int c = 0; c < 3; c++)
-            in->v[c][k] = all[3 + 3 * c + k] = odd_of(v[c][k]);
-    }
-    in->place = grid_of(all, 12);
-    in->way = grid_of(in->d, 3);
-}
 
 /* The products, by either kind of integer. */
 struct products {
@@ -58,75 +39,32 @@ static void wide_triple(const struct oracle_wide x[3], const struct oracle_wide 
     }
 }
 
-static int bits_of(unsigned __int128 x)
+static void wide_products(const struct ray *ray, float v[3][3], const struct instance *at,
+                          struct products *out)
 {
-    uint64_t above = (uint64_t)(x >> 64), below = (uint64_t)x;
-    return above ? 128 - __builtin_clzll(above) : below ? 64 - __builtin_clzll(below) : 0;
-}
-
-/* The same numbers for ref/oracle/medium.h; returns false if they take too many bits. */
-static bool medium_input(const struct exact_input *in, struct medium_input *out)
-{
-    unsigned __int128 place = 0, way = 0;
-    if (in->place.bits > 120 || in->way.bits > 120)
-        return false;
-    for (int k = 0; k < 3; k++) {
-        __int128 o = grid_int(in->place, in->o[k]), d = grid_int(in->way, in->d[k]);
-        out->d[k] = d;
-        way |= (unsigned __int128)(d < 0 ? -d : d);
-        for (int c = 0; c < 3; c++) {
-            __int128 a = grid_int(in->place, in->v[c][k]) - o;
-            out->a[c][k] = a;
-            place |= (unsigned __int128)(a < 0 ? -a : a);
-        }
-    }
-    out->place_bits = bits_of(place);
-    out->way_bits = bits_of(way);
-    return true;
-}
-
-/* Vertices relative to the origin, and the direction, all as wide. */
-static void wide_input(const struct exact_input *in, struct oracle_wide a[3][3],
-                       struct oracle_wide d[3])
-{
-    for (int k = 0; k < 3; k++) {
-        struct oracle_wide o;
-        grid_wide(in->place, in->o[k], &o);
-        grid_wide(in->way, in->d[k], &d[k]);
-        for (int c = 0; c < 3; c++) {
-            grid_wide(in->place, in->v[c][k], &a[c][k]);
-            wide_sub(&a[c][k], &o, &a[c][k]);
-        }
-    }
-}
-
-static void wide_products(const struct ray *ray, float v[3][3], struct products *out)
-{
-    struct exact_input in;
-    struct oracle_wide a[3][3], d[3];
+    struct wide_input in;
     struct medium_input medium;
     struct medium_products product;
-    read_input(ray, v, &in);
-    out->scale = in.place.exponent - in.way.exponent;
-    if (medium_input(&in, &medium) && medium_multiply(&medium, &product)) {
+    if (input_medium(ray, v, at, &medium, &out->scale) && medium_multiply(&medium, &product)) {
         for (int c = 0; c < 3; c++)
             medium_wide(&product.w[c], &out->w[c]);
         medium_wide(&product.det, &out->det);
         medium_wide(&product.t, &out->t);
         return;
     }
-    wide_input(&in, a, d);
+    input_wide(ray, v, at, &in, &out->scale);
     wide_set(0, &out->det);
     for (int c = 0; c < 3; c++) {
-        wide_triple(d, a[(c + 1) % 3], a[(c + 2) % 3], &out->w[c]);
+        wide_triple(in.d, in.a[(c + 1) % 3], in.a[(c + 2) % 3], &out->w[c]);
         wide_add(&out->det, &out->w[c], &out->det);
     }
-    wide_triple(a[0], a[1], a[2], &out->t);
+    wide_triple(in.a[0], in.a[1], in.a[2], &out->t);
 }
 
 /* --- a pair ------------------------------------------------------------------------------------
  */
 
+/* w / D; what no double holds comes as the double next to it. */
 static double share(const struct oracle_wide *w, const struct oracle_wide *det)
 {
     uint64_t w_top, det_top;
@@ -136,6 +74,7 @@ static double share(const struct oracle_wide *w, const struct oracle_wide *det)
     wide_top(w, &w_top, &w_exponent);
     wide_top(det, &det_top, &det_exponent);
     double size = times_power((double)w_top / (double)det_top, w_exponent - det_exponent);
+    size = fmin(fmax(size, DBL_TRUE_MIN), DBL_MAX);
     return w->sign == det->sign ? size : -size;
 }
 
@@ -167,14 +106,15 @@ static int sign_of(__int128 x)
 }
 
 /* Returns whether more than the signs is needed. */
-static bool multiply(const struct ray *ray, float v[3][3], bool hits, struct exact *out,
-                     struct products *value)
+static bool multiply(const struct ray *ray, float v[3][3], const struct instance *at, bool hits,
+                     struct exact *out, struct products *value)
 {
     struct small small;
     struct small_products product;
-    out->wide = !small_make(ray, v, &small) || !small_multiply(&small, &product);
+    out->wide =
+        !input_small(ray, v, at, &small, &value->scale) || !small_multiply(&small, &product);
     if (out->wide) {
-        wide_products(ray, v, value);
+        wide_products(ray, v, at, value);
         const int edge[3] = {value->w[0].sign, value->w[1].sign, value->w[2].sign};
         return !take_signs(edge, value->det.sign, out) || !hits;
     }
@@ -185,14 +125,14 @@ static bool multiply(const struct ray *ray, float v[3][3], bool hits, struct exa
         wide_set(product.w[c], &value->w[c]);
     wide_set(product.det, &value->det);
     wide_set(product.t, &value->t);
-    value->scale = small.scale;
     return true;
 }
 
-void exact_pair(const struct ray *ray, float v[3][3], bool hits, struct exact *out)
+void exact_pair(const struct ray *ray, float v[3][3], const struct instance *at, bool hits,
+                struct exact *out)
 {
     struct products value;
-    if (!multiply(ray, v, hits, out, &value))
+    if (!multiply(ray, v, at, hits, out, &value))
         return;
     if (out->det && hits && on_border(out)) /* the others are positive */
         out->edge_share = 0;
@@ -207,10 +147,23 @@ void exact_pair(const struct ray *ray, float v[3][3], bool hits, struct exact *o
     }
 }
 
+void exact_weights(const struct ray *ray, float v[3][3], const struct instance *at,
+                   struct fraction out[2])
+{
+    struct exact exact;
+    struct products value;
+    multiply(ray, v, at, false, &exact, &value);
+    for (int i = 0; i < 2; i++) {
+        wide_copy(&value.w[i + 1], &out[i].num);
+        wide_copy(&value.det, &out[i].den);
+        out[i].scale = 0;
+    }
+}
+
 /* --- in the plane ------------------------------------------------------------------------------
  */
 
-static void normal_of(const struct oracle_wide a[3][3], struct oracle_wide n[3])
+static void normal_of(struct oracle_wide a[3][3], struct oracle_wide n[3])
 {
     struct oracle_wide e1[3], e2[3];
     for (int k = 0; k < 3; k++) {
@@ -233,16 +186,17 @@ static void include(const struct fraction *t, bool *any, struct fraction *in, st
     *any = true;
 }
 
-bool exact_in_plane(const struct ray *ray, float v[3][3], struct fraction *in, struct fraction *out)
+bool exact_in_plane(const struct ray *ray, float v[3][3], const struct instance *at,
+                    struct fraction *in, struct fraction *out)
 {
-    struct exact_input input;
+    struct wide_input input;
     struct small small;
-    struct oracle_wide a[3][3], d[3], n[3], side[3];
+    struct oracle_wide n[3], side[3], (*a)[3] = input.a, *d = input.d;
+    struct fraction t;
     bool any = false;
-    if (small_make(ray, v, &small) && small_in_plane(&small, &any, in, out))
+    if (input_small(ray, v, at, &small, &t.scale) && small_in_plane(&small, &any, in, out))
         return any;
-    read_input(ray, v, &input);
-    wide_input(&input, a, d);
+    input_wide(ray, v, at, &input, &t.scale);
     normal_of(a, n);
     /* Drop an axis along which the plane is not seen edge-on: the projection is one to one, so the
      * direction stays nonzero, and one of the two axes can measure t. */
@@ -250,7 +204,6 @@ bool exact_in_plane(const struct ray *ray, float v[3][3], struct fraction *in, s
     int i = (drop + 1) % 3, j = (drop + 2) % 3, measure = d[i].sign ? i : j;
     for (int c = 0; c < 3; c++)
         cross_term(&d[i], &a[c][j], &d[j], &a[c][i], &side[c]);
-    struct fraction t = {.scale = input.place.exponent - input.way.exponent};
     for (int c = 0; c < 3; c++) {
         int e = (c + 1) % 3;
         if (side[c].sign == 0) { /* the vertex is on the line */
@@ -272,10 +225,10 @@ bool exact_in_plane(const struct ray *ray, float v[3][3], struct fraction *in, s
 bool exact_no_area(float v[3][3])
 {
     struct ray at_origin = {.tmax = 0};
-    struct exact_input in;
-    struct oracle_wide a[3][3], d[3], n[3];
-    read_input(&at_origin, v, &in);
-    wide_input(&in, a, d);
-    normal_of(a, n);
+    struct wide_input in;
+    struct oracle_wide n[3];
+    int scale;
+    input_wide(&at_origin, v, NULL, &in, &scale);
+    normal_of(in.a, n);
     return n[0].sign == 0 && n[1].sign == 0 && n[2].sign == 0;
 }

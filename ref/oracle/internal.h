@@ -5,8 +5,11 @@
 #include "ref/oracle/early.h"
 #include "ref/oracle/oracle.h"
 #include "ref/oracle/oracle_tree.h"
+#include "ref/oracle/placing.h"
 
+/* Of a world, only `placing` is set. */
 struct oracle {
+    struct placing *placing; /* NULL: of a scene */
     const struct scene *scene;
     uint8_t *flat; /* per triangle: its vertices are collinear */
     struct tree tree;

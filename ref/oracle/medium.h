@@ -3,7 +3,7 @@
 #ifndef ORACLE_MEDIUM_H
 #define ORACLE_MEDIUM_H
 
-#include "ref/oracle/wide.h"
+#include "ref/integers/wide.h"
 
 #include <stdbool.h>
 

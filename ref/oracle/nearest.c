@@ -13,6 +13,7 @@ void nearest_start(struct nearest *nearest)
 static void start_set(struct nearest *nearest, const struct decided *hit)
 {
     nearest->rep.prim = nearest->prim = hit->prim;
+    nearest->rep.at = hit->at;
     nearest->rep.pair = hit->pair;
     nearest->rep.have_exact = hit->have_exact;
     if (hit->have_exact) /* large and rare */
@@ -39,8 +40,8 @@ static void join_set(struct nearest *nearest, const struct decided *hit)
     }
 }
 
-void nearest_add(struct nearest *nearest, const struct oracle *oracle, const struct ray *ray,
-                 enum oracle_ends ends, struct decided *pair)
+void nearest_add(struct nearest *nearest, const struct ray *ray, enum oracle_ends ends,
+                 struct decided *pair)
 {
     if (!oracle_in_range(&pair->pair, ends))
         return;
@@ -48,7 +49,7 @@ void nearest_add(struct nearest *nearest, const struct oracle *oracle, const str
         nearest->plane_lo = fmin(nearest->plane_lo, pair->pair.t_lo);
     if (!oracle_is_hit(&pair->pair))
         return;
-    int sign = nearest->count ? pair_order(oracle, ray, pair, &nearest->rep) : -1;
+    int sign = nearest->count ? pair_order(ray, pair, &nearest->rep) : -1;
     if (sign > 0) {
         nearest->next = fmin(nearest->next, pair->pair.t_lo);
     } else if (sign == 0) {

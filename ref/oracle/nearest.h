@@ -21,8 +21,8 @@ struct nearest {
 void nearest_start(struct nearest *nearest);
 
 /* Adds a decided pair of any class; what is no hit in range changes nothing. */
-void nearest_add(struct nearest *nearest, const struct oracle *oracle, const struct ray *ray,
-                 enum oracle_ends ends, struct decided *pair);
+void nearest_add(struct nearest *nearest, const struct ray *ray, enum oracle_ends ends,
+                 struct decided *pair);
 
 /* No triangle whose exact t is above this can change the answer. */
 double nearest_reach(const struct nearest *nearest);

@@ -70,6 +70,7 @@ void oracle_free(struct oracle *oracle)
 {
     if (!oracle)
         return;
+    placing_free(oracle->placing);
     tree_free(&oracle->tree);
     free(oracle->coordinate);
     free(oracle->run);
@@ -90,12 +91,19 @@ bool oracle_takes(const struct ray *ray)
     return float_is_finite(ray->tmin) && ray->tmin <= ray->tmax; /* false if tmax is NaN */
 }
 
+static void decide(const struct oracle *oracle, const struct ray *ray, uint32_t prim,
+                   struct decided *out)
+{
+    struct located at = pair_locate(oracle, prim);
+    pair_decide(&at, ray, prim, PAIR_FULL, out, NULL);
+}
+
 void oracle_pair(const struct oracle *oracle, const struct ray *ray, uint32_t prim,
                  struct oracle_pair *out)
 {
     struct decided pair;
     unsigned long saved = environment_enter();
-    pair_decide(oracle, ray, prim, PAIR_FULL, &pair, NULL);
+    decide(oracle, ray, prim, &pair);
     environment_leave(saved);
     *out = pair.pair;
 }
@@ -104,9 +112,9 @@ int oracle_compare(const struct oracle *oracle, const struct ray *ray, uint32_t 
 {
     struct decided one, two;
     unsigned long saved = environment_enter();
-    pair_decide(oracle, ray, a, PAIR_FULL, &one, NULL);
-    pair_decide(oracle, ray, b, PAIR_FULL, &two, NULL);
-    int sign = pair_order(oracle, ray, &one, &two);
+    decide(oracle, ray, a, &one);
+    decide(oracle, ray, b, &two);
+    int sign = pair_order(ray, &one, &two);
     environment_leave(saved);
     return sign;
 }
@@ -116,9 +124,8 @@ bool oracle_rational(const struct oracle *oracle, const struct ray *ray, uint32_
 {
     struct decided pair;
     unsigned long saved = environment_enter();
-    pair_decide(oracle, ray, prim, PAIR_FULL, &pair, NULL);
-    bool written =
-        oracle_is_hit(&pair.pair) && fraction_text(pair_t(oracle, ray, &pair), text, text_bytes);
+    decide(oracle, ray, prim, &pair);
+    bool written = oracle_is_hit(&pair.pair) && fraction_text(pair_t(ray, &pair), text, text_bytes);
     environment_leave(saved);
     return written;
 }

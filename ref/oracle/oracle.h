@@ -44,11 +44,12 @@ struct oracle_pair {
     enum oracle_range range; /* meaningless for MISS and ZERO_AREA */
     int edge[3];             /* signs of w0, w1, w2: -1, 0, 1; w_i is opposite vertex i */
     int det;                 /* sign of D */
-    double t_lo, t_hi; /* enclose t, in range with a relative width of at most 2^-40; in plane:
-                          the overlap, cut by the range if it meets it; else infinite */
-    double margin;     /* min w_i / D, the smallest barycentric: 0 on an edge and in plane; of a
+    double t_lo, t_hi;       /* enclose t, in range with a relative width of at most 2^-40 or within
+                          0 .. FRACTION_LEAST or FRACTION_MOST .. INFINITY or their negatives; in
+                          plane: the overlap, cut by the range if it meets it; else infinite */
+    double margin;  /* min w_i / D, the smallest barycentric: 0 on an edge and in plane; of a
                           hit known to 2^-18 of itself; negative for a miss, -INFINITY if D is 0 */
-    bool by_filter;    /* double sufficed */
+    bool by_filter; /* double sufficed */
 };
 
 /* INSIDE, EDGE or VERTEX. */
@@ -91,7 +92,7 @@ enum oracle_path {
 };
 #define ORACLE_BRUTE_MOST 65536u
 
-struct oracle; /* of one scene */
+struct oracle; /* of one scene, or of one world (ref/oracle/oracle_world.h) */
 
 /* Work done. */
 struct oracle_stats {
@@ -108,7 +109,7 @@ enum status oracle_make(const struct scene *scene, struct oracle **out,
                         struct reason *reason) MUST_USE;
 void oracle_free(struct oracle *oracle); /* NULL is fine */
 
-/* The scene that the oracle was made of. */
+/* The scene that the oracle was made of; NULL if it was a world. */
 const struct scene *oracle_scene(const struct oracle *oracle);
 
 /* Checks what the filter relies on, on the calling thread: round to nearest, subnormals kept
@@ -117,8 +118,8 @@ const struct scene *oracle_scene(const struct oracle *oracle);
  * STATUS_UNSUPPORTED with what is wrong. */
 enum status oracle_environment(struct reason *reason) MUST_USE;
 
-/* Exact nearest hits of `count` rays on `threads` threads (0: all). Any finite ray is decided,
- * whatever its scale; a zero direction misses everything.
+/* Exact nearest hits of `count` rays in the oracle's scene on `threads` threads (0: all). Any
+ * finite ray is decided, whatever its scale; a zero direction misses everything.
  *   stats   may be NULL; added to
  * The answer is the same on any path and any number of threads; ORACLE_TREE is the fastest, about
  * 1 us a ray on a mesh of 10^4 triangles. Errors: STATUS_MEMORY. */
@@ -140,10 +141,10 @@ struct oracle_crossing {
     struct oracle_pair pair;
 };
 
-/* Every triangle of class INSIDE, EDGE, VERTEX or IN_PLANE whose exact t (or interval) meets the
- * range of the ray, ends included, and whose t_lo <= t_most; sorted by exact t (in plane: by t_lo),
- * then by index. *list is grown with array_reserve and kept by the caller for the next ray.
- * Errors: STATUS_MEMORY. */
+/* Of the oracle's scene, every triangle of class INSIDE, EDGE, VERTEX or IN_PLANE whose exact t (or
+ * interval) meets the range of the ray, ends included, and whose t_lo <= t_most; sorted by exact t
+ * (in plane: by t_lo), then by index. *list is grown with array_reserve and kept by the caller for
+ * the next ray. Errors: STATUS_MEMORY. */
 enum status oracle_crossings(const struct oracle *oracle, const struct ray *ray, double t_most,
                              struct oracle_crossing **list, size_t *capacity, size_t *count,
                              struct reason *reason) MUST_USE;

@@ -36,8 +36,20 @@ struct tree {
     uint32_t *order; /* triangles, those of a leaf in a row */
 };
 
-/* Builds the tree over the triangles of a scene: surface area heuristic in bins. Errors:
- * STATUS_MEMORY. */
+/* What a tree is built over. */
+struct oracle_part {
+    struct box box; /* its bounds may be infinite */
+    float
+        middle[3]; /* finite, about the middle of the box: it only decides which side it goes to */
+    uint32_t prim; /* what `order` names it by */
+};
+
+/* Builds a tree over `count` boxes, with at most `leaf` of them in a leaf: surface area heuristic
+ * in bins. Reorders the parts. Errors: STATUS_MEMORY. */
+enum status tree_make_parts(struct oracle_part *part, uint32_t count, uint32_t leaf,
+                            struct tree *out, struct reason *reason) MUST_USE;
+
+/* Builds the tree over the triangles of a scene. Errors: STATUS_MEMORY. */
 enum status tree_make(const struct scene *scene, struct tree *out, struct reason *reason) MUST_USE;
 void tree_free(struct tree *tree);
 

@@ -1,9 +1,10 @@
 #include "ref/oracle/pair.h"
 
-#include "ref/oracle/filter.h"
 #include "ref/oracle/internal.h"
+#include "ref/oracle/placed_filter.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Relative width of an enclosure of a t in range, at most; wider ones are computed again from
  * integers. The tree relies on it (ref/oracle/oracle_tree.h). */
@@ -14,14 +15,21 @@
 /* Widening of an end of an enclosure: a sum, a difference and a quotient are rounded. */
 #define ENCLOSE_PAD 0x1p-50
 
-static void enclose(const struct filter *f, double *lo, double *hi)
+/* Encloses num / den, whose signs are proven. */
+static void enclose_ratio(double num, double num_err, double den, double den_err, double *lo,
+                          double *hi)
 {
-    double t = fabs(f->t), d = fabs(f->det);
-    double least = (t - f->t_err) / (d + f->det_err) * (1 - ENCLOSE_PAD);
-    double most = (t + f->t_err) / (d - f->det_err) * (1 + ENCLOSE_PAD);
-    bool positive = (f->t > 0) == (f->det > 0);
+    double t = fabs(num), d = fabs(den);
+    double least = (t - num_err) / (d + den_err) * (1 - ENCLOSE_PAD);
+    double most = (t + num_err) / (d - den_err) * (1 + ENCLOSE_PAD);
+    bool positive = (num > 0) == (den > 0);
     *lo = positive ? least : -most;
     *hi = positive ? most : -least;
+}
+
+static void enclose(const struct filter *f, double *lo, double *hi)
+{
+    enclose_ratio(f->t, f->t_err, f->det, f->det_err, lo, hi);
 }
 
 /* Fills in what the filter proves; false if that is not everything. */
@@ -74,11 +82,12 @@ static enum oracle_range range_of(const struct fraction *t, double lo, double hi
     return high < 0 ? ORACLE_WITHIN : high == 0 ? ORACLE_AT_TMAX : ORACLE_ABOVE;
 }
 
-static void in_plane(const struct ray *ray, float v[3][3], struct oracle_pair *pair)
+static void in_plane(const struct ray *ray, float v[3][3], const struct instance *at,
+                     struct oracle_pair *pair)
 {
     struct fraction in, out;
     double tmin = (double)ray->tmin, tmax = (double)ray->tmax, in_hi, out_lo;
-    if (!exact_in_plane(ray, v, &in, &out))
+    if (!exact_in_plane(ray, v, at, &in, &out))
         return;
     pair->class = ORACLE_IN_PLANE;
     pair->margin = 0;
@@ -101,7 +110,7 @@ static void by_integers(const struct ray *ray, float v[3][3], bool flat, bool hi
     struct oracle_pair *pair = &out->pair;
     const struct exact *exact = &out->exact;
     int positive = 0, negative = 0;
-    exact_pair(ray, v, hits, &out->exact);
+    exact_pair(ray, v, out->at.instance, hits, &out->exact);
     out->have_exact = true;
     pair->by_filter = false;
     pair->det = exact->det;
@@ -114,7 +123,7 @@ static void by_integers(const struct ray *ray, float v[3][3], bool flat, bool hi
     if (flat) {
         pair->class = ORACLE_ZERO_AREA;
     } else if (exact->in_plane) {
-        in_plane(ray, v, pair);
+        in_plane(ray, v, out->at.instance, pair);
     } else if (exact->det != 0 && (positive == 0 || negative == 0)) {
         static const enum oracle_class by_sides[] = {
             [1] = ORACLE_VERTEX, [2] = ORACLE_EDGE, [3] = ORACLE_INSIDE};
@@ -143,30 +152,40 @@ static void start(enum oracle_class class, struct oracle_pair *pair)
     pair->t_hi = INFINITY;
 }
 
-void pair_decide(const struct oracle *oracle, const struct ray *ray, uint32_t prim,
-                 enum pair_depth depth, struct decided *out, struct oracle_stats *stats)
+struct located pair_locate(const struct oracle *oracle, uint32_t prim)
 {
-    float v[3][3];
-    struct filter filter;
-    bool flat = oracle->flat[prim], positive = false, negative = false;
-    out->prim = prim;
-    out->have_exact = false;
-    start(flat ? ORACLE_ZERO_AREA : ORACLE_MISS, &out->pair);
-    out->pair.margin = -INFINITY;
-    if (flat && depth == PAIR_HITS)
-        return;
-    scene_tri(oracle->scene, prim, v);
-    filter_edges(ray, v, &filter);
+    const struct placing *placing = oracle->placing;
+    if (!placing)
+        return (struct located){oracle, NULL, prim};
+    return placing_locate(placing, world_instance_of(placing->world, prim), prim);
+}
+
+/* The rest of pair_decide, for one kind of filter or the other. */
+static inline void decide(const struct ray *ray, float v[3][3], enum pair_depth depth,
+                          struct decided *out, struct oracle_stats *stats)
+{
+    struct placed_filter placed;
+    struct filter *filter = &placed.filter;
+    const struct instance *at = out->at.instance;
+    bool flat = out->pair.class == ORACLE_ZERO_AREA, positive = false, negative = false;
+    if (at)
+        placed_edges(ray, v, at, &placed);
+    else
+        filter_edges(ray, v, filter);
     for (int c = 0; c < 3; c++) {
-        positive |= filter_sign(filter.w[c], filter.w_err[c]) > 0;
-        negative |= filter_sign(filter.w[c], filter.w_err[c]) < 0;
+        positive |= filter_sign(filter->w[c], filter->w_err[c]) > 0;
+        negative |= filter_sign(filter->w[c], filter->w_err[c]) < 0;
     }
     if (depth == PAIR_HITS && positive && negative)
         return;
-    filter_plane(&filter);
-    if (!flat && by_filter(ray, &filter, &out->pair))
+    if (at)
+        placed_plane(&placed);
+    else
+        filter_plane(filter);
+    bool known = !flat && (!at || placed_is_moderate(&placed));
+    if (known && by_filter(ray, filter, &out->pair))
         return;
-    if (depth == PAIR_HITS && out_of_range(ray, &filter)) {
+    if (known && depth == PAIR_HITS && out_of_range(ray, filter)) {
         out->pair.class = ORACLE_MISS;
         return;
     }
@@ -178,16 +197,56 @@ void pair_decide(const struct oracle *oracle, const struct ray *ray, uint32_t pr
     }
 }
 
-const struct fraction *pair_t(const struct oracle *oracle, const struct ray *ray,
-                              struct decided *hit)
+void pair_decide(const struct located *at, const struct ray *ray, uint32_t prim,
+                 enum pair_depth depth, struct decided *out, struct oracle_stats *stats)
+{
+    float v[3][3];
+    bool flat = at->mesh->flat[at->tri];
+    out->prim = prim;
+    out->at = *at;
+    out->have_exact = false;
+    start(flat ? ORACLE_ZERO_AREA : ORACLE_MISS, &out->pair);
+    out->pair.margin = -INFINITY;
+    if (flat && depth == PAIR_HITS)
+        return;
+    scene_tri(at->mesh->scene, at->tri, v);
+    decide(ray, v, depth, out, stats);
+}
+
+const struct fraction *pair_t(const struct ray *ray, struct decided *hit)
 {
     if (!hit->have_exact) {
         float v[3][3];
-        scene_tri(oracle->scene, hit->prim, v);
-        exact_pair(ray, v, true, &hit->exact);
+        scene_tri(hit->at.mesh->scene, hit->at.tri, v);
+        exact_pair(ray, v, hit->at.instance, true, &hit->exact);
         hit->have_exact = true;
     }
     return &hit->exact.t;
+}
+
+bool pair_weights(const struct ray *ray, const struct located *at, double lo[2], double hi[2])
+{
+    struct placed_filter placed;
+    struct filter *f = &placed.filter;
+    float v[3][3];
+    scene_tri(at->mesh->scene, at->tri, v);
+    if (at->instance) {
+        placed_edges(ray, v, at->instance, &placed);
+        placed_plane(&placed);
+        if (!placed_is_moderate(&placed))
+            return false;
+    } else {
+        filter_edges(ray, v, f);
+        filter_plane(f);
+    }
+    for (int i = 0; i < 2; i++)
+        if (filter_sign(f->w[i + 1], f->w_err[i + 1]) == 0)
+            return false;
+    if (filter_sign(f->det, f->det_err) == 0)
+        return false;
+    for (int i = 0; i < 2; i++)
+        enclose_ratio(f->w[i + 1], f->w_err[i + 1], f->det, f->det_err, &lo[i], &hi[i]);
+    return true;
 }
 
 /* Whether all six vertices have one coordinate in common. */
@@ -203,15 +262,25 @@ static bool share_axis_plane(float v[3][3], float w[3][3])
     return false;
 }
 
+/* Whether two triangles are in one space: a scene's, or placed by one instance or by two of the
+ * same transform. */
+static bool same_space(const struct instance *a, const struct instance *b)
+{
+    return a == b || (a && b && memcmp(a->m, b->m, sizeof a->m) == 0);
+}
+
 /* Whether two hits are in one place by their triangles alone, and so have the same t: in a plane
  * across an axis that holds both; or inside the same face, the triangle, edge or vertex that they
  * share, which is given by the vertices whose w is not 0. The line meets each of these in one
- * point, since no D is 0. False proves nothing. */
-static bool same_place(const struct scene *scene, const struct decided *a, const struct decided *b)
+ * point, since no D is 0. What is one place in the space of a mesh is one where it is placed. False
+ * proves nothing. */
+static bool same_place(const struct decided *a, const struct decided *b)
 {
     float v[3][3], w[3][3];
-    scene_tri(scene, a->prim, v);
-    scene_tri(scene, b->prim, w);
+    if (!same_space(a->at.instance, b->at.instance))
+        return false;
+    scene_tri(a->at.mesh->scene, a->at.tri, v);
+    scene_tri(b->at.mesh->scene, b->at.tri, w);
     if (share_axis_plane(v, w))
         return true;
     if (a->pair.class != b->pair.class)
@@ -227,14 +296,13 @@ static bool same_place(const struct scene *scene, const struct decided *a, const
     return true;
 }
 
-int pair_order(const struct oracle *oracle, const struct ray *ray, struct decided *a,
-               struct decided *b)
+int pair_order(const struct ray *ray, struct decided *a, struct decided *b)
 {
     if (a->pair.t_lo > b->pair.t_hi)
         return 1;
     if (a->pair.t_hi < b->pair.t_lo)
         return -1;
-    if (same_place(oracle->scene, a, b))
+    if (same_place(a, b))
         return 0;
-    return fraction_compare(pair_t(oracle, ray, a), pair_t(oracle, ray, b));
+    return fraction_compare(pair_t(ray, a), pair_t(ray, b));
 }

@@ -5,9 +5,17 @@
 #include "ref/oracle/exact.h"
 #include "ref/oracle/oracle.h"
 
+/* Where a triangle is found. */
+struct located {
+    const struct oracle *mesh;       /* of the scene that has it */
+    const struct instance *instance; /* that has placed it; NULL: none, or at the identity */
+    uint32_t tri;                    /* of the scene */
+};
+
 /* A pair and, once computed, its integers. */
 struct decided {
     uint32_t prim;
+    struct located at;
     struct oracle_pair pair;
     struct exact exact; /* if have_exact */
     bool have_exact;
@@ -20,18 +28,23 @@ enum pair_depth {
     PAIR_FULL,
 };
 
-/* Decides triangle `prim` of the oracle's scene. The caller has entered the floating-point
+/* Where triangle `prim` of the oracle's scene or world is. */
+struct located pair_locate(const struct oracle *oracle, uint32_t prim);
+
+/* Decides triangle `prim`, which is `at` a place. The caller has entered the floating-point
  * environment (environment_enter).
  *   stats   may be NULL; pairs that left the filter are added */
-void pair_decide(const struct oracle *oracle, const struct ray *ray, uint32_t prim,
+void pair_decide(const struct located *at, const struct ray *ray, uint32_t prim,
                  enum pair_depth depth, struct decided *out, struct oracle_stats *stats);
 
 /* Exact t of a hit, computed at the first call. */
-const struct fraction *pair_t(const struct oracle *oracle, const struct ray *ray,
-                              struct decided *hit);
+const struct fraction *pair_t(const struct ray *ray, struct decided *hit);
 
 /* Sign of t_a - t_b of two hits, exactly. */
-int pair_order(const struct oracle *oracle, const struct ray *ray, struct decided *a,
-               struct decided *b);
+int pair_order(const struct ray *ray, struct decided *a, struct decided *b);
+
+/* The weights of vertices 1 and 2 of a hit in double: lo[i] <= w / D <= hi[i]. Returns whether the
+ * filter knows them; else nothing is written. */
+bool pair_weights(const struct ray *ray, const struct located *at, double lo[2], double hi[2]);
 
 #endif

@@ -1,7 +1,7 @@
 #include "ref/oracle/small.h"
 
 #include "ref/base/base.h"
-#include "ref/oracle/oracle_grid.h"
+#include "ref/integers/oracle_grid.h"
 
 #include <math.h>
 

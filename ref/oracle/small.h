@@ -7,7 +7,7 @@
 #define ORACLE_SMALL_H
 
 #include "ref/abi.h"
-#include "ref/oracle/fraction.h"
+#include "ref/integers/fraction.h"
 
 /* Vertices relative to the origin, and the direction, in their units; how many bits they take. */
 struct small {

@@ -9,17 +9,10 @@
 /* From this depth on nodes are halved by count: 2^32 triangles end 32 levels below. */
 #define DEEP (TREE_DEPTH - 36)
 
-/* A triangle while building. */
-struct oracle_part {
-    struct box box;
-    float middle[3]; /* of the box, rounded: it only decides to which side a triangle goes */
-    uint32_t prim;
-};
-
 struct oracle_build {
     struct oracle_part *part;
     struct tree *tree;
-    uint32_t leaf; /* triangles of one, at most */
+    uint32_t leaf; /* parts of one, at most */
 };
 
 struct oracle_split {
@@ -132,34 +125,43 @@ static void make_node(const struct oracle_build *build, uint32_t at, uint32_t fi
     make_child(build, at, 1, first + left, count - left, depth);
 }
 
-enum status tree_make(const struct scene *scene, struct tree *out, struct reason *reason)
+enum status tree_make_parts(struct oracle_part *part, uint32_t count, uint32_t leaf,
+                            struct tree *out, struct reason *reason)
 {
-    uint32_t count = scene->tri_count;
-    /* So few triangles are tested in less time than their tree is built in. */
-    uint32_t leaf = count <= EARLY_MOST ? EARLY_MOST : TREE_LEAF;
-    struct oracle_build build = {alloc_zeroed(count, sizeof *build.part), out, leaf};
+    struct oracle_build build = {part, out, leaf};
     /* Inner nodes are one fewer than leaves, and each node but the root has two leaves or more
      * below it. */
     *out = (struct tree){.node = alloc_zeroed((size_t)count + 1, sizeof *out->node),
                          .order = alloc_zeroed(count, sizeof *out->order)};
-    if (!build.part || !out->node || !out->order) {
-        free(build.part);
+    if (!out->node || !out->order) {
         tree_free(out);
-        return fail(reason, STATUS_MEMORY, "oracle: no memory for a tree of %u triangles", count);
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        build.part[i].box = scene_tri_bounds(scene, i);
-        build.part[i].prim = i;
-        for (int k = 0; k < 3; k++)
-            build.part[i].middle[k] =
-                0.5f * build.part[i].box.lo[k] + 0.5f * build.part[i].box.hi[k];
+        return fail(reason, STATUS_MEMORY, "oracle: no memory for a tree of %u boxes", count);
     }
     out->node_count = 1;
     make_node(&build, 0, 0, count, 1);
     for (uint32_t i = 0; i < count; i++)
-        out->order[i] = build.part[i].prim;
-    free(build.part);
+        out->order[i] = part[i].prim;
     return STATUS_OK;
+}
+
+enum status tree_make(const struct scene *scene, struct tree *out, struct reason *reason)
+{
+    uint32_t count = scene->tri_count;
+    struct oracle_part *part = alloc_zeroed(count, sizeof *part);
+    *out = (struct tree){0};
+    if (!part)
+        return fail(reason, STATUS_MEMORY, "oracle: no memory for a tree of %u triangles", count);
+    for (uint32_t i = 0; i < count; i++) {
+        part[i].box = scene_tri_bounds(scene, i);
+        part[i].prim = i;
+        for (int k = 0; k < 3; k++)
+            part[i].middle[k] = 0.5f * part[i].box.lo[k] + 0.5f * part[i].box.hi[k];
+    }
+    /* So few triangles are tested in less time than their tree is built in. */
+    uint32_t leaf = count <= EARLY_MOST ? EARLY_MOST : TREE_LEAF;
+    enum status status = tree_make_parts(part, count, leaf, out, reason);
+    free(part);
+    return status;
 }
 
 void tree_free(struct tree *tree)

@@ -64,15 +64,9 @@ static inline void tree_still(const struct tree_walk *walk, const struct tree_no
 
 /* Pushes the children of a node that the ray enters no later than `reach`, the nearer one last.
  * Which of them it enters is hard to predict: no branches. */
-static inline void tree_visit(struct tree_walk *walk, uint32_t at, double reach)
+static inline void tree_push(struct tree_walk *walk, uint32_t at, double reach, double near[2],
+                             double far[2])
 {
-    const struct tree_node *node = &walk->tree->node[at];
-    double near[2] = {-INFINITY, -INFINITY}, far[2] = {INFINITY, INFINITY};
-    for (int k = 0; k < 3; k++)
-        if (walk->still[k])
-            tree_still(walk, node, k, near);
-        else
-            tree_slab(walk, node, k, near, far);
     unsigned enters[2];
     for (int side = 0; side < 2; side++) {
         near[side] -= fabs(near[side]) * TREE_PAD;
@@ -85,6 +79,18 @@ static inline void tree_visit(struct tree_walk *walk, uint32_t at, double reach)
     walk->top += enters[first];
     walk->stack[walk->top] = (struct tree_entry){near[last], 2 * at + last};
     walk->top += enters[last];
+}
+
+static inline void tree_visit(struct tree_walk *walk, uint32_t at, double reach)
+{
+    const struct tree_node *node = &walk->tree->node[at];
+    double near[2] = {-INFINITY, -INFINITY}, far[2] = {INFINITY, INFINITY};
+    for (int k = 0; k < 3; k++)
+        if (walk->still[k])
+            tree_still(walk, node, k, near);
+        else
+            tree_slab(walk, node, k, near, far);
+    tree_push(walk, at, reach, near, far);
 }
 
 /* The direction is not 0 in every axis. */
@@ -103,9 +109,16 @@ static inline void tree_walk_start(struct tree_walk *walk, const struct tree *tr
     tree_visit(walk, 0, (double)ray->tmax);
 }
 
-/* The next leaf that the ray may enter at t <= reach, which may shrink from call to call; false if
- * there is none. */
-static inline bool tree_walk_next(struct tree_walk *walk, double reach, struct tree_leaf *leaf)
+/* What lies on top of the stack. */
+enum tree_step {
+    TREE_END, /* nothing */
+    TREE_IS_LEAF,
+    TREE_IS_NODE,
+};
+
+/* Takes the next child that the ray may enter at t <= reach: a leaf, or a node to be visited. */
+static inline enum tree_step tree_pop(struct tree_walk *walk, double reach, struct tree_leaf *leaf,
+                                      uint32_t *inner)
 {
     while (walk->top > 0) {
         struct tree_entry entry = walk->stack[--walk->top];
@@ -114,8 +127,8 @@ static inline bool tree_walk_next(struct tree_walk *walk, double reach, struct t
         const struct tree_node *node = &walk->tree->node[entry.at >> 1];
         uint32_t side = entry.at & 1;
         if (node->count[side] == 0) {
-            tree_visit(walk, node->child[side], reach);
-            continue;
+            *inner = node->child[side];
+            return TREE_IS_NODE;
         }
         leaf->first = node->child[side];
         leaf->count = node->count[side];
@@ -125,9 +138,20 @@ static inline bool tree_walk_next(struct tree_walk *walk, double reach, struct t
             double above = (double)node->hi[k][side] - walk->o[k];
             leaf->largest = tree_max(leaf->largest, tree_max(below, above));
         }
-        return true;
+        return TREE_IS_LEAF;
     }
-    return false;
+    return TREE_END;
+}
+
+/* The next leaf that the ray may enter at t <= reach, which may shrink from call to call; false if
+ * there is none. */
+static inline bool tree_walk_next(struct tree_walk *walk, double reach, struct tree_leaf *leaf)
+{
+    enum tree_step step;
+    uint32_t inner;
+    while ((step = tree_pop(walk, reach, leaf, &inner)) == TREE_IS_NODE)
+        tree_visit(walk, inner, reach);
+    return step == TREE_IS_LEAF;
 }
 
 #endif

@@ -13,6 +13,7 @@
 struct packed_check {
     const struct packed *packed;
     const struct scene *scene;
+    const bool *left_out; /* triangles that no leaf may name, or NULL */
     struct packed_walk walk;
     struct packed_faults faults;
     struct box *exact;
@@ -133,6 +134,12 @@ static void check_item(struct packed_check *check, uint32_t i, const struct wide
                check->scene->tri_count);
         return;
     }
+    if (check->left_out && check->left_out[prim]) {
+        check->faults.bad_prims++;
+        report(check, PACKED_ITEM, i, "item slot %u names triangle %u, which is left out", slot,
+               prim);
+        return;
+    }
     if (check->seen[prim] && (!packed->split || check->seen[prim] == i + 1)) {
         check->faults.double_prims++;
         report(check, PACKED_TWICE, i, "item slot %u names triangle %u a second time", slot, prim);
@@ -169,7 +176,7 @@ static void check_items(struct packed_check *check)
             check_item(check, i, &node, s);
     }
     for (uint32_t prim = 0; prim < check->scene->tri_count; prim++) {
-        if (check->seen[prim])
+        if (check->seen[prim] || (check->left_out && check->left_out[prim]))
             continue;
         check->faults.lost_prims++;
         report(check, PACKED_LOST, NO_VISIT, "triangle %u is in no leaf", prim);
@@ -200,7 +207,15 @@ static void check_boxes(struct packed_check *check)
 enum status packed_check(const struct packed *packed, const struct scene *scene,
                          struct packed_faults *faults, struct reason *reason)
 {
-    struct packed_check check = {.packed = packed, .scene = scene, .reason = reason};
+    return packed_check_without(packed, scene, NULL, faults, reason);
+}
+
+enum status packed_check_without(const struct packed *packed, const struct scene *scene,
+                                 const bool *left_out, struct packed_faults *faults,
+                                 struct reason *reason)
+{
+    struct packed_check check = {
+        .packed = packed, .scene = scene, .left_out = left_out, .reason = reason};
     if (faults)
         *faults = (struct packed_faults){0};
     enum status status = packed_walk_make(packed, &check.walk);

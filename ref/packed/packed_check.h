@@ -9,7 +9,8 @@ enum packed_rule {
     PACKED_SOUND,
     PACKED_REFERENCE, /* a child reference is out of range, or refers to a node already reached */
     PACKED_STACK,     /* a path needs more stack than stack_need */
-    PACKED_ITEM,      /* an item slot beyond the scene, or a leaf with too many slots */
+    PACKED_ITEM,      /* an item slot beyond the scene, or a leaf with too many slots; a triangle
+                         that is left out */
     PACKED_TWICE,     /* a triangle is named twice */
     PACKED_VERTICES,  /* stored vertices are not the scene's */
     PACKED_LOST,      /* a triangle is in no leaf */
@@ -28,7 +29,8 @@ struct packed_faults {
     uint32_t lost_prims;    /* triangles that no leaf names */
     uint32_t double_prims;  /* repeated namings of a triangle; in a split tree only within one
                                leaf */
-    uint32_t bad_prims;     /* item slots beyond the scene, and leaves with too many slots */
+    uint32_t bad_prims;     /* item slots beyond the scene or of triangles left out, and leaves with
+                               too many slots */
     uint32_t too_deep;      /* 1 if a path needs more stack than stack_need */
     uint32_t bad_tris;      /* items whose stored vertices differ from the scene's in any bit */
 };
@@ -39,5 +41,11 @@ struct packed_faults {
  * zero. */
 enum status packed_check(const struct packed *packed, const struct scene *scene,
                          struct packed_faults *faults, struct reason *reason) MUST_USE;
+
+/* The same for a tree that leaves out some triangles of the scene: those where `left_out` is true,
+ * one entry per triangle. Not for split trees. */
+enum status packed_check_without(const struct packed *packed, const struct scene *scene,
+                                 const bool *left_out, struct packed_faults *faults,
+                                 struct reason *reason) MUST_USE;
 
 #endif

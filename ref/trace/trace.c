@@ -5,57 +5,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The whole walk. Inlined where the tests are known, so that each pair of them has its own loop:
- * fuzzing spends most of its time here. */
-static inline __attribute__((always_inline)) enum status walk_tree(struct walk *w, uint32_t box_id,
-                                                                   uint32_t tri_id)
-{
-    const struct packed *packed = w->packed;
-    float entry;
-    if (packed->node_count == 0)
-        return STATUS_OK;
-    struct box root = packed->layout->box(packed, packed->root);
-    slab_ray_place(&w->slab, &root);
-    w->counts.boxes++;
-    if (!box_test_run(box_id, &w->slab, &root, w->tbest, &entry))
-        return STATUS_OK;
-    uint32_t ref = packed->root;
-    /* In a tree no node is visited twice: more visits than nodes is a cycle. */
-    for (uint32_t visits = 0; visits < packed->ref_count; visits++) {
-        struct wide loaded;
-        const struct wide *node = w->decoded ? &w->decoded[ref] : &loaded;
-        bool descend = false;
-        uint32_t next = 0;
-        if (!w->decoded)
-            packed->layout->load(packed, ref, &loaded);
-        if (node->child_count == 0) {
-            if (walk_leaf(w, tri_id, node))
-                return STATUS_OK;
-        } else if (layout_is_wide(packed->layout) ? !walk_wide(w, box_id, node)
-                                                  : !walk_inner(w, box_id, node, &next, &descend)) {
-            return STATUS_LIMIT;
-        }
-        if (!descend && !(w->parent ? walk_up(w, box_id, ref, &next) : walk_pop(w, box_id, &next)))
-            return STATUS_OK;
-        ref = next;
-    }
-    return STATUS_LIMIT;
-}
-
 static enum status walk_robust(struct walk *w, uint32_t tri_id)
 {
     if (tri_id == ABI_TRI_WOOP)
-        return walk_tree(w, ABI_BOX_ROBUST, ABI_TRI_WOOP);
+        return walk_tree(w, WALK_SCENE, ABI_BOX_ROBUST, ABI_TRI_WOOP);
     if (tri_id == ABI_TRI_MT) /* the default, without a choice among all of them per triangle */
-        return walk_tree(w, ABI_BOX_ROBUST, ABI_TRI_MT);
-    return walk_tree(w, ABI_BOX_ROBUST, tri_id);
+        return walk_tree(w, WALK_SCENE, ABI_BOX_ROBUST, ABI_TRI_MT);
+    return walk_tree(w, WALK_SCENE, ABI_BOX_ROBUST, tri_id);
 }
 
 static enum status walk_watertight(struct walk *w, uint32_t tri_id)
 {
     if (tri_id == ABI_TRI_WOOP)
-        return walk_tree(w, ABI_BOX_WATERTIGHT, ABI_TRI_WOOP);
-    return walk_tree(w, ABI_BOX_WATERTIGHT, tri_id);
+        return walk_tree(w, WALK_SCENE, ABI_BOX_WATERTIGHT, ABI_TRI_WOOP);
+    return walk_tree(w, WALK_SCENE, ABI_BOX_WATERTIGHT, tri_id);
 }
 
 static enum status walk_with(struct walk *w, const struct job *job)
@@ -64,28 +27,18 @@ static enum status walk_with(struct walk *w, const struct job *job)
         return walk_robust(w, job->tri->id);
     if (job->box->id == ABI_BOX_WATERTIGHT)
         return walk_watertight(w, job->tri->id);
-    return walk_tree(w, job->box->id, job->tri->id);
+    return walk_tree(w, WALK_SCENE, job->box->id, job->tri->id);
 }
 
 static void walk_start(struct walk *w, const struct job *job, const struct wide *decoded,
                        const struct ray *ray)
 {
-    const struct packed *packed = job->packed;
-    w->packed = packed;
-    w->store = packed->store;
-    w->stored = packed->node_count > 0 && !tri_store_reads_scene(packed->store);
-    w->listed =
-        packed->node_count > 0 && !packed->layout->item && packed->store->id == ABI_STORE_INDEXED;
+    walk_set_tree(w, job->packed, job->scene);
+    walk_set_ray(w, ray);
     w->parent = job->parent;
     w->trail = 0;
     w->decoded = decoded;
-    w->scene = job->scene;
     w->query = job->query;
-    w->slab = slab_ray_make(ray);
-    w->tri = tri_ray_make(ray);
-    w->best = hit_none();
-    w->tbest = ray->tmax;
-    w->depth = 0;
     w->counts = (struct trace_counts){0};
     w->capacity = w->found = 0;
 }

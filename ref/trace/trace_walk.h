@@ -1,11 +1,21 @@
-/* One step of the reference traversal: a triangle, a leaf, an inner node, the way back. For
- * ref/trace/trace.c, which puts them together. */
+/* The reference traversal of one tree, and its steps: a triangle, a leaf, an inner node, the way
+ * back. For ref/trace/trace.c and ref/trace/trace_world.c. */
 #ifndef TRACE_WALK_H
 #define TRACE_WALK_H
 
+#include "ref/trace/candidate.h"
 #include "ref/trace/trace.h"
 #include "ref/primitives/test_run.h"
 #include "ref/store.h"
+
+/* What a walk goes through. It is a constant wherever it is passed. */
+enum walk_level {
+    WALK_SCENE,  /* the tree of a scene: every triangle that is hit counts */
+    WALK_TOP,    /* the top of a world: items are instances */
+    WALK_BOTTOM, /* the tree of a mesh, entered from the top */
+};
+
+#define WALK_INLINE static inline __attribute__((always_inline))
 
 /* One traversal in progress. */
 struct walk {
@@ -28,7 +38,35 @@ struct walk {
     struct trace_counts counts;
     struct hit *list; /* QUERY_ALL: the first `capacity` of the hits found */
     uint32_t capacity, found;
+    /* WALK_TOP: goes through the instances of a leaf; returns as walk_leaf. */
+    bool (*enter)(struct walk *top, const struct wide *leaf);
+    /* WALK_BOTTOM: the instance that was entered, the tag of the best hit, those of the list. */
+    const struct instance_at *at;
+    uint32_t tag;
+    uint32_t *tags;
 };
+
+/* Sets the tree of a walk. `scene` has its triangles. */
+static inline void walk_set_tree(struct walk *w, const struct packed *packed,
+                                 const struct scene *scene)
+{
+    w->packed = packed;
+    w->store = packed->store;
+    w->stored = packed->node_count > 0 && !tri_store_reads_scene(packed->store);
+    w->listed =
+        packed->node_count > 0 && !packed->layout->item && packed->store->id == ABI_STORE_INDEXED;
+    w->scene = scene;
+}
+
+/* Starts a walk without a hit. */
+static inline void walk_set_ray(struct walk *w, const struct ray *ray)
+{
+    w->slab = slab_ray_make(ray);
+    w->tri = tri_ray_make(ray);
+    w->best = hit_none();
+    w->tbest = ray->tmax;
+    w->depth = 0;
+}
 
 /* Tests triangle `prim`, which is item `slot` of the leaf, as the storage has it. */
 static inline bool walk_test(const struct walk *w, uint32_t tri_id, const struct wide *leaf,
@@ -46,25 +84,33 @@ static inline bool walk_test(const struct walk *w, uint32_t tri_id, const struct
 }
 
 /* Keeps `prim` if it is hit nearer than the best; at equal t the first found stays. QUERY_ALL lists
- * it, and the ray keeps its length. */
-static inline bool walk_triangle(struct walk *w, uint32_t tri_id, const struct wide *leaf,
-                                 uint32_t slot, uint32_t prim)
+ * it, and the ray keeps its length. In a world it must count as well. */
+WALK_INLINE bool walk_triangle(struct walk *w, enum walk_level level, uint32_t tri_id,
+                               const struct wide *leaf, uint32_t slot, uint32_t prim)
 {
     struct hit hit;
+    uint32_t tag = 0;
     w->counts.tris++;
     if (!walk_test(w, tri_id, leaf, slot, prim, &hit))
         return false;
     hit.prim = prim;
+    if (w->best.prim != ABI_NO_PRIM && !(hit.t < w->best.t))
+        return false;
+    if (level == WALK_BOTTOM && !candidate_counts(w->at, w->tri.d, &hit, &tag))
+        return false;
     if (w->query == QUERY_ALL) {
-        if (w->found < w->capacity)
+        if (w->found < w->capacity) {
             w->list[w->found] = hit;
+            if (level == WALK_BOTTOM)
+                w->tags[w->found] = tag;
+        }
         w->found++;
         return true;
     }
-    if (w->best.prim != ABI_NO_PRIM && !(hit.t < w->best.t))
-        return false;
     w->best = hit;
     w->tbest = hit.t;
+    if (level == WALK_BOTTOM)
+        w->tag = tag;
     return true;
 }
 
@@ -79,11 +125,14 @@ static inline uint32_t walk_item(const struct walk *w, const struct wide *leaf, 
 }
 
 /* Returns true if the query is answered. */
-static inline bool walk_leaf(struct walk *w, uint32_t tri_id, const struct wide *node)
+WALK_INLINE bool walk_leaf(struct walk *w, enum walk_level level, uint32_t tri_id,
+                           const struct wide *node)
 {
+    if (level == WALK_TOP)
+        return w->enter(w, node);
     for (uint32_t i = 0; i < node->item_count; i++) {
         uint32_t prim = walk_item(w, node, i);
-        if (prim < w->scene->tri_count && walk_triangle(w, tri_id, node, i, prim) &&
+        if (prim < w->scene->tri_count && walk_triangle(w, level, tri_id, node, i, prim) &&
             w->query == QUERY_ANY)
             return true;
     }
@@ -192,6 +241,43 @@ static inline bool walk_pop(struct walk *w, uint32_t box_id, uint32_t *next)
             return true;
     }
     return false;
+}
+
+/* The whole walk. Inlined where the tests are known, so that each pair of them has its own loop:
+ * fuzzing spends most of its time here. */
+WALK_INLINE enum status walk_tree(struct walk *w, enum walk_level level, uint32_t box_id,
+                                  uint32_t tri_id)
+{
+    const struct packed *packed = w->packed;
+    float entry;
+    if (packed->node_count == 0)
+        return STATUS_OK;
+    struct box root = packed->layout->box(packed, packed->root);
+    slab_ray_place(&w->slab, &root);
+    w->counts.boxes++;
+    if (!box_test_run(box_id, &w->slab, &root, w->tbest, &entry))
+        return STATUS_OK;
+    uint32_t ref = packed->root;
+    /* In a tree no node is visited twice: more visits than nodes is a cycle. */
+    for (uint32_t visits = 0; visits < packed->ref_count; visits++) {
+        struct wide loaded;
+        const struct wide *node = w->decoded ? &w->decoded[ref] : &loaded;
+        bool descend = false;
+        uint32_t next = 0;
+        if (!w->decoded)
+            packed->layout->load(packed, ref, &loaded);
+        if (node->child_count == 0) {
+            if (walk_leaf(w, level, tri_id, node))
+                return STATUS_OK;
+        } else if (layout_is_wide(packed->layout) ? !walk_wide(w, box_id, node)
+                                                  : !walk_inner(w, box_id, node, &next, &descend)) {
+            return STATUS_LIMIT;
+        }
+        if (!descend && !(w->parent ? walk_up(w, box_id, ref, &next) : walk_pop(w, box_id, &next)))
+            return STATUS_OK;
+        ref = next;
+    }
+    return STATUS_LIMIT;
 }
 
 #endif

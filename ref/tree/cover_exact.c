@@ -1,7 +1,7 @@
 #include "ref/tree/cover_exact.h"
 
 #include "ref/base/base.h"
-#include "ref/oracle/wide.h"
+#include "ref/integers/wide.h"
 
 #include <math.h>
 

@@ -8,7 +8,6 @@
 /* One replay. */
 struct replay {
     const struct liberty *k;
-    const struct ray *ray;
     const struct replay_answer *answer;
     struct scatter o[3], d[3], v[3][3];
     bool same[3]; /* the vertices other than this one are equal */
@@ -29,6 +28,12 @@ void replay_part(const struct replay *w, struct quotients *s, struct scatter num
 /* u, v and u + v as a test accepts them: each from 0, the sum up to 1, but for roundings and what a
  * numerator may lose when it is flushed. `band`: how far they may lie outside besides. */
 bool replay_weights(const struct replay *w, const struct scatter *divisor, double band);
+
+/* The vertices in the order of the formula's axes. */
+void replay_vertices(struct replay *w, const int axis[3], float v[3][3]);
+
+/* Whether the formula can give the answer. */
+bool replay_formula(struct replay *w, enum twin_formula formula);
 
 bool replay_baldwin_webber(const struct replay *w);
 

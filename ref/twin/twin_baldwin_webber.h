@@ -64,12 +64,16 @@ FORMULA struct outcome along_axis(const struct rules *k, const struct input *in,
     out.u = out.edge[1] = weight_of(k, u, pa, pb);
     out.v = out.edge[2] = weight_of(k, w, pa, pb);
     out.edge[0] = compare(exact(EACH(1.0f)), add(k, out.u, out.v));
-    /* -(height' + t climb') = -(h' - h) . (o + t d - v0), h_c being 1, and own roundings. */
+    /* -(height' + t climb') = -(h' - h) . (o + t d - v0) - h' . (o' - o + t (d' - d)), h_c being 1,
+     * and own roundings. */
+    real residual = own[0] + own[1] + own_of_sum(k, height) + size_of_t(out.t) * own[2] +
+                    h[0].e * reach_of(sub(k, o[a], v0[a]), d[a], out.t) +
+                    h[1].e * reach_of(sub(k, o[b], v0[b]), d[b], out.t);
+    if (RAY_BOUNDED)
+        residual = residual + most(h[0]) * point_off(o[a].e, d[a], out.t) +
+                   most(h[1]) * point_off(o[b].e, d[b], out.t) + point_off(o[c].e, d[c], out.t);
     out.t_running = out.t.e;
-    out.t = t_by_quotient(k, out.t, climb,
-                          own[0] + own[1] + own_of_sum(k, height) + size_of_t(out.t) * own[2] +
-                              h[0].e * reach_of(sub(k, o[a], v0[a]), d[a], out.t) +
-                              h[1].e * reach_of(sub(k, o[b], v0[b]), d[b], out.t));
+    out.t = t_by_quotient(k, out.t, climb, residual);
     out.det = exact(EACH(1.0f));
     out.det.e = SELECT(LESS(climb.e, SIZE(climb.x)), ALL(0.0), ALL(INFINITY));
     return out;

@@ -73,7 +73,16 @@ STEP real size_of_t(struct bounded t)
  * difference of the origin and that. */
 STEP real reach_of(struct bounded c, struct bounded d, struct bounded t)
 {
-    return SIZE(c.x + t.x * d.x) + NEAR_SHARE * (c.e + SIZE(d.x) * t.e);
+    real reach = SIZE(c.x + t.x * d.x) + NEAR_SHARE * (c.e + SIZE(d.x) * t.e);
+    if (RAY_BOUNDED)
+        reach = reach + NEAR_SHARE * d.e * (SIZE(t.x) + t.e);
+    return reach;
+}
+
+/* How far o' + t d' is from o + t d, at most, given how far o' is from o. */
+STEP real point_off(real o_off, struct bounded d, struct bounded t)
+{
+    return RAY_BOUNDED ? o_off + size_of_t(t) * d.e : o_off;
 }
 
 /* The tighter of the running bound of t and `e`, which leaves out how far t.x is off. */
@@ -111,16 +120,16 @@ STEP struct bounded t_by_reciprocal(const struct rules *k, struct bounded t, str
     return tighter(t, carried + k->mul * (size + carried) + k->tiny);
 }
 
-/* The residual where T = n . c and D = n . d share the normal n: n' . (c' - t d) and own roundings.
- * c - t d lies in the plane, at right angles to n, so that n' - n counts by the size of the
- * triangle and not by its distance. */
+/* The residual where T = n . c and D = n . d share the normal n: n' . (c' - t d') and own
+ * roundings. c - t d lies in the plane, at right angles to n, so that n' - n counts by the size of
+ * the triangle and not by its distance. */
 STEP real plane_residual(const struct bounded n[3], const struct bounded c[3],
                          const struct bounded d[3], struct bounded t, real own_top, real own_bottom)
 {
     real residual = own_top + size_of_t(t) * own_bottom;
     for (int i = 0; i < 3; i++) {
         real reach = reach_of(c[i], negate(d[i]), t);
-        residual = residual + n[i].e * reach + most(n[i]) * c[i].e;
+        residual = residual + n[i].e * reach + most(n[i]) * point_off(c[i].e, d[i], t);
     }
     return residual;
 }
@@ -132,7 +141,7 @@ struct mt_parts {
     real own_top, own_bottom;
 };
 
-/* T' - t D' = (s' + t d) . (e1' x e2') + e2' . (own of q) - t e1' . (own of p) + own of T - t own
+/* T' - t D' = (s' + t d') . (e1' x e2') + e2' . (own of q) - t e1' . (own of p) + own of T - t own
  * of D, and s + t d lies in the plane. */
 STEP real mt_residual(const struct mt_parts *mt, struct bounded t)
 {
@@ -143,7 +152,8 @@ STEP real mt_residual(const struct mt_parts *mt, struct bounded t)
         real n = SIZE(e1[j].x * e2[l].x - e1[l].x * e2[j].x);
         real off = SIZE(e1[j].x) * e2[l].e + most(e2[l]) * e1[j].e + SIZE(e1[l].x) * e2[j].e +
                    most(e2[j]) * e1[l].e; /* of computed edges' normal from the exact one */
-        residual = residual + off * reach_of(mt->s[i], mt->d[i], t) + mt->s[i].e * (n + off);
+        residual = residual + off * reach_of(mt->s[i], mt->d[i], t) +
+                   point_off(mt->s[i].e, mt->d[i], t) * (n + off);
         residual = residual + most(e2[i]) * mt->own_q[i] + size * most(e1[i]) * mt->own_p[i];
     }
     return residual;

@@ -273,25 +273,31 @@ static bool equal(float v[3][3], int a, int b)
     return v[a][0] == v[b][0] && v[a][1] == v[b][1] && v[a][2] == v[b][2];
 }
 
-static void fill(struct replay *w, enum twin_formula formula, float v[3][3])
+void replay_vertices(struct replay *w, const int axis[3], float v[3][3])
 {
-    int axis[3];
-    twin_axes(formula, w->ray, axis);
     for (int i = 0; i < 3; i++) {
-        w->o[i] = scatter_of(w->ray->org[axis[i]]);
-        w->d[i] = scatter_of(w->ray->dir[axis[i]]);
         for (int c = 0; c < 3; c++)
             w->v[c][i] = scatter_of(v[c][axis[i]]);
         w->same[i] = equal(v, (i + 1) % 3, (i + 2) % 3);
     }
 }
 
-bool replay_can_answer(enum twin_formula formula, const struct liberty *liberty,
-                       const struct ray *ray, float v[3][3], const struct replay_answer *answer)
+static void fill(struct replay *w, enum twin_formula formula, const struct ray *ray, float v[3][3])
 {
-    struct replay_answer kept = *answer;
-    struct replay w = {.k = liberty, .ray = ray, .answer = &kept};
-    fill(&w, formula, v);
+    int axis[3];
+    twin_axes(formula, ray, axis);
+    for (int i = 0; i < 3; i++) {
+        w->o[i] = scatter_of(ray->org[axis[i]]);
+        w->d[i] = scatter_of(ray->dir[axis[i]]);
+    }
+    replay_vertices(w, axis, v);
+}
+
+bool replay_formula(struct replay *given, enum twin_formula formula)
+{
+    struct replay_answer kept = *given->answer;
+    struct replay w = *given;
+    w.answer = &kept;
     switch (formula) {
     case TWIN_MT:
         return moeller_trumbore(&w, 0.0);
@@ -317,11 +323,19 @@ bool replay_can_answer(enum twin_formula formula, const struct liberty *liberty,
     return true;
 }
 
+bool replay_can_answer(enum twin_formula formula, const struct liberty *liberty,
+                       const struct ray *ray, float v[3][3], const struct replay_answer *answer)
+{
+    struct replay w = {.k = liberty, .answer = answer};
+    fill(&w, formula, ray, v);
+    return replay_formula(&w, formula);
+}
+
 double replay_least_det(const struct liberty *liberty, const struct ray *ray, float v[3][3])
 {
-    struct replay w = {.k = liberty, .ray = ray};
+    struct replay w = {.k = liberty};
     struct scatter e1[3], e2[3], n[3];
-    fill(&w, TWIN_EMBREE, v);
+    fill(&w, TWIN_EMBREE, ray, v);
     struct scatter det = embree_normal(&w, e1, e2, n);
     return scatter_least(&det);
 }

@@ -9,7 +9,8 @@
  *   LESS, NOT_ABOVE, EQUAL, NOT
  *   ANY(mask)               whether it is true in some lane
  *   SELECT(mask, a, b), SELECT_EACH(mask, a, b)  of real, of single
- * Arithmetic takes a vector and a number, too. No operation may be fused or reordered. */
+ * Arithmetic takes a vector and a number, too. No operation may be fused or reordered.
+ * RAY_BOUNDED is 1 where a ray's own numbers have bounds (ref/twin/twin_placed.h). */
 #ifndef TWIN_STEPS_H
 #define TWIN_STEPS_H
 
@@ -17,6 +18,10 @@
 
 #include <math.h>
 #include <stdbool.h>
+
+#ifndef RAY_BOUNDED
+#define RAY_BOUNDED 0
+#endif
 
 #define UNIT 0x1p-24
 #ifndef TWIN_TURNED /* a test turns them */

@@ -1,8 +1,8 @@
 #include "scenes/generators/pen.h"
+#include "scenes/spec.h"
 
 #include "counts.h"
 
-#include <math.h>
 #include <string.h>
 
 extern const struct generator gen_soup, gen_sphere, gen_flake, gen_terrain, gen_grid, gen_cornell,
@@ -23,27 +23,13 @@ const struct generator *generator_find(const char *name)
     return NULL;
 }
 
-static enum status check_values(const struct generator *generator, const double *value,
-                                struct reason *reason)
-{
-    for (unsigned k = 0; k < GENERATOR_PARAMS && generator->param[k].name; k++) {
-        const struct param *param = &generator->param[k];
-        if (!(value[k] >= param->least && value[k] <= param->most)) /* also true for NaN */
-            return fail(reason, STATUS_LIMIT, "%s: %s=%g, but it must lie in %g to %g",
-                        generator->name, param->name, value[k], param->least, param->most);
-        if (param->whole && floor(value[k]) != value[k])
-            return fail(reason, STATUS_INPUT, "%s: %s=%g, but it must be a whole number",
-                        generator->name, param->name, value[k]);
-    }
-    return STATUS_OK;
-}
-
 enum status generator_make(const struct generator *generator, const double *value, uint64_t seed,
                            struct scene *out, struct reason *reason)
 {
     struct pen pen = {.generator = generator, .scene = out, .rng = rng_make(seed, 0)};
     *out = (struct scene){0};
-    enum status status = check_values(generator, value, reason);
+    const struct spec_maker maker = {generator->name, generator->param};
+    enum status status = spec_check(&maker, value, reason);
     if (!status)
         status = generator->make(&pen, value, reason);
     if (status)

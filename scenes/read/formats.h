@@ -37,6 +37,14 @@ enum status read_obj(const char *name, const char *bytes, size_t size, struct sc
 enum status read_ply(const char *name, const char *bytes, size_t size, struct scene *out,
                      struct reason *reason) MUST_USE;
 
+/* STL, binary or ASCII; the positions alone are kept. A file whose size is that of a binary one of
+ * its count is binary, whatever its header begins with; else one that begins with "solid" is ASCII,
+ * of one or more solids. Corners whose positions are equal bit for bit become one vertex, numbered
+ * as they come first, so that triangles are connected as those of other formats are. Normals and
+ * attributes are ignored. */
+enum status read_stl(const char *name, const char *bytes, size_t size, struct scene *out,
+                     struct reason *reason) MUST_USE;
+
 /* Writers. They write what fits the format and do not look for errors of the stream: the caller
  * does (file_out_commit). The scene has passed scene_check.
  * Errors: STATUS_INPUT what the format cannot hold; STATUS_MEMORY. */
@@ -54,5 +62,8 @@ enum status write_obj(const struct scene *scene, FILE *stream, struct reason *re
 
 /* PLY, binary_little_endian: float x, y, z; uchar uint vertex_indices. */
 enum status write_ply(const struct scene *scene, FILE *stream, struct reason *reason) MUST_USE;
+
+/* STL, binary: a unit normal for each triangle, 0 0 0 where it has no area. */
+enum status write_stl(const struct scene *scene, FILE *stream, struct reason *reason) MUST_USE;
 
 #endif

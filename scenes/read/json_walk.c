@@ -90,5 +90,84 @@ enum status json_walk_key(struct json_walk *walk, json_t **out)
 enum status json_walk_end(struct json_walk *walk)
 {
     skip_space(walk);
-    return walk->at == walk->end ? STATUS_OK : refuse(walk, 1, 1, "nothing may follow the scene");
+    return walk->at == walk->end ? STATUS_OK
+                                 : refuse(walk, 1, 1, "nothing may follow the last bracket");
+}
+
+char json_walk_peek(struct json_walk *walk)
+{
+    skip_space(walk);
+    return walk->at < walk->end ? *walk->at : '\0';
+}
+
+static const char *skip_digits(const char *at, const char *end)
+{
+    while (at < end && *at >= '0' && *at <= '9')
+        at++;
+    return at;
+}
+
+enum status json_walk_number(struct json_walk *walk, const char **out)
+{
+    skip_space(walk);
+    const char *start = walk->at, *end = walk->end;
+    const char *at = start + (start < end && *start == '-');
+    const char *whole = at;
+    *out = start;
+    at = skip_digits(at, end);
+    bool good = at > whole && (*whole != '0' || at == whole + 1);
+    if (good && at < end && *at == '.') {
+        const char *part = ++at;
+        at = skip_digits(at, end);
+        good = at > part;
+    }
+    if (good && at < end && (*at == 'e' || *at == 'E')) {
+        at++;
+        at += at < end && (*at == '-' || *at == '+');
+        const char *power = at;
+        at = skip_digits(at, end);
+        good = at > power;
+    }
+    if (!good)
+        return refuse(walk, 1, 1, "a number must stand here");
+    walk->at = at;
+    return at < end ? STATUS_OK : refuse(walk, 1, 1, "the text is cut short");
+}
+
+/* Steps into a bracket, or reads a text, number or word. */
+static enum status skip_start(struct json_walk *walk, char *open, size_t *depth)
+{
+    char c = json_walk_peek(walk);
+    if (c == '{' || c == '[') {
+        if (*depth == JSON_WALK_DEEP)
+            return refuse(walk, 1, 1, "brackets are nested too deep");
+        open[(*depth)++] = c;
+        return json_walk_open(walk, c);
+    }
+    json_t *value;
+    enum status status = json_walk_value(walk, &value);
+    json_decref(value);
+    return status;
+}
+
+enum status json_walk_skip(struct json_walk *walk)
+{
+    char open[JSON_WALK_DEEP];
+    size_t depth = 0;
+    enum status status = skip_start(walk, open, &depth);
+    while (!status && depth > 0) {
+        bool more, object = open[depth - 1] == '{';
+        status = json_walk_more(walk, object ? '}' : ']', &more);
+        if (!status && !more) {
+            depth--;
+            continue;
+        }
+        json_t *key = NULL;
+        if (!status && object)
+            status = json_walk_key(walk, &key);
+        json_decref(key);
+        if (!status)
+            status = skip_start(walk, open, &depth);
+    }
+    return status;
 }

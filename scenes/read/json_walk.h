@@ -32,6 +32,18 @@ enum status json_walk_value(struct json_walk *walk, json_t **out) MUST_USE;
 /* Reads a member's key and colon; *out is a string the caller owns. */
 enum status json_walk_key(struct json_walk *walk, json_t **out) MUST_USE;
 
+/* The next byte that is no white space, which stays; 0 at the end of the text. */
+char json_walk_peek(struct json_walk *walk);
+
+/* Reads a number as JSON writes them and leaves the cursor behind it; *out is its first byte. The
+ * text goes on behind it, so that what reads a decimal there stops. */
+enum status json_walk_number(struct json_walk *walk, const char **out) MUST_USE;
+
+/* Reads a value of any kind and forgets it: in memory is one text or number of it at a time. At
+ * most JSON_WALK_DEEP arrays and objects may be inside each other. Keys may come twice. */
+#define JSON_WALK_DEEP 512
+enum status json_walk_skip(struct json_walk *walk) MUST_USE;
+
 /* Nothing but white space may be left. */
 enum status json_walk_end(struct json_walk *walk) MUST_USE;
 

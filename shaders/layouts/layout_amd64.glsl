@@ -20,7 +20,7 @@ node node_of(uint ref)
 
 wide wide_load(node n)
 {
-    return wide(node_quad[4u * n.a], 4u * n.a, n.b != 0u);
+    return wide(NODE_QUAD(4u * n.a), 4u * n.a, n.b != 0u);
 }
 
 /* Returns words `skip` to `skip` + 3 of the eight words a, b. */
@@ -39,8 +39,8 @@ node wide_child(slab_ray r, wide w, uint slot, out vec3 nearer, out vec3 farther
     /* After the first quad each box has 3 or 6 words. */
     uint word = pick(w.f32, 6u * slot, 3u * slot);
     uint quad = word >> 2, skip = word & 3u;
-    uvec4 first = node_quad[w.at + 1u + quad];
-    uvec4 second = node_quad[w.at + 1u + pick(any(bvec2(w.f32, skip > 1u)), quad + 1u, quad)];
+    uvec4 first = NODE_QUAD(w.at + 1u + quad);
+    uvec4 second = NODE_QUAD(w.at + 1u + pick(any(bvec2(w.f32, skip > 1u)), quad + 1u, quad));
     uvec4 bits = words_from(first, second, skip);
     uvec2 more = uvec2(pick(skip == 0u, second.x, second.z), pick(skip == 0u, second.y, second.w));
     vec3 lo32 = uintBitsToFloat(bits.xyz);

@@ -15,11 +15,11 @@ wide wide_load(node n)
 {
     wide w;
     uint at = 5u * n.a;
-    w.head = node_quad[at];
-    w.base = node_quad[at + 1u];
-    w.lo_xy = node_quad[at + 2u];
-    w.lo_z_hi_x = node_quad[at + 3u];
-    w.hi_yz = node_quad[at + 4u];
+    w.head = NODE_QUAD(at);
+    w.base = NODE_QUAD(at + 1u);
+    w.lo_xy = NODE_QUAD(at + 2u);
+    w.lo_z_hi_x = NODE_QUAD(at + 3u);
+    w.hi_yz = NODE_QUAD(at + 4u);
     w.step_size = frame_steps(w.head);
     return w;
 }

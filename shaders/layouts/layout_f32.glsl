@@ -15,8 +15,8 @@ struct node {
 
 node node_load(slab_ray r, uint ref, out vec3 nearer, out vec3 farther)
 {
-    uvec4 low = node_quad[2u * ref];
-    uvec4 high = node_quad[2u * ref + 1u];
+    uvec4 low = NODE_QUAD(2u * ref);
+    uvec4 high = NODE_QUAD(2u * ref + 1u);
     slab_order(r, uintBitsToFloat(low.xyz), uintBitsToFloat(high.xyz), nearer, farther);
     return node(pick(high.w == 0u, ref, high.w | NODE_LEAF), low.w);
 }

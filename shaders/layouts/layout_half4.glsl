@@ -17,7 +17,7 @@ node node_of(uint ref)
 wide wide_load(node n)
 {
     uint at = 4u * n.a;
-    return wide(node_quad[at], node_quad[at + 1u], node_quad[at + 2u], node_quad[at + 3u]);
+    return wide(NODE_QUAD(at), NODE_QUAD(at + 1u), NODE_QUAD(at + 2u), NODE_QUAD(at + 3u));
 }
 
 node wide_child(slab_ray r, wide w, uint slot, out vec3 nearer, out vec3 farther)

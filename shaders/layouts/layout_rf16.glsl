@@ -15,7 +15,7 @@ struct node {
 
 node node_load(slab_ray r, uint ref, out vec3 nearer, out vec3 farther)
 {
-    uvec4 record = node_quad[ref];
+    uvec4 record = NODE_QUAD(ref);
     half_bounds(r, record.xyz, nearer, farther);
     uint as_leaf = NODE_LEAF | (ref + 1u) << 4 | (record.w & 15u);
     return node(pick((record.w & NODE_LEAF) == 0u, record.w, as_leaf));
@@ -38,7 +38,7 @@ struct leaf {
 
 leaf leaf_load(node n)
 {
-    return leaf(node_quad[(n.a & ~NODE_LEAF) >> 4], n.a & 15u);
+    return leaf(NODE_QUAD((n.a & ~NODE_LEAF) >> 4), n.a & 15u);
 }
 
 uint leaf_item(leaf l, uint slot)

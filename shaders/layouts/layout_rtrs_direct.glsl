@@ -16,9 +16,9 @@ struct node {
 /* Child references of 2^31 and more are out of range, as 2^31 - 1 is. */
 node node_load(slab_ray r, uint ref, out vec3 nearer, out vec3 farther)
 {
-    uvec4 head = node_quad[3u * ref];
-    uvec4 lo = node_quad[3u * ref + 1u];
-    uvec4 hi = node_quad[3u * ref + 2u];
+    uvec4 head = NODE_QUAD(3u * ref);
+    uvec4 lo = NODE_QUAD(3u * ref + 1u);
+    uvec4 hi = NODE_QUAD(3u * ref + 2u);
     slab_order(r, uintBitsToFloat(lo.xyz), uintBitsToFloat(hi.xyz), nearer, farther);
     if (head.w > 0u)
         return node(head.w | NODE_LEAF, head.z);

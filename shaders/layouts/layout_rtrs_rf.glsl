@@ -15,7 +15,7 @@ struct node {
 
 node node_load(slab_ray r, uint ref, out vec3 nearer, out vec3 farther)
 {
-    uvec4 record = node_quad[ref];
+    uvec4 record = NODE_QUAD(ref);
     half_bounds_any(r, record.xyz, nearer, farther);
     return node(pick((record.w & NODE_LEAF) == 0u, record.w, NODE_LEAF | (ref + 1u)));
 }
@@ -41,7 +41,7 @@ leaf leaf_load(node n)
     uint record = n.a & ~NODE_LEAF;
     if (record >= job.node_count)
         return leaf(uvec4(0u), 0u);
-    return leaf(node_quad[record], 6u);
+    return leaf(NODE_QUAD(record), 6u);
 }
 
 /* For 0, the null triangle, the result is out of range: no triangle. */

@@ -14,10 +14,10 @@ wide wide_load(node n)
 {
     wide w;
     uint at = 4u * n.a;
-    w.head = node_quad[at];
-    w.base = node_quad[at + 1u];
-    w.planes1_4 = node_quad[at + 2u];
-    w.planes5_8 = node_quad[at + 3u];
+    w.head = NODE_QUAD(at);
+    w.base = NODE_QUAD(at + 1u);
+    w.planes1_4 = NODE_QUAD(at + 2u);
+    w.planes5_8 = NODE_QUAD(at + 3u);
     w.step_size = frame_steps(w.head);
     return w;
 }

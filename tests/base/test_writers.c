@@ -269,7 +269,7 @@ static void a_failed_write_leaves_nothing(void **state)
 {
     (void)state;
     struct scene scene = one_triangle();
-    expect_not_written(in_folder("x.stl"), &scene, "unknown ending");
+    expect_not_written(in_folder("x.off"), &scene, "unknown ending");
     expect_not_written(in_folder("x.ply.gz"), &scene, "unknown ending");
     expect_not_written(in_folder("x"), &scene, "unknown ending");
     expect_not_written(in_folder("no/x.ply"), &scene, "cannot write");

@@ -16,6 +16,19 @@ bad() {
 }
 # Files of the sources are read in a copy, in which nothing may be left behind.
 mkdir -p "$dir/in/fuzz" && cp -r fuzz/corpus "$dir/in/fuzz/" && cp README.md "$dir/in/" && cd "$dir/in" || exit 4
+# Worlds, each against one rule: name, instances, other members.
+world() {
+    echo '{"raydiff_world": 1, "meshes": [{"scene": "sphere:n=2"}], "instances": ['"$2]$3}" >"$1.world.json"
+}
+world singular '{"mesh": 0}, {"mesh": 0, "transform": [1, 0, 0, 0,  0, 1, 0, 0,  1, 1, 0, 0]}' ''
+world huge '{"mesh": 0, "transform": [1e39, 0, 0, 0,  0, 1, 0, 0,  0, 0, 1, 0]}' ''
+world no_mesh '{"mesh": 0}, {"mesh": 1}' ''
+world custom '{"mesh": 0, "custom": 16777216}' ''
+world mask '{"mesh": 0, "mask": 256}' ''
+world both '{"mesh": 0, "flags": ["force_opaque", "force_no_opaque"]}' ''
+world flag '{"mesh": 0, "flags": ["cull"]}' ''
+world filter '{"mesh": 0}' ', "filter": {"kind": "some"}'
+world far '{"mesh": 0, "transform": [1, 0, 0, 3e38,  0, 1, 0, 0,  0, 0, 1, 0]}, {"mesh": 0, "transform": [1e38, 0, 0, 3e38,  0, 1, 0, 0,  0, 0, 1, 0]}' ''
 find . -type f | sort | xargs cksum >"$dir/before"
 sed -n 's/^\$ //p' "$table" >"$dir/inputs"
 while IFS= read -r arguments; do
@@ -26,7 +39,7 @@ while IFS= read -r arguments; do
     [ "$(wc -l <"$dir/err")" -eq 1 ] || bad "$arguments: $(wc -l <"$dir/err") lines"
     [ -s "$dir/out" ] && bad "$arguments: something is on the standard output"
     grep -q "^raydiff $1: " "$dir/err" || bad "$arguments: whose line is it?"
-    grep -qE '\(see raydiff [a-z]+ --help\)$|did you mean|--list|No such file|is no folder|[Nn]ot a directory|is a directory|not with|[a-z]+\.(md|obj|trial|xyz|jpg)|[0-9]' "$dir/err" ||
+    grep -qE '\(see raydiff [a-z]+ --help\)$|did you mean|is none of|--list|No such file|is no folder|[Nn]ot a directory|is a directory|not with|[a-z]+\.(md|obj|trial|xyz|jpg)|[0-9]' "$dir/err" ||
         bad "$arguments: no suggestion: $(cat "$dir/err")"
     printf '$ %s\n' "$arguments"
     cat "$dir/err"

@@ -57,14 +57,11 @@ static int reduce(struct system *s, int unknowns, int pivot[3])
     return rank;
 }
 
-static void set_difference(mpq_t out, float a, float b)
+/* out = x - v */
+static void set_from(mpq_t out, float x, const mpq_t v)
 {
-    mpq_t minus;
-    mpq_init(minus);
-    mpq_set_d(out, (double)a);
-    mpq_set_d(minus, (double)b);
-    mpq_sub(out, out, minus);
-    mpq_clear(minus);
+    mpq_set_d(out, (double)x);
+    mpq_sub(out, out, v);
 }
 
 /* --- ranges ------------------------------------------------------------------------------------
@@ -135,18 +132,18 @@ static bool cut(const mpq_t at0, const mpq_t slope, bool *low, mpq_t in, bool *h
 }
 
 /* The reduced system of two unknowns u, v with right side o - v0 (t = 0) or d (the slope). */
-static void weights(float v[3][3], const struct ray *ray, bool slope, mpq_t weight[3])
+static void weights(mpq_t v[3][3], const struct ray *ray, bool slope, mpq_t weight[3])
 {
     struct system s;
     int pivot[3];
     system_init(&s);
     for (int k = 0; k < 3; k++) {
-        set_difference(s.cell[k][0], v[1][k], v[0][k]);
-        set_difference(s.cell[k][1], v[2][k], v[0][k]);
+        mpq_sub(s.cell[k][0], v[1][k], v[0][k]);
+        mpq_sub(s.cell[k][1], v[2][k], v[0][k]);
         if (slope)
             mpq_set_d(s.cell[k][3], (double)ray->dir[k]);
         else
-            set_difference(s.cell[k][3], ray->org[k], v[0][k]);
+            set_from(s.cell[k][3], ray->org[k], v[0][k]);
     }
     reduce(&s, 2, pivot);
     mpq_set(weight[1], s.cell[pivot[0]][3]);
@@ -157,7 +154,7 @@ static void weights(float v[3][3], const struct ray *ray, bool slope, mpq_t weig
     system_clear(&s);
 }
 
-static void in_plane(const struct ray *ray, float v[3][3], struct gmp_pair *pair)
+static void in_plane(const struct ray *ray, mpq_t v[3][3], struct gmp_pair *pair)
 {
     mpq_t at0[3], slope[3];
     bool low = false, high = false, left = true;
@@ -216,17 +213,17 @@ static void one_point(const struct ray *ray, const struct system *s, const int p
     }
 }
 
-void exact_gmp_pair(const struct ray *ray, float v[3][3], struct gmp_pair *pair)
+void exact_gmp_pair_at(const struct ray *ray, mpq_t v[3][3], struct gmp_pair *pair)
 {
     struct system s;
     int pivot[3];
     bool still = true;
     system_init(&s);
     for (int k = 0; k < 3; k++) { /* unknowns u, v, t */
-        set_difference(s.cell[k][0], v[1][k], v[0][k]);
-        set_difference(s.cell[k][1], v[2][k], v[0][k]);
+        mpq_sub(s.cell[k][0], v[1][k], v[0][k]);
+        mpq_sub(s.cell[k][1], v[2][k], v[0][k]);
         mpq_set_d(s.cell[k][2], -(double)ray->dir[k]);
-        set_difference(s.cell[k][3], ray->org[k], v[0][k]);
+        set_from(s.cell[k][3], ray->org[k], v[0][k]);
         still = still && ray->dir[k] == 0;
     }
     int rank = reduce(&s, 3, pivot);
@@ -242,6 +239,19 @@ void exact_gmp_pair(const struct ray *ray, float v[3][3], struct gmp_pair *pair)
     system_clear(&s);
 }
 
+void exact_gmp_pair(const struct ray *ray, float v[3][3], struct gmp_pair *pair)
+{
+    mpq_t exact[3][3];
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < 3; k++) {
+            mpq_init(exact[c][k]);
+            mpq_set_d(exact[c][k], (double)v[c][k]);
+        }
+    exact_gmp_pair_at(ray, exact, pair);
+    for (int c = 0; c < 3; c++)
+        mpq_clears(exact[c][0], exact[c][1], exact[c][2], NULL);
+}
+
 /* --- a scene -----------------------------------------------------------------------------------
  */
 
@@ -255,7 +265,7 @@ void exact_gmp_nearest_clear(struct gmp_nearest *nearest)
     mpq_clears(nearest->t, nearest->next, NULL);
 }
 
-static void take(struct gmp_nearest *out, uint32_t prim, const mpq_t t)
+void exact_gmp_take(struct gmp_nearest *out, uint32_t prim, const mpq_t t)
 {
     int sign = out->count ? mpq_cmp(t, out->t) : -1;
     if (sign == 0) {
@@ -290,7 +300,7 @@ void exact_gmp_nearest(const struct scene *scene, const struct ray *ray, enum or
         scene_tri(scene, prim, v);
         exact_gmp_pair(ray, v, &pair);
         if (exact_gmp_hits(&pair, ends))
-            take(out, prim, pair.t);
+            exact_gmp_take(out, prim, pair.t);
         if (pair.class == ORACLE_IN_PLANE && pair.range == ORACLE_WITHIN &&
             (!any_plane || mpq_cmp(pair.t, plane) < 0)) {
             mpq_set(plane, pair.t);

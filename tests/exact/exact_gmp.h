@@ -24,6 +24,9 @@ void exact_gmp_clear(struct gmp_pair *pair);
 /* Decides one finite ray and triangle; tmax may be infinite. `pair` has been initialised. */
 void exact_gmp_pair(const struct ray *ray, float v[3][3], struct gmp_pair *pair);
 
+/* The same of a triangle whose vertices are any rationals. */
+void exact_gmp_pair_at(const struct ray *ray, mpq_t v[3][3], struct gmp_pair *pair);
+
 /* Sign of a - x; x may be infinite. */
 int exact_gmp_compare(const mpq_t a, double x);
 
@@ -42,6 +45,8 @@ struct gmp_nearest {
 
 void exact_gmp_nearest(const struct scene *scene, const struct ray *ray, enum oracle_ends ends,
                        struct gmp_nearest *out); /* made by exact_gmp_nearest_init */
+/* Adds a hit in range to the set. */
+void exact_gmp_take(struct gmp_nearest *out, uint32_t prim, const mpq_t t);
 void exact_gmp_nearest_init(struct gmp_nearest *nearest);
 void exact_gmp_nearest_clear(struct gmp_nearest *nearest);
 

@@ -6,7 +6,7 @@
 
 #include "ref/twin/model.h"
 #include "ref/base/rng.h"
-#include "ref/twin/twin.h"
+#include "ref/twin/twin_placed.h"
 #include "ref/primitives/test_run.h"
 
 /* More operations than any formula has. */
@@ -48,6 +48,15 @@ struct evaluation {
 /* Evaluates one triangle. */
 struct evaluation legal_evaluate(struct legal *legal, enum twin_formula formula,
                                  const struct ray *ray, float v[3][3]);
+
+/* The same of a triangle that is placed, the ray being one of the world; NULL: not placed. */
+struct evaluation legal_evaluate_placed(struct legal *legal, enum twin_formula formula,
+                                        const struct twin_place *place, const struct ray *ray,
+                                        float v[3][3]);
+
+/* The ray in the space of the mesh. */
+struct ray legal_transform(struct legal *legal, const struct twin_place *place,
+                           const struct ray *ray);
 
 /* One operation, for formulas elsewhere. */
 float legal_add(struct legal *legal, float a, float b);

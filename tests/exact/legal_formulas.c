@@ -225,10 +225,9 @@ static struct evaluation embree_robust(struct legal *l, const struct ray *ray, f
     return cut_off(out);
 }
 
-struct evaluation legal_evaluate(struct legal *l, enum twin_formula formula, const struct ray *ray,
-                                 float v[3][3])
+static struct evaluation evaluate(struct legal *l, enum twin_formula formula, const struct ray *ray,
+                                  float v[3][3])
 {
-    l->count = 0;
     switch (formula) {
     case TWIN_WOOP:
         return woop(l, ray, v);
@@ -247,4 +246,34 @@ struct evaluation legal_evaluate(struct legal *l, enum twin_formula formula, con
         break;
     }
     return moeller_trumbore(l, ray, v, false);
+}
+
+struct evaluation legal_evaluate(struct legal *l, enum twin_formula formula, const struct ray *ray,
+                                 float v[3][3])
+{
+    l->count = 0;
+    return evaluate(l, formula, ray, v);
+}
+
+struct ray legal_transform(struct legal *l, const struct twin_place *place, const struct ray *ray)
+{
+    struct ray out = *ray;
+    float x[3];
+    if (place->identity)
+        return out;
+    legal_subtract(l, ray->org, place->t, x);
+    for (int k = 0; k < 3; k++) {
+        out.org[k] = legal_dot(l, place->w + 3 * k, x);
+        out.dir[k] = legal_dot(l, place->w + 3 * k, ray->dir);
+    }
+    return out;
+}
+
+struct evaluation legal_evaluate_placed(struct legal *l, enum twin_formula formula,
+                                        const struct twin_place *place, const struct ray *ray,
+                                        float v[3][3])
+{
+    l->count = 0;
+    struct ray placed = place ? legal_transform(l, place, ray) : *ray;
+    return evaluate(l, formula, &placed, v);
 }

@@ -103,7 +103,7 @@ const char *trial_kind(int kind)
 
 /* --- truth ----------------------------------------------------------------------------------- */
 
-static struct sum sum_of(const mpq_t x)
+struct sum trial_sum(const mpq_t x)
 {
     struct sum sum = {mpq_get_d(x), 0};
     mpq_t rest;
@@ -120,11 +120,11 @@ static struct truth truth_of(const struct ray *ray, const struct gmp_pair *pair)
     struct truth truth = {.point = pair->point};
     if (!truth.point)
         return truth;
-    truth.t = sum_of(pair->t);
+    truth.t = trial_sum(pair->t);
     truth.from_tmin = exact_gmp_compare(pair->t, (double)ray->tmin);
     truth.to_tmax = exact_gmp_compare(pair->t, (double)ray->tmax);
     for (int c = 0; c < 3; c++) {
-        truth.weight[c] = sum_of(pair->weight[c]);
+        truth.weight[c] = trial_sum(pair->weight[c]);
         truth.side[c] = pair->side[c];
     }
     return truth;
@@ -132,6 +132,7 @@ static struct truth truth_of(const struct ray *ray, const struct gmp_pair *pair)
 
 void trial_truth(struct gmp_pair *pair, struct trials_trial *trial)
 {
+    trial->place = NULL;
     exact_gmp_pair(&trial->ray, trial->v, pair);
     trial->truth = truth_of(&trial->ray, pair);
 }
@@ -232,14 +233,15 @@ const char *trial_worsen(const struct trials_trial *trial, enum twin_formula for
     uint32_t count = legal->count < LEGAL_MOST ? legal->count : LEGAL_MOST;
     legal->style = LEGAL_CHOSEN;
     struct evaluation evaluation =
-        legal_evaluate(legal, formula, &trial->ray, (float(*)[3])trial->v);
+        legal_evaluate_placed(legal, formula, trial->place, &trial->ray, (float(*)[3])trial->v);
     const char *broken = trial_broken(trial, formula, twin, &evaluation, near);
     for (uint32_t i = 0; i < count && !broken; i++)
         for (size_t n = 0; n < ARRAY_COUNT(other) && !broken; n++) {
             struct nearness now;
             uint8_t before = legal->choice[i];
             legal->choice[i] = other[n];
-            evaluation = legal_evaluate(legal, formula, &trial->ray, (float(*)[3])trial->v);
+            evaluation = legal_evaluate_placed(legal, formula, trial->place, &trial->ray,
+                                               (float(*)[3])trial->v);
             broken = trial_broken(trial, formula, twin, &evaluation, &now);
             if (broken || worst(&now) > worst(near))
                 *near = now;

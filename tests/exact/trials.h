@@ -11,6 +11,8 @@ struct sum {
     double head, tail;
 };
 
+struct sum trial_sum(const mpq_t x);
+
 struct truth {
     bool point; /* the line meets the plane in one point: t and weight are set */
     struct sum t, weight[3];
@@ -22,6 +24,7 @@ struct trials_trial {
     struct ray ray;
     float v[3][3];
     struct truth truth;
+    const struct twin_place *place; /* of the triangle; NULL: it is one of a scene */
 };
 
 /* How near an evaluation came to its bounds: error over bound, 0 where the bound is infinite. */

@@ -47,6 +47,26 @@ static void what_rules_refuse_cannot_meet(void **state)
     pair_coverage_close(m);
 }
 
+/* A pair is of two members that some engine here runs: Embree runs none of the tables. */
+static void what_no_engine_runs_cannot_meet(void **state)
+{
+    (void)state;
+    struct pair_coverage *all = open_all(), *m;
+    struct pair_tables tables = all->tables;
+    tables.member[MEET_ENGINE][0] = engine_find("embree");
+    tables.count[MEET_ENGINE] = 1;
+    assert_int_equal(pair_coverage_open(&tables, &m, &reason), STATUS_OK);
+    assert_int_equal(pair_coverage_summarize(m, 0).possible, 0);
+    pair_coverage_close(m);
+    tables.member[MEET_ENGINE][0] = engine_find("fast"); /* walks trees with tests of its own */
+    assert_int_equal(pair_coverage_open(&tables, &m, &reason), STATUS_OK);
+    assert_true(can(m, MEET_LAYOUT, "f32", MEET_BUILDER, "median"));
+    assert_false(can(m, MEET_LAYOUT, "f32", MEET_TRI, "mt"));
+    assert_false(can(m, MEET_BUILDER, "median", MEET_BOX, "robust"));
+    pair_coverage_close(m);
+    pair_coverage_close(all);
+}
+
 /* What is drawn can be traced, and every pair that is possible comes up equally often. */
 static void rarest_pairs_are_drawn(void **state)
 {
@@ -258,6 +278,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_rules_refuse_cannot_meet),
+        cmocka_unit_test(what_no_engine_runs_cannot_meet),
         cmocka_unit_test(rarest_pairs_are_drawn),
         cmocka_unit_test(draws_are_of_seed_turn_and_tally),
         cmocka_unit_test(what_was_compiled_can_be_traced),

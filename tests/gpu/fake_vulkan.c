@@ -38,6 +38,8 @@ void fake_reset(void)
         .has_query = true,
         .scratch_alignment = 256,
         .most_triangles = 1000,
+        .most_geometries = 1000,
+        .most_instances = 1000,
         .memory = {.memoryTypeCount = 1,
                    .memoryTypes = {{VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT |
                                         VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
@@ -217,6 +219,8 @@ static void vkGetPhysicalDeviceProperties2(VkPhysicalDevice which,
             VkPhysicalDeviceAccelerationStructurePropertiesKHR *accel = (void *)s;
             accel->minAccelerationStructureScratchOffsetAlignment = device->scratch_alignment;
             accel->maxPrimitiveCount = device->most_triangles;
+            accel->maxGeometryCount = device->most_geometries;
+            accel->maxInstanceCount = device->most_instances;
         } else {
             fake_wrong("an unknown question in vkGetPhysicalDeviceProperties2");
         }

@@ -29,7 +29,7 @@ struct fake_device {
     uint32_t extension_count;
     bool has_address, has_accel, has_query;
     uint32_t scratch_alignment;
-    uint64_t most_triangles;
+    uint64_t most_triangles, most_geometries, most_instances;
     VkPhysicalDeviceMemoryProperties memory;
     uint32_t memory_types; /* bits of those that a buffer may lie in */
 };

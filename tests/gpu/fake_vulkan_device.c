@@ -313,9 +313,13 @@ vkGetAccelerationStructureBuildSizesKHR(VkDevice device, VkAccelerationStructure
                                         VkAccelerationStructureBuildSizesInfoKHR *out)
 {
     (void)fake_what(device, FAKE_DEVICE);
-    if (type != VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR || info->geometryCount != 1)
+    bool top = info->type == VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR;
+    if (type != VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR || info->geometryCount == 0 ||
+        (top && info->geometryCount != 1))
         fake_wrong("what is built");
-    out->accelerationStructureSize = FAKE_ACCEL_BYTES * (uint64_t)*most;
+    out->accelerationStructureSize = 0;
+    for (uint32_t i = 0; i < info->geometryCount; i++)
+        out->accelerationStructureSize += FAKE_ACCEL_BYTES * (uint64_t)most[i];
     out->buildScratchSize = FAKE_SCRATCH_BYTES;
 }
 
@@ -341,7 +345,14 @@ vkCmdBuildAccelerationStructuresKHR(VkCommandBuffer command, uint32_t count,
     if (count != 1 || scratch % fake.chosen->scratch_alignment || scratch < begin ||
         scratch + FAKE_SCRATCH_BYTES > begin + asked->bytes)
         fake_wrong("the scratch memory of a build");
-    fake.built[fake.builds++ % 4] = range[0]->primitiveCount;
+    uint32_t built = 0;
+    for (uint32_t i = 0; i < info->geometryCount; i++) {
+        if (info->type == VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR &&
+            range[0][i].primitiveOffset != 12 * built)
+            fake_wrong("the first triangle of a geometry");
+        built += range[0][i].primitiveCount;
+    }
+    fake.built[fake.builds++ % 4] = built;
 }
 
 const struct fake_entry fake_device_entry[] = {

@@ -100,6 +100,48 @@ static void limits_of_acceleration_structures_are_exact(void **state)
     }
 }
 
+/* A world at each limit of the device, and one over it. */
+static void limits_of_worlds_are_exact(void **state)
+{
+    (void)state;
+    static const char *const over[] = {NULL, "allows 19 triangles", "allows 2 geometries",
+                                       "allows 4 instances"};
+    struct vk_options options = fake_options();
+    options.ray_query = true;
+    for (size_t i = 0; i < ARRAY_COUNT(over); i++) {
+        static const struct vk_accel_geometry few[] = {{0, 1, true}};
+        static const struct vk_accel_geometry three[] = {
+            {0, 7, true}, {7, 0, false}, {7, 13, true}};
+        struct vk_buffer *buffer = NULL;
+        struct vk_accel *accel = NULL;
+        struct reason reason = {""};
+        fake_reset();
+        fake.device[0].most_triangles = i == 1 ? 19 : 20;
+        fake.device[0].most_geometries = i == 2 ? 2 : 3;
+        fake.device[0].most_instances = i == 3 ? 4 : 5;
+        struct vk *vk = must_open(&options);
+        gpu_must(vk_buffer_make(vk, 64, &buffer, &reason), &reason);
+        const struct vk_accel_mesh mesh[] = {{buffer, buffer, 3, few, 1},
+                                             {buffer, buffer, 3, three, 3}};
+        struct vk_accel_instance instance[5] = {{.mesh = 1}, {.mesh = VK_ACCEL_NO_MESH}};
+        const struct vk_accel_world world = {mesh, instance, 2, 5};
+        enum status status = vk_accel_make_world(vk, &world, &accel, &reason);
+        assert_int_equal(status, i ? STATUS_LIMIT : STATUS_OK);
+        assert_int_equal(vk_accel_bytes(accel), i ? 0 : (1 + 20 + 5) * FAKE_ACCEL_BYTES);
+        if (over[i])
+            assert_non_null(strstr(reason.text, over[i]));
+        assert_int_equal(fake.builds, i ? 0 : 3);
+        if (!i) {
+            assert_int_equal(fake.built[0], 1);
+            assert_int_equal(fake.built[1], 20);
+            assert_int_equal(fake.built[2], 5);
+        }
+        vk_accel_free(vk, accel);
+        vk_buffer_free(vk, buffer);
+        must_close(vk);
+    }
+}
+
 /* Ticks of two nanoseconds, of as many bits as the device has. */
 static void time_is_that_of_the_devices_clock(void **state)
 {
@@ -283,6 +325,7 @@ int main(void)
         cmocka_unit_test(limits_of_pipelines_are_exact),
         cmocka_unit_test(limits_of_dispatches_are_exact),
         cmocka_unit_test(limits_of_acceleration_structures_are_exact),
+        cmocka_unit_test(limits_of_worlds_are_exact),
         cmocka_unit_test(time_is_that_of_the_devices_clock),
         cmocka_unit_test(messages_are_counted_but_for_remarks),
         cmocka_unit_test(every_call_of_an_engine_that_fails_is_a_status),

@@ -1,5 +1,6 @@
 /* Laws of ref/match/match.h: rows say what happened, and a wrong answer of anybody shows. */
 #include "ref/match/match.h"
+#include "ref/outside/recorded.h"
 #include "ref/trace/trace.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
@@ -12,6 +13,7 @@
 
 #include "tests/support/matched.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static void brute_and_cpu_agree_and_their_counts_add_up(void **state)
@@ -171,6 +173,29 @@ static void rays_that_all_miss_are_vacuous(void **state)
     run(f, "cpu");
     assert_int_equal(f->row.status, ROW_OK);
     done(f);
+}
+
+/* An engine whose answers are all misses is WRONG where there are hits: that is a fault, and more
+ * than a result that proves nothing. */
+static void misses_where_there_are_hits_are_wrong_and_not_vacuous(void **state)
+{
+    (void)state;
+    struct fixture *f = prepare("soup:n=500", "median", 4);
+    struct hit *miss = alloc_zeroed(RAYS, sizeof *miss);
+    assert_non_null(miss);
+    for (size_t i = 0; i < RAYS; i++)
+        miss[i].prim = ABI_NO_PRIM;
+    const struct recorded answers = {.ray = f->ray, .hit = miss, .count = RAYS};
+    const struct engine *engine;
+    assert_int_equal(recorded_engine(&answers, &engine, &f->reason), STATUS_OK);
+    start(f);
+    match_run(&f->match, engine, &f->row);
+    assert_int_equal(f->row.hits, 0);
+    assert_true(f->row.count[VERDICT_WRONG] > RAYS / 10);
+    assert_int_equal(f->row.status, ROW_OK);
+    assert_true(row_failed(&f->row));
+    done(f);
+    free(miss);
 }
 
 static void one_hit_in_a_thousand_rays_is_enough(void **state)
@@ -357,6 +382,7 @@ int main(void)
         cmocka_unit_test(another_tree_keeps_the_truth),
         cmocka_unit_test(no_rays_and_far_scenes_are_fine),
         cmocka_unit_test(rays_that_all_miss_are_vacuous),
+        cmocka_unit_test(misses_where_there_are_hits_are_wrong_and_not_vacuous),
         cmocka_unit_test(one_hit_in_a_thousand_rays_is_enough),
         cmocka_unit_test(a_layout_that_refuses_leaves_a_usable_match),
         cmocka_unit_test(a_builder_that_never_ends_is_refused_without_a_match),

@@ -2,6 +2,7 @@
  * few thousand pairs per kind; RAYDIFF_SLOW=1: 10^6. */
 #include "tests/exact/exact_gmp.h"
 #include "tests/exact/oracle_batch.h"
+#include "tests/exact/pair_fault.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -22,77 +23,6 @@ static void print_pair(const char *what, const char *kind, const struct ray *ray
            (double)ray->dir[0], (double)ray->dir[1], (double)ray->dir[2], (double)ray->tmin,
            (double)ray->tmax, (double)v[0][0], (double)v[0][1], (double)v[0][2], (double)v[1][0],
            (double)v[1][1], (double)v[1][2], (double)v[2][0], (double)v[2][1], (double)v[2][2]);
-}
-
-/* lo <= a <= hi, the filter's ends apart from a, and the enclosure is narrow. */
-static bool encloses(const mpq_t a, const struct oracle_pair *pair, bool narrow)
-{
-    double lo = pair->t_lo, hi = pair->t_hi;
-    int least = pair->by_filter ? 1 : 0;
-    return exact_gmp_compare(a, lo) >= least && exact_gmp_compare(a, hi) <= -least &&
-           (!narrow || hi - lo <= 0x1p-40 * fmin(fabs(lo), fabs(hi)));
-}
-
-static double least_weight(const struct gmp_pair *pair)
-{
-    const mpq_t *least = &pair->weight[0];
-    for (int c = 1; c < 3; c++)
-        if (mpq_cmp(pair->weight[c], *least) < 0)
-            least = &pair->weight[c];
-    return mpq_get_d(*least);
-}
-
-/* What is wrong with the numbers of what is no hit: it has no t, and its margin is below 0, exact
- * unless the filter sufficed. */
-static const char *miss_fault(const struct oracle_pair *got, const struct gmp_pair *want)
-{
-    double margin = want->point ? least_weight(want) : -INFINITY;
-    if (got->t_lo != -INFINITY || got->t_hi != INFINITY)
-        return "t of a miss";
-    if (!(got->margin < 0) || (!want->point && got->margin != -INFINITY))
-        return "margin of a miss";
-    if (want->point && !got->by_filter && fabs(got->margin - margin) > 1e-9 * fabs(margin))
-        return "exact margin of a miss";
-    return NULL;
-}
-
-/* What is wrong with an answer, or NULL. */
-static const char *pair_fault(const struct ray *ray, const struct oracle_pair *got,
-                              const struct gmp_pair *want)
-{
-    bool hit =
-        want->class == ORACLE_INSIDE || want->class == ORACLE_EDGE || want->class == ORACLE_VERTEX;
-    if (got->class != want->class)
-        return "class";
-    if ((hit || want->class == ORACLE_IN_PLANE) && got->range != want->range)
-        return "range";
-    if ((got->det != 0) != want->point && want->class != ORACLE_ZERO_AREA)
-        return "sign of the determinant";
-    for (int c = 0; want->point && c < 3; c++)
-        if (got->edge[c] * got->det != want->side[c])
-            return "sign of an edge";
-    if (want->class == ORACLE_MISS || want->class == ORACLE_ZERO_AREA)
-        return miss_fault(got, want);
-    if (hit && !encloses(want->t, got, want->range == ORACLE_WITHIN))
-        return "enclosure";
-    if (hit) {
-        double margin = least_weight(want);
-        if (fabs(got->margin - margin) > 1e-9 * margin + (got->by_filter ? 0x1p-18 * margin : 0))
-            return "margin";
-    }
-    if (want->class == ORACLE_IN_PLANE) { /* the overlap, cut by the range if it meets it */
-        bool within = want->range == ORACLE_WITHIN;
-        double tmin = (double)ray->tmin, tmax = (double)ray->tmax;
-        bool low_cut = within && exact_gmp_compare(want->t, tmin) < 0;
-        bool high_cut = within && exact_gmp_compare(want->t_out, tmax) > 0;
-        if (got->margin != 0)
-            return "margin in the plane";
-        if (low_cut ? got->t_lo != tmin : exact_gmp_compare(want->t, got->t_lo) < 0)
-            return "start in the plane";
-        if (high_cut ? got->t_hi != tmax : exact_gmp_compare(want->t_out, got->t_hi) > 0)
-            return "end in the plane";
-    }
-    return NULL;
 }
 
 struct pairs_tally {

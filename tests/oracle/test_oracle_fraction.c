@@ -1,7 +1,7 @@
-/* Fractions (ref/oracle/fraction.h) against GMP rationals: compared, enclosed between doubles, and
+/* Fractions (ref/integers/fraction.h) against GMP rationals: compared, enclosed in doubles, and
  * as text in buffers of every size; and the grid that ref/oracle/small.h puts a ray and a triangle
  * on. */
-#include "ref/oracle/oracle_grid.h"
+#include "ref/integers/oracle_grid.h"
 #include "ref/oracle/small.h"
 #include "ref/base/rng.h"
 
@@ -126,6 +126,42 @@ static void encloses_between_doubles(void **state)
         assert_true(lo == hi && lo == ldexp(i % 3 ? i : i / -4.0, i % 64));
     }
     mpq_clear(p);
+}
+
+/* What double cannot hold, or hardly, is enclosed by an end of its range, 0 or infinity. */
+static void encloses_beyond_double(void **state)
+{
+    struct rng rng = {3};
+    uint32_t beyond = 0;
+    (void)state;
+    for (int scale = -3000; scale <= 3000; scale++) {
+        double lo, hi;
+        bool minus = rng_below(&rng, 2);
+        mpq_t p;
+        struct fraction a = {.scale = scale};
+        wide_set((minus ? -1 : 1) * (int)(1 + rng_below(&rng, 9)), &a.num);
+        wide_set(7, &a.den);
+        mpq_init(p);
+        mpq_set_si(p, a.num.sign * (long)a.num.limb[0], 7);
+        if (scale < 0)
+            mpq_div_2exp(p, p, (mp_bitcnt_t)-scale);
+        else
+            mpq_mul_2exp(p, p, (mp_bitcnt_t)scale);
+        fraction_enclose(&a, &lo, &hi);
+        assert_true(isinf(lo) ? lo < 0 : compare_gmp(p, lo) >= 0);
+        assert_true(isinf(hi) ? hi > 0 : compare_gmp(p, hi) <= 0);
+        double least = minus ? -hi : lo, most = minus ? -lo : hi;
+        bool large = least == FRACTION_MOST && most == INFINITY;
+        bool small = least == 0 && most == FRACTION_LEAST;
+        assert_true(large || small || most - least <= 0x1p-50 * least);
+        assert_true(!large || scale > 990);
+        assert_true(!small || scale < -990);
+        assert_true(large || scale < 1010);
+        assert_true(small || scale > -1010);
+        beyond += large || small;
+        mpq_clear(p);
+    }
+    assert_true(beyond > 3900);
 }
 
 /* Reads "num/den" with "*2^k" behind it. */
@@ -327,8 +363,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(orders_as_rationals),    cmocka_unit_test(encloses_between_doubles),
-        cmocka_unit_test(is_written_in_any_room), cmocka_unit_test(small_grid_is_exact),
-        cmocka_unit_test(grids_are_the_least),
+        cmocka_unit_test(encloses_beyond_double), cmocka_unit_test(is_written_in_any_room),
+        cmocka_unit_test(small_grid_is_exact),    cmocka_unit_test(grids_are_the_least),
     };
     return cmocka_run_group_tests_name("oracle_fraction", tests, NULL, NULL);
 }

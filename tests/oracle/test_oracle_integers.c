@@ -1,4 +1,4 @@
-/* The oracle's integers against GMP: those of a fixed width (ref/oracle/wide.h) in every
+/* The oracle's integers against GMP: those of a fixed width (ref/integers/wide.h) in every
  * operation, whichever operand the result overwrites, and the products in 128 and 320 bits
  * (ref/oracle/small.h, ref/oracle/medium.h) up to the largest numbers that they take. */
 #include "ref/base/rng.h"

@@ -3,6 +3,7 @@
 #include "ref/oracle/exact.h"
 #include "tests/exact/exact_gmp.h"
 #include "tests/exact/oracle_batch.h"
+#include "tests/exact/pair_fault.h"
 #include "tests/support/ray_fixture.h"
 
 #include <math.h>
@@ -27,38 +28,6 @@ static void closest(const struct oracle *oracle, enum oracle_path path, enum ora
     struct reason reason = {""};
     if (oracle_closest(oracle, path, ends, ray, count, threads, out, NULL, &reason))
         abort();
-}
-
-/* What is wrong with an answer, or NULL. */
-static const char *answer_fault(const struct oracle_answer *got, const struct gmp_nearest *want,
-                                const struct gmp_pair *pair)
-{
-    if (got->prim != want->prim || got->tie_count != want->count)
-        return "nearest set";
-    if (want->count == 0)
-        return got->class == ORACLE_MISS && got->t_next == INFINITY ? NULL : "a miss";
-    if (got->class != pair->class)
-        return "class";
-    if (exact_gmp_compare(want->t, got->t_lo) < 0 || exact_gmp_compare(want->t, got->t_hi) > 0)
-        return "enclosure";
-    if ((got->t_next < INFINITY) != want->has_next)
-        return "whether there is a next hit";
-    if (want->has_next &&
-        (exact_gmp_compare(want->next, got->t_next) < 0 ||
-         exact_gmp_compare(want->next, got->t_next + fabs(got->t_next) * 0x1p-38) > 0))
-        return "next hit";
-    return NULL;
-}
-
-/* Whether the set was not found by the filter alone: it has several, or its one left the filter. */
-static bool exact_of(const struct oracle *oracle, const struct ray *ray,
-                     const struct oracle_answer *answer)
-{
-    struct oracle_pair pair;
-    if (answer->tie_count != 1)
-        return answer->tie_count > 1;
-    oracle_pair(oracle, ray, answer->prim, &pair);
-    return !pair.by_filter;
 }
 
 static void check_batch(const struct oracle_case *kind, const struct oracle_batch *batch,
@@ -90,7 +59,7 @@ static void check_batch(const struct oracle_case *kind, const struct oracle_batc
                 bool flag = got[p][i].flags & ORACLE_SAW_IN_PLANE;
                 if (flag != want.in_plane && !(flag && want.in_plane_close))
                     report("in plane", kind->name, &batch->ray[i]);
-                if (exact_of(batch->oracle, &batch->ray[i], &got[p][i]) !=
+                if (answer_is_exact(batch->oracle, &batch->ray[i], &got[p][i]) !=
                     ((got[p][i].flags & ORACLE_SAW_EXACT) != 0))
                     report("exact", kind->name, &batch->ray[i]);
             }
@@ -119,13 +88,6 @@ static void closest_agrees_with_rationals(void **state)
     assert_int_equal(faults, 0);
 }
 
-static bool same(const struct oracle_answer *a, const struct oracle_answer *b)
-{
-    return a->prim == b->prim && a->tie_count == b->tie_count && a->t_lo == b->t_lo &&
-           a->t_hi == b->t_hi && a->t_next == b->t_next && a->margin == b->margin &&
-           a->class == b->class && a->flags == b->flags;
-}
-
 /* Brute force with the plain kernel on one thread, against everything else. */
 static void compare_paths(const struct scene *scene, const char *name, const struct ray *ray,
                           size_t count, size_t *hits)
@@ -148,7 +110,7 @@ static void compare_paths(const struct scene *scene, const char *name, const str
             closest(oracle, run == 0 ? ORACLE_BRUTE : ORACLE_TREE, ends, ray, count,
                     run == 3 ? 1 : 2, got);
             for (size_t i = 0; i < count; i++)
-                if (!same(&want[i], &got[i]))
+                if (!answer_same(&want[i], &got[i]))
                     report(run == 0 ? "brute, threads" : "tree", name, &ray[i]);
         }
     }

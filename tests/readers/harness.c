@@ -2,6 +2,7 @@
 #include "tests/readers/reader_entry.h"
 #include "ref/packed/tree_file.h"
 #include "scenes/read/formats.h"
+#include "scenes/read/world_formats.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -72,6 +73,58 @@ bool reader_play_mesh(enum status (*read)(const char *name, const char *bytes, s
         reader_must_be_scene(&scene);
     scene_free(&scene);
     return status == STATUS_OK;
+}
+
+/* Writes a world as JSON; the caller frees it. */
+static char *world_text(const struct world *world, size_t *size)
+{
+    char *bytes = NULL;
+    struct reason reason = {""};
+    FILE *stream = open_memstream(&bytes, size);
+    READER_MUST(stream && write_world(world, stream, &reason) == STATUS_OK && fclose(stream) == 0);
+    return bytes;
+}
+
+/* The world whose file is `bytes` must be written as `text`. */
+static void must_be_written(enum status status, struct world *world, const char *text, size_t size)
+{
+    size_t again_size;
+    READER_MUST(status == STATUS_OK);
+    char *again = world_text(world, &again_size);
+    READER_MUST(again_size == size && memcmp(again, text, size) == 0);
+    free(again);
+    world_free(world);
+}
+
+void reader_must_be_world(enum status status, const struct world *world,
+                          const struct reason *reason)
+{
+    struct reason why = {""};
+    struct world_notes notes;
+    struct world copy = *world, again;
+    char *gltf = NULL;
+    size_t size, gltf_size;
+    if (status) {
+        READER_MUST(!world->mesh && !world->instance && !world->first);
+        reader_must_be_reason(reason);
+        return;
+    }
+    reader_count_limit(false);
+    copy.first = NULL;
+    READER_MUST(world_finish(&copy, &why) == STATUS_OK);
+    free(copy.first);
+    char *text = world_text(world, &size);
+    must_be_written(read_world("again", text, size, NULL, &again, &why), &again, text, size);
+    FILE *stream = open_memstream(&gltf, &gltf_size);
+    READER_MUST(stream);
+    status = write_gltf(world, stream, &why);
+    READER_MUST(fclose(stream) == 0);
+    if (!status)
+        must_be_written(read_gltf("again", gltf, gltf_size, NULL, &again, &notes, &why), &again,
+                        text, size);
+    free(gltf);
+    free(text);
+    reader_count_limit(true);
 }
 
 int reader_file(const char *bytes, size_t size, char path[READER_PATH_MOST])

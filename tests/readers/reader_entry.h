@@ -10,6 +10,7 @@
 
 #include "ref/base/base.h"
 #include "ref/scene/scene.h"
+#include "ref/world/world.h"
 
 #define READER_TIMES 64u
 
@@ -63,6 +64,11 @@ void reader_must_be_scene(const struct scene *scene);
 bool reader_play_mesh(enum status (*read)(const char *name, const char *bytes, size_t size,
                                           struct scene *out, struct reason *reason),
                       const char *bytes, size_t size);
+
+/* What a reader of worlds gave: a world that world_finish accepts, which survives writing as world
+ * JSON, and as glTF where that can hold it, to the bit; or nothing, and a reason. */
+void reader_must_be_world(enum status status, const struct world *world,
+                          const struct reason *reason);
 
 /* What --bvh does with a tree from outside, JSON or packed: a tree that `readable` (its reader lets
  * it through) is taken, or refused as another scene's; one that is not is refused. What is taken

@@ -6,7 +6,7 @@ set -eu
 raydiff=$1/raydiff
 out=$2
 rm -rf "$out" "$out.new"
-for entry in obj ply rtrs gz trial tree packed peer text log baseline play png page; do
+for entry in obj ply rtrs stl world gltf gz trial tree packed peer text log baseline play png page; do
     mkdir -p "$out.new/$entry"
 done
 cd "$out.new"
@@ -44,6 +44,72 @@ f 1/1/1 \
 g name
 usemtl m
 EOF
+# --- STL
+for scene in soup:n=4 sphere:n=2; do
+    quiet "$raydiff" scene convert $scene stl/$(echo $scene | tr -d ':=').stl
+done
+{ printf 'solid'; tail -c +6 stl/sphere*.stl; } >stl/solid.stl # its header begins as ASCII does
+head -c 150 stl/soup*.stl >stl/cut.stl
+cat >stl/ascii.stl <<'EOF'
+solid two of them
+facet normal 0 0 1
+ outer loop
+  vertex 0 0 0
+  vertex 1 0 0
+  vertex 1 1e0 0
+ endloop
+endfacet
+endsolid two of them
+SOLID
+Facet Normal nan nan nan Outer Loop vertex 0 0 0 vertex 1 1 0 vertex -0.0 1 0 EndLoop EndFacet
+EndSolid
+EOF
+head -c 120 stl/ascii.stl >stl/ascii_cut.stl
+
+# --- worlds
+for world in placed-turned:n=1 mixed:count=9 wall:n=2 placed-identity:n=1; do
+    name=$(echo $world | tr -d ':=-')
+    quiet "$raydiff" scene convert $world world/$name.json
+    quiet "$raydiff" scene convert $world gltf/$name.gltf || true
+    quiet "$raydiff" scene convert $world gltf/$name.glb || true
+done
+printf '{"raydiff_world":1,"meshes":[{"scene":"a.obj","geometries":[{"count":1,"opaque":false}]}],' >world/named.json
+printf '"instances":[{"mesh":null},{"mesh":0,"transform":[1,0,0,0,0,1,0,0,0,0,1,-0.0],"custom":16777215,' >>world/named.json
+printf '"mask":1,"flags":["flip_facing","cull_disable"]}],"filter":{"kind":"cells","seed":1,"share":7}}' >>world/named.json
+sed 's/a.obj/none.obj/' world/named.json >world/gone.json
+sed 's/"transform":.1,0,0/"transform":[0,0,0/' world/named.json >world/singular.json
+printf '{"raydiff_world":1,"meshes":[%s],"instances":[]}' "$(many '{"scene":""}' 900)" >world/many.json
+printf '{"raydiff_world":1,"meshes":[],"instances":[%s]}' "$(many '{"mesh":null}' 900)" >world/instances.json
+printf '{"raydiff_world":1,"meshes":[{"vertices":[%s],"indices":[]}],"instances":[]}' "$(many 0 3000)" >world/zeros.json
+printf '{"raydiff_world":1,"meshes":[{"vertices":[0,0,0],"indices":[%s]}],"instances":[]}' "$(many 0 3000)" >world/corners.json
+gltf() { # of a mesh, its accessors, what stands before "nodes"
+    printf '{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],%s"nodes":[{"children":[1],' "$3"
+    printf '"translation":[1,2,3],"rotation":[0,0,0.7071,0.7071],"scale":[1,2,-1]},{"mesh":0,"matrix":'
+    printf '[1,0,0,0,0,1,0,0,0,0,1,0,5,6,7,1]}],"meshes":[{"primitives":[%s]}],"accessors":[%s],' "$1" "$2"
+    printf '"bufferViews":[{"buffer":0,"byteLength":64,"byteStride":12},{"buffer":0,"byteLength":64}],'
+    printf '"buffers":[{"byteLength":64,"uri":"b"}]}'
+}
+points='{"bufferView":0,"componentType":5126,"count":5,"type":"VEC3"}'
+bytes='{"bufferView":1,"byteOffset":0,"componentType":5121,"count":2,"type":"SCALAR"}'
+gltf '{"attributes":{"POSITION":0},"mode":5}' "$points" '' >gltf/strip.gltf
+gltf '{"attributes":{"POSITION":0},"mode":6,"material":0}' "$points" \
+    '"materials":[{"alphaMode":"BLEND","doubleSided":true}],' >gltf/fan.gltf
+gltf '{"attributes":{"POSITION":0},"indices":1,"mode":5}' "$points,$bytes" '' >gltf/indices.gltf
+gltf '{"attributes":{"POSITION":0},"mode":0}' "$points" '"extensionsUsed":["A"],' >gltf/points.gltf
+gltf '{"attributes":{"POSITION":0},"mode":5}' "$points" '"extensionsRequired":["A"],' >gltf/required.gltf
+gltf '{"attributes":{"POSITION":0},"mode":5}' "$points" '"extras":{"raydiff":{"filter":{"kind":"none"}}},' >gltf/filter.gltf
+sed 's/"uri":"b"/"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"/;s/64/36/g;s/"count":5/"count":3/' \
+    gltf/strip.gltf >gltf/data.gltf
+sed 's/"children":.1./"children":[0]/' gltf/strip.gltf >gltf/circle.gltf
+gltf "$(many '{"attributes":{"POSITION":0},"mode":5}' 300)" "$points" '' >gltf/primitives.gltf
+printf '{"asset":{"version":"2.0"},"nodes":[%s]}' "$(many '{}' 4000)" >gltf/nodes.gltf
+printf '{"asset":{"version":"2.0"},"nodes":[%s]}' "$(many '{"scale":[2,2,2]}' 800)" >gltf/scales.gltf
+printf '{"asset":{"version":"2.0"},"nodes":[%s]}' "$(many '{"extras":{"raydiff":{}}}' 600)" >gltf/extras.gltf
+printf '{"asset":{"version":"2.0"},"meshes":[%s]}' "$(many '{"primitives":[]}' 900)" >gltf/meshes.gltf
+printf '{"asset":{"version":"2.0"},"buffers":[%s]}' "$(many '{"byteLength":0,"uri":""}' 600)" >gltf/buffers.gltf
+printf '{"unknown":[%s]}' "$(many '{}' 4000)" >gltf/braces.gltf
+{ printf "{\"a\":"; many "[" 600 | tr -d ,; } >gltf/deep.gltf
+
 # The most triangles a byte can make: every " 1" is one.
 {
     printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 '

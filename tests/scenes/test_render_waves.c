@@ -17,7 +17,7 @@
 #define MOST   4096 /* calls */
 
 /* One instance of the engine. */
-struct instance {
+struct wave_instance {
     void *cpu;
     enum query query; /* that it was prepared for last */
 };
@@ -51,7 +51,7 @@ static enum status counted_open(const struct engine_options *options, void **sel
     enum status status = may_fail(why);
     if (status)
         return status;
-    struct instance *made = alloc_zeroed(1, sizeof *made);
+    struct wave_instance *made = alloc_zeroed(1, sizeof *made);
     assert_non_null(made);
     assert_int_equal(engine_find("cpu")->open(options, &made->cpu, why), STATUS_OK);
     did.opened++;
@@ -61,7 +61,7 @@ static enum status counted_open(const struct engine_options *options, void **sel
 
 static enum status counted_prepare(void *self, const struct job *job, struct reason *why)
 {
-    struct instance *it = self;
+    struct wave_instance *it = self;
     it->query = job->query;
     enum status status = may_fail(why);
     return status ? status : engine_find("cpu")->prepare(it->cpu, job, why);
@@ -70,7 +70,7 @@ static enum status counted_prepare(void *self, const struct job *job, struct rea
 static enum status counted_trace(void *self, const struct ray *ray, size_t count, struct hit *hit,
                                  struct trace_report *report, struct reason *why)
 {
-    struct instance *it = self;
+    struct wave_instance *it = self;
     size_t call = did.traced;
     assert_true(call < MOST);
     enum status status = may_fail(why);
@@ -91,7 +91,7 @@ static enum status counted_trace(void *self, const struct ray *ray, size_t count
 
 static void counted_close(void *self)
 {
-    struct instance *it = self;
+    struct wave_instance *it = self;
     engine_find("cpu")->close(it->cpu);
     free(it);
     did.closed++;

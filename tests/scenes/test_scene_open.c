@@ -126,7 +126,7 @@ static void scene_open_reads_files_by_their_ending(void **state)
     put("a:b.obj", mesh);
     put("UPPER.OBJ", mesh);
     put("plain.obj.gz", mesh); /* not zipped, and read all the same */
-    put("mesh.stl", mesh);
+    put("mesh.off", mesh);
     put("soup", mesh);
     put("noscene.json", mesh);
     gzFile zipped = gzopen("zip.obj.gz", "wb");
@@ -138,12 +138,12 @@ static void scene_open_reads_files_by_their_ending(void **state)
     assert_true(digest("./UPPER.OBJ", 1, &count) == want);
     assert_true(digest("zip.obj.gz", 1, &count) == want);
     assert_true(digest("plain.obj.gz", 1, &count) == want);
-    expect_refused("mesh.stl", "mesh.stl: unknown ending");
+    expect_refused("mesh.off", "mesh.off: unknown ending");
     expect_refused("./soup", "./soup: unknown ending");
     expect_refused("noscene.json", "noscene.json:1:");
     digest("soup", 1, &count);
     assert_int_equal(count, 1000); /* the generator, not the file */
-    static const char *const made[] = {"a:b.obj", "UPPER.OBJ",  "plain.obj.gz", "mesh.stl",
+    static const char *const made[] = {"a:b.obj", "UPPER.OBJ",  "plain.obj.gz", "mesh.off",
                                        "soup",    "zip.obj.gz", "noscene.json"};
     for (size_t i = 0; i < ARRAY_COUNT(made); i++)
         assert_int_equal(unlink(made[i]), 0);

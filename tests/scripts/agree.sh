@@ -58,7 +58,7 @@ part published $generated --engine $slow --box rtrs --query closest,any,all --co
 tables='^(f32|rf16|-) |^layout  |times (the|its) speed|^what it means|^raydiff check: [0-9]+ s:|skipped:'
 [ "$code" -ne 0 ] || { grep -vE "$tables" "$out.tmp" >"$out.txt" && mv "$out.txt" "$out.tmp"; }
 mv "$out.tmp" "$out.txt"
-grep -hE 'bit for bit against cpu|answers WRONG|^  allowed:' "$out.txt" | sort | uniq -c
+grep -hE 'bit for bit against cpu|answers WRONG|^  right .*; allowed:' "$out.txt" | sort | uniq -c
 if [ "$code" -ne 0 ]; then
     grep -hE '^WRONG|^BITS|failed|vacuous' "$out.txt" | head -n 20
 fi

@@ -28,7 +28,7 @@ value_of() {
     color) value=always ;;
     engine | require) value=cpu ;;
     layout) value=f32 ;; builder) value=median ;; box) value=robust ;; tri) value=mt ;; store) value=compact ;;
-    query) value=any ;; rays) value=random ;; profile) value=rtrs ;; optimize) value=reinsert ;; handler) value=bvh ;;
+    query) value=any ;; modes) value=all ;; rays) value=random ;; profile) value=rtrs ;; optimize) value=reinsert ;; handler) value=bvh ;;
     show) value=t ;; form) value=text ;; plan) value=steps ;; parts) value=machine ;; size) value=8x8 ;;
     pixel) value=1,1 ;; shard) value=1/2 ;; show-range) value=0:1 ;; triangles) value=8-16 ;; driver) value=stock ;;
     ray) value='0,0,0 1,0,0' ;; cause) value=sentinel ;; scene) value=soup:n=9 ;; path) value=soup:n=9 ;;
@@ -118,6 +118,9 @@ walk 'check soup:n=40,seed=2 --count 64 --repeat 1 --engine cpu --rays primary' 
 walk 'check soup:n=40 --count 64 --repeat 1 --engine brute' \
     'engine=cpu tri=woop move=0.1 query=any rays=random count=70 seed=3 ~repeat=2 brute=300 brute-rays=3
     ~require=watertight json=@ ~threads=1 wide color=always'
+walk 'check crowd:n=6,seed=2 --count 64 --repeat 1 --engine cpu --layout f32 --rays primary' \
+    'layout=rf16 store=compact engine=cpu_stackless builder=sah_sweep leaf=1 optimize=reinsert box=watertight tri=woop query=any
+    rays=random modes=all count=70 ~repeat=2 brute=300 brute-rays=3 ~require=watertight json=@ ~threads=1 wide color=always'
 walk 'explain soup:n=40 --index 3 --engine cpu --builder ploc --layout f32' \
     'rays=random count=70 index=4 seed=3 engine=fast layout=rf16 store=compact builder=lbvh leaf=1 ~radius=1
     optimize=reinsert box=watertight tri=woop query=any json=@ html=@ svg=@ ~threads=1 ~wide ~color=always'

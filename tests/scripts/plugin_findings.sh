@@ -26,6 +26,9 @@ if plays min; then
     [ "$printed" = 'min found --layout ./liar.so' ] || bad "fuzz says to shrink by '$printed'"
     expect 2 "unknown layout 'liar' .one from outside: --layout FILE.so first." min found
     expect 2 "takes only FILE.so" min found --layout f32
+    # What is wrong with a shader is told of it, whichever is named first.
+    expect 2 '^raydiff check: --shader: no.glsl: No such file' check sphere --engine vulkan --shader no.glsl --layout ./mine.so
+    expect 2 '^raydiff check: --shader: no.glsl: No such file' check sphere --engine vulkan --layout ./mine.so --shader no.glsl
     expect 2 "no finding of found is on mine" min found --layout ./liar.so,./mine.so
     expect 2 "no finding of found is on mine" min found --layout ./mine.so --layout ./liar.so
     expect 2 "liar is named twice" min found --layout ./liar.so --layout ./liar.so
@@ -35,6 +38,13 @@ if plays min; then
     grep -q '^found: 1 findings, 1 of them smaller now' out || bad "min shrank nothing"
     expect 0 . min "$first" --layout ./liar.so --out small.trial
     grep -q '^  replay   raydiff replay small.trial --layout ./liar.so$' out || bad "min does not say how to replay"
+    expect 2 "unknown layout 'liar' .one from outside: --layout FILE.so first." merge --to merged found
+    expect 2 "takes only FILE.so" merge --to merged found --layout f32
+    expect 0 . merge --to merged found --layout ./liar.so
+    grep -q '  cpu.liar.tree.bound_too_small  smallest: ' out || bad "merge: the finding is not there"
+    expect 2 "unknown layout 'liar'" export "$first" --form text
+    expect 0 . export "$first" --form text --layout ./liar.so
+    grep -q '^# cpu.liar.tree.bound_too_small$' out || bad "export: not the finding"
     expect 1 . report --findings found --layout ./liar.so --parts check --out r.html --json r.json
     grep -q '"command": "raydiff replay found/cpu[^"]*/smallest.trial --layout ./liar.so"' r.json ||
         bad "report: how to replay: $(grep command r.json)"

@@ -109,6 +109,11 @@ done
 [ "$drawings" -ge 1 ] || bad "no finding has a picture"
 [ "$(grep -c '<svg [^>]*class="explained"' "$dir/f.html")" -eq "$drawings" ] || bad "$drawings findings have a picture"
 grep -q "\"figures\": $drawings[,}]*\$" "$dir/f.json" || bad "--json counts the findings' pictures"
+# Folders are given as often as files are.
+of_one=$(sed -n 's/.*"findings": \([0-9]*\).*/\1/p' "$dir/f.json")
+expect 1 . report --findings "$dir/found" --findings "$dir/found" --out "$dir/f2.html" --json "$dir/f2.json" --parts machine
+grep -q "\"findings\": $((2 * of_one))[,}]*\$" "$dir/f2.json" || bad "--findings given twice: not the findings of both"
+sound "$dir/f2.html"
 
 # A part that cannot run, fails or takes too long is in the page and in the exit code.
 expect 77 . report sphere:n=3 --count 200 --quick --engine rayquery --driver swiftshader --parts check --out "$dir/s.html"

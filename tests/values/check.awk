@@ -2,6 +2,13 @@
 # Every number of the text is computed anew from the numbers of the rows.
 function row_is(path) { return v["rows." path] }
 function rate(path) { return v["rows." path ".mrays_per_s.median"] }
+# Whether two rows' ranges lie apart by a larger factor than the wider spans.
+function told_apart(a, b,  lo_a, hi_a, lo_b, hi_b, wider) {
+    lo_a = v["rows." a ".mrays_per_s.min"]; hi_a = v["rows." a ".mrays_per_s.max"]
+    lo_b = v["rows." b ".mrays_per_s.min"]; hi_b = v["rows." b ".mrays_per_s.max"]
+    wider = hi_a / lo_a > hi_b / lo_b ? hi_a / lo_a : hi_b / lo_b
+    return wider > 1 && (lo_a / hi_b > wider || lo_b / hi_a > wider)
+}
 # The first row of the scene with that layout, engine, box and triangle test.
 function row_of(layout, engine, like,  r) {
     for (r = first; r < next_row; r++)
@@ -21,25 +28,34 @@ function listed(part, count, names, of,  k, n, full) {
 }
 BEGIN {
     kinds = split("right tie near_tie boundary border in_plane slab noise out_of_contract", kind, " ")
-    wrongs = split("missed phantom triangle distance barycentric not_finite not_repeatable any_disagrees twice order", of_wrong, " ")
+    wrongs = split("missed phantom triangle distance barycentric not_finite not_repeatable any_disagrees twice order masked culled opacity instance facing", of_wrong, " ")
+    statuses = split("refused skipped failed vacuous", status, " ")
     scene = -1
     next_row = 0
 }
-/^[^ ].*: [0-9]+ triangles, [0-9]+ vertices; [0-9]+ rays, set / {
+/^[^ ].*: ([0-9]+ instances?, )?[0-9]+ triangles?, [0-9]+ vert(ex|ices); [0-9]+ rays?, set / {
     scene++
     first = next_row
     p = "scenes." scene
     split($0, part, ": ")
     equal("scene", part[1], v[p ".scene"])
-    match($0, /: [0-9]+ triangles/)
-    split(substr($0, RSTART + 2), word, " ")
+    text = $0
+    if (sub(/: [0-9]+ instances?, /, ": ", text)) {
+        split(substr($0, length(part[1]) + 3), word, " ")
+        equal("instances", word[1] " " word[2], v[p ".instances"] (v[p ".instances"] == 1 ? " instance," : " instances,"))
+        match($0, /, modes [a-z]+,/)
+        equal("modes", substr($0, RSTART + 8, RLENGTH - 9), v[p ".modes"])
+    } else
+        truth("a scene has no instances", !((p ".instances") in v) && !((p ".modes") in v))
+    match(text, /: [0-9]+ triangle/)
+    split(substr(text, RSTART + 2), word, " ")
     equal("triangles", word[1], v[p ".triangles"])
     equal("vertices", word[3], v[p ".vertices"])
     equal("rays", word[5], v[p ".count"])
     next
 }
 /^tree: / {
-    match($0, /: [0-9]+ nodes, [0-9]+ leaves, depth [0-9]+, largest leaf [0-9]+/)
+    match($0, /: [0-9]+ nodes?, [0-9]+ lea(f|ves), depth [0-9]+, largest leaf [0-9]+/)
     split(substr($0, RSTART + 2), word, /[ ,]+/)
     r = first
     while (v["rows." r ".layout"] == "null") r++
@@ -49,7 +65,7 @@ BEGIN {
     equal("largest leaf", word[9], v["rows." r ".tree.largest_leaf"])
     next
 }
-/^(WRONG|BITS|  explain:|  \.\.\. and) ?/ && (rows || narrow) && !/^WRONG  *[^ ]+  *[^ ]+  *[0-9]/ { next }
+/^(WRONG|BITS|  explain:|  world:|  got:|  expected:|  cpu's:|  \.\.\. and) ?/ && (rows || narrow) && !/^WRONG  *[^ ]+  *[^ ]+  *[0-9]/ { next }
 /^layout  *engine / { rows = 1; next }
 /^verdict  *layout / {
     narrow = 1
@@ -64,6 +80,14 @@ BEGIN {
     next
 }
 /^what it means/ { rows = narrow = 0; next }
+/^  [a-z0-9_, ]+: traces? scenes, not worlds$/ {
+    text = $0
+    sub(/^  /, "", text)
+    sub(/: traces? scenes, not worlds$/, "", text)
+    equal("engines that trace no worlds", text, v["scenes." scene ".scenes_only"])
+    told_scenes_only[scene] = 1
+    next
+}
 # The table that fits the screen: columns by their titles; what is no column is the same for all, or "-" or "own".
 narrow && /^  / { next }
 narrow {
@@ -182,6 +206,7 @@ rows && NF >= 7 {
     sub(/.*\), /, "", text)
     sub(/ .*/, "", text)
     same("speed of " $1 " on " $3, text, "%.2f", rate(r) / rate(base))
+    equal("speed of " $1 " on " $3 " can be told from f32's", !/ its speed, within noise$/, told_apart(r, base))
     next
 }
 /^  cpu on [a-z0-9_]+: [0-9.]+ times the speed of / {
@@ -220,11 +245,14 @@ rows && NF >= 7 {
     for (k = 1; k <= count; k++) equal("of all WRONG", part[k], of_wrong[k] " " total[of_wrong[k]] + 0)
     next
 }
-/^  allowed: / {
+/^  right [0-9]+; allowed: / {
     text = $0
-    sub(/.*allowed: /, "", text)
+    sub(/^  /, "", text)
+    sub(/; allowed: none$/, "", text)
+    sub(/; allowed: /, ", ", text)
+    if (fits) sub(/^right 0(, |$)/, "", text)
     count = split(text, part, ", ")
-    if (fits) count = listed(part, / none$/ ? 0 : count, kind, kinds)
+    if (fits) count = listed(part, count, kind, kinds)
     equal("verdicts", count, kinds)
     for (k = 1; k <= count; k++) equal("of all allowed", part[k], kind[k] " " total[kind[k]] + 0)
     next
@@ -249,8 +277,8 @@ rows && NF >= 7 {
     concluded++
     for (r = 0; r < next_row; r++) {
         p = "rows." r
+        ended[v[p ".status"]]++
         if (v[p ".status"] != "ok") continue
-        ran++
         if (v[p ".judged"] != "true") { published++; continue }
         good = v[p ".differences"] == 0
         agreeing += good
@@ -260,21 +288,27 @@ rows && NF >= 7 {
             b = "rows." base
             if (base != r && v[b ".scene"] == v[p ".scene"] && v[b ".layout"] == "f32" && v[b ".engine"] == v[p ".engine"] && v[p ".layout"] != "null" &&
                 v[b ".store"] == "indexed" && v[b ".judged"] == "true" && v[b ".differences"] == 0 && v[b ".box"] == v[p ".box"] && v[b ".tri"] == v[p ".tri"] &&
-                v[b ".query"] == v[p ".query"] && v[b ".builder"] == v[p ".builder"] && rate(r) / rate(base) > best) {
+                v[b ".query"] == v[p ".query"] && v[b ".builder"] == v[p ".builder"]) {
+                beside = 1
+                if (!told_apart(r, base) || rate(r) / rate(base) <= best) continue
                 best = rate(r) / rate(base)
                 winner = v[p ".layout"] (v[p ".store"] == "indexed" ? "" : ":" v[p ".store"]) " on " v[p ".engine"]
             }
         }
     }
-    text = "conclusion: " agreeing + 0 " of " ran - published " rows agree"
+    text = "conclusion: " agreeing + 0 " of " next_row - published " rows agree"
     if (published) text = text ", " published " as published counted"
-    text = text ", " wrong_of_all + 0 " of " of_all + 0 " answers WRONG"
+    for (k = 1; k <= statuses; k++) if (ended[status[k]]) text = text ", " ended[status[k]] " " status[k]
+    if (of_all) text = text ", " wrong_of_all " of " of_all " answers WRONG"
     if (best) text = text "; " winner " has " sprintf("%.2f", best) " times f32's speed"
+    else if (beside) text = text "; speeds cannot be told apart"
     equal("conclusion", $0, text)
     next
 }
 END {
     if (concluded != 1) bad(concluded + 0 " conclusions")
+    for (i = 0; i < v["scenes.count"]; i++)
+        equal("engines that trace no worlds are told", told_scenes_only[i] + 0, v["scenes." i ".scenes_only"] != "")
     if (scene + 1 != v["scenes.count"]) bad(scene + 1 " scenes, in JSON " v["scenes.count"])
     if (next_row != v["rows.count"]) bad(next_row " rows, in JSON " v["rows.count"])
     for (i = 0; i < v["named.count"]; i++) {

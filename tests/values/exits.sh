@@ -131,6 +131,11 @@ findings() {
     ends 1 replay fuzz/corpus/bad-rays.trial "$trial" # one of two
     ends 1 replay "$trial" fuzz/corpus/bad-rays.trial
     ends 0 replay fuzz/corpus/bad-rays.trial --engine cpu
+    # A named engine without a layout stands in for one that has lost the ray by its layout.
+    ends 0 replay fuzz/corpus/rounded-inward.trial --engine embree --brief
+    grep -q ': does not fail$' "$dir/text" || bad 'replay: not told that Embree finds the triangle'
+    ends 1 replay fuzz/corpus/rounded-inward.trial --engine "$blind"
+    grep -q ' <- expected$' "$dir/text" || bad 'replay: a miss of a tracer is not what is expected'
     ends 2 replay "$gone"
     ends 2 replay "$dir/zeros.trial"
     ends 2 replay "$trial" "$gone"

@@ -11,7 +11,7 @@ both() { # least, command, its arguments
     shift
     compare "$1" "$least_of" "$@" --wide
     run "$@" --json "$dir/json" || return
-    grep -vE '^(WRONG|BITS|MISS|DOUBLE|  explain:|  \.\.\. and)|^[^ ].*: [0-9]+ triangles,' "$dir/text" | grep -E '.{81}' && bad "$ran: a line is longer than 80 columns"
+    grep -vE '^(WRONG|BITS|MISS|DOUBLE|  explain:|  \.\.\. and)|^[^ ].*: ([0-9]+ instances?, )?[0-9]+ triangles,' "$dir/text" | grep -E '.{81}' && bad "$ran: a line is longer than 80 columns"
     # Broken lines made whole.
     awk '/^    / { sub(/^ */, " "); line = line $0; next } NR > 1 { print line } { line = $0 } END { print line }' "$dir/text" >"$dir/whole"
     awk -f tests/values/flat.awk "$dir/json" >"$dir/flat"
@@ -21,6 +21,12 @@ both() { # least, command, its arguments
 small='--count 1000 --repeat 3 --threads 1'
 both 250 check sphere:n=8 soup:n=300 --layout f32,rf16,half4 --engine cpu,fast $small
 both 100 check soup:n=200 --layout f32,rf16 --engine all --query any $small
+# A layout so slow that it is told from f32 on any machine.
+sed 's/"mine"/"slow"/; s/    const uint32_t \*word = packed->word + (size_t)WORDS \* ref;/&\n    for (volatile int i = 0; i < 3000; i++) continue;/' \
+    fuzz/samples/layout/mine.c >"$dir/slow.c"
+cc -std=c17 -O2 -ffp-contract=off -shared -fPIC -I. -o "$dir/slow.so" "$dir/slow.c" || bad 'a layout is not compiled'
+both 60 check sphere:n=4 --layout "f32,$dir/slow.so" --engine cpu --count 300 --repeat 3 --threads 1
+grep -q "; slow on cpu has 0.0[0-9] times f32's speed\$" "$dir/whole" || bad "$ran: a layout that is far slower is not named"
 # Wrong answers of each kind that members as published give.
 both 60 check soup:n=400,size=0.5 --layout rtrs_rf,rtrs_direct --engine cpu --box rtrs --tri mt_rtrs $small
 # A formula that is unknown and wrong for small triangles; lists.
@@ -37,6 +43,11 @@ sed 's/q.rays, 1, 0, 0, 0}/q.rays, 0, 0, 0, 0}/' fuzz/samples/sample_tracer.c >"
 cc -O1 -o "$dir/unknown" "$dir/unknown.c" || bad 'a tracer is not compiled'
 both 40 check soup:n=100 --engine "cpu,pipe:$dir/unknown" --layout f32 --count 2000 --repeat 1
 both 30 check soup:n=100 --engine cpu --layout f32 --query all --count 200 --repeat 1
+# Worlds; engines that trace none are told, not played.
+both 100 check crowd:n=12 sphere:n=4 mixed:count=20 --layout f32,rf16 --engine cpu,brute $small
+both 60 check mixed:count=20 --layout f32 --engine cpu,brute --query closest,any,all --count 200 --repeat 1
+run check placed-mirrored:count=3 --layout f32 --count 200 --repeat 1 --json "$dir/json" && awk -f tests/values/flat.awk "$dir/json" >"$dir/flat" &&
+    grep -q '^scenes.0.scenes_only=.*fast' "$dir/flat" && ! grep -q '^rows.*engine=fast' "$dir/flat" || bad "$ran: engine fast"
 both 200 leaks sphere:n=8 --engine cpu,fast --layout f32,rf16 --count 4000 --threads 1
 all_seen check leaks
 echo "values: $failed failed"

@@ -35,6 +35,9 @@ named=$(grep -c '^engine [a-z]* answered [0-9]* of [0-9]*' "$dir/text")
 [ "$judged" -eq "$verdicts" ] || bad "$judged rays judged, $verdicts verdicts"
 [ "$judged" -eq $((rays * (passed + wrong))) ] || bad "$judged rays judged in $((passed + wrong)) trials of $rays"
 [ "$(grep -c '^FAILED  ' "$dir/text")" -eq "$wrong" ] || bad "not a line for each of $wrong failed"
+few=$(grep -c '^FAILED  .*: vacuous: ' "$dir/text")
+[ "$few" -gt 0 ] && grep -qE "^$few trials? failed for want of hits alone: --count is too small\$" "$dir/text" ||
+    bad "it is not told that $few trials had too few rays"
 for engine in cpu fast; do
     line=$(grep "^engine $engine answered " "$dir/text" | sed 's/[,:].*//')
     of=$(grep -o 'name="[^"]*"' "$dir/xml" | grep -v answered | grep -c "^name=\"[a-z]*\.$engine\.")
@@ -68,6 +71,18 @@ for told in 'cornell edges' 'sphere mixed' 'terrain corners'; do
         }' >"$dir/line"
     grep -qF ": $(cat "$dir/line")" "$dir/one" || { bad "conform $told: not as check tells: $(cat "$dir/line")"; head -n 2 "$dir/one"; }
 done
+
+# The least that the help names is enough.
+least=$("$raydiff" conform --help | tr -s ' \n' ' ' | sed 's/.*rays per trial; below \([0-9]*\) some.*/\1/')
+ends 0 --engine cpu --count "$least"
+
+# What members as published get wrong is counted beside what is judged.
+told='closest.cpu.rtrs_rf.median.rtrs.mt_rtrs.*.1'
+"$raydiff" conform "$told" --count 100 --verbose >"$dir/out" 2>&1
+[ $? -eq 0 ] || bad "conform $told: members as published fail"
+counted=$(sed -nE 's/.* wrong ([0-9]+) \(as published, counted\).*/\1/p' "$dir/out" | awk '{ sum += $1 } END { print sum + 0 }')
+[ "$counted" -gt 0 ] && grep -q "^[0-9]* rays judged: .* wrong 0; as published, counted: $counted\$" "$dir/out" ||
+    bad "conform: $counted answers of members as published are not told apart"
 
 # Pairs: fields 1 to 8 of a name are members of as many tables; '-' is none.
 pairs=$(awk '

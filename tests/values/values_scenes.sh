@@ -43,6 +43,13 @@ play_info() {
         run scene info "$scene" --json && cp "$dir/text" "$dir/json" && run scene info "$scene" &&
             values scene_info 30 "$dir/other.flat" "$dir/x.obj" "$dir/text"
     done
+    for world in mixed:count=200 placed-mirrored:count=9 placed-thin placed-identity wall:n=3 crowd:n=30; do
+        run scene convert "$world" "$dir/x.json" && converts=$(sed 's/^.*: //' "$dir/text")
+        awk -f tests/values/flat.awk "$dir/x.json" >"$dir/other.flat"
+        run scene info "$world" --json && cp "$dir/text" "$dir/json" && run scene info "$world" && values world_info 20 "$dir/other.flat" "$dir/text"
+        [ "$converts" = "$(awk -F '[.=]' '{ v[$3] = $4 }
+            END { print v["meshes"] " mesh" (v["meshes"] == 1 ? "" : "es") ", " v["instances"] " instances, " v["placed_triangles"] " placed triangles" }' "$dir/flat")" ] || bad "$world: convert tells $converts"
+    done
     # Several scenes, in their order.
     run scene info rtrs sphere:n=3 --json && cp "$dir/text" "$dir/json" && awk -f tests/values/flat.awk "$dir/json" >"$dir/flat"
     [ "$(sed -n 's/^scenes.[01].triangles=//p' "$dir/flat" | tr '\n' ' ')" = '40 72 ' ] || bad 'scene info of two scenes'
@@ -119,7 +126,7 @@ play_list() {
 for part in ${*:-info list construct precompute gen}; do
     "play_$part"
     case $part in
-    info) all_seen scene_info ;;
+    info) all_seen scene_info && all_seen world_info ;;
     construct) all_seen construct ;;
     esac
 done

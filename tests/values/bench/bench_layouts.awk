@@ -87,7 +87,7 @@ $8 == "of" && NF == 14 {
     if (v[p ".layout"] == "-")
         equal(name "no bytes", $10 $11, "--")
     else {
-        same(name "B/tri", $10, "%.1f", v[p ".node_bytes"] / tris)
+        same(name "nodeB", $10, "%.1f", v[p ".node_bytes"] / tris)
         same(name "+items", $11, "%.1f", (v[p ".node_bytes"] + v[p ".item_bytes"]) / tris)
     }
     same(name "mem/tri", $12, "%.1f", v[p ".memory_bytes"] / tris)

@@ -16,7 +16,7 @@ function verdict(judged, wrong) { word("verdict", judged == "false" ? "counted" 
 function row_of_layouts() {
     verdict("true", v[p ".differences"])
     word("wrong", v[p ".differences"])
-    bytes("B/tri", v[p ".node_bytes"])
+    bytes("nodeB", v[p ".node_bytes"])
     bytes("+items", v[p ".node_bytes"] + v[p ".item_bytes"])
     number("mem/tri", "%.1f", v[p ".memory_bytes"] / v[p ".triangles"])
     word("of", v[p ".base_engine"] == v[p ".engine"] && v[p ".base_layout"] != "-" ? v[p ".base_layout"] : v[p ".base_engine"])

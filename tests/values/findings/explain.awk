@@ -114,7 +114,7 @@ FNR == 1 { equal("scene", $0, "scene     " v["subject.scene"] ": " triangles " t
 }
 /^verdict   / {
     wrong_one = v["judgement.verdict"] == "wrong"
-    text = wrong_one ? "WRONG: " v["judgement.wrong"] : "allowed: " v["judgement.verdict"]
+    text = wrong_one ? "WRONG: " v["judgement.wrong"] : (v["judgement.verdict"] == "right" ? "" : "allowed: ") v["judgement.verdict"]
     if (wrong_one && v["judgement.expected"] != "null") text = text ", triangle " v["judgement.expected"] " was to be found"
     if (v["judgement.lost"] != "null") text = text ", or at the least triangle " v["judgement.lost"] " behind it"
     if (v["judgement.over"] > 0) text = text sprintf(", error of t %.3g of its bound", v["judgement.over"])
@@ -198,7 +198,7 @@ on_node && /^  [xyz]  / {
     next
 }
 # A repair that changes something; those of the JSON in their order.
-told && /^  [a-z0-9_]+ +[^ ].*: (allowed|wrong), / {
+told && /^  [a-z0-9_]+ +[^ ].*: ((allowed|wrong), [^:]*|right)$/ {
     while (tried < v["tried.count"] && v["tried." tried ".changed"] == "false") tried++
     q = "tried." tried++
     changed++
@@ -206,8 +206,8 @@ told && /^  [a-z0-9_]+ +[^ ].*: (allowed|wrong), / {
     at = index($0, v[q ".repair"] ": ")
     truth("repair " v[q ".repair"] " in: " $0, at)
     text = substr($0, at + length(v[q ".repair"]) + 2)
-    at = match(text, /: (allowed|wrong), [^:]*$/)
-    equal("opinion of a repair", substr(text, at), ": " (v[q ".allowed"] == "true" ? "allowed, " : "wrong, ") v[q ".verdict"])
+    at = match(text, /: ((allowed|wrong), [^:]*|right)$/)
+    equal("opinion of a repair", substr(text, at), ": " (v[q ".allowed"] == "true" ? (v[q ".verdict"] == "right" ? "" : "allowed, ") : "wrong, ") v[q ".verdict"])
     if (v[q ".finished"] == "true") hit_is("answer of a repair", substr(text, 1, at - 1), q ".answer")
     else equal("answer of a repair", substr(text, 1, at - 1), "not finished")
     next

@@ -86,7 +86,7 @@ FNR == 1 && !begun {
 /^(contestant|          ) .* answered [0-9]+ trials, refused / {
     p = "contestants." who++
     wanted = v[p ".name"] " answered " v[p ".answered"] " trials, refused " v[p ".refused"]
-    if (v[p ".refused_in_this_run"] > 0) wanted = wanted ", of this run " v[p ".refused_in_this_run"] " for its layout"
+    if (v[p ".refused_in_this_run"] > 0) wanted = wanted "; its layout refused " v[p ".refused_in_this_run"] " of this run"
     if (v[p ".vacuous"] != "null") wanted = wanted "; vacuous: " v[p ".vacuous"]
     equal("contestant", substr($0, 12), wanted)
     truth("right hits", v[p ".with_a_right_hit"] <= v[p ".answered"] + 0)

@@ -1,0 +1,132 @@
+/* What raydiff check is run on: a scene or a world, opened, and rays into it. */
+#include "cmd/check/cmd_check.h"
+
+#include "ref/base/text.h"
+#include "ref/store.h"
+#include "ref/world/bake.h"
+#include "ref/world/world_boxes.h"
+#include "scenes/move.h"
+#include "scenes/opening.h"
+#include "scenes/rays/ray_modes.h"
+#include "scenes/rays/rays.h"
+#include "scenes/worlds.h"
+
+#include <stdlib.h>
+
+/* Triangles of the scene that rays into a world are aimed at. */
+#define AIMED_MOST (1u << 20)
+
+/* Opens the text as a world; a plain one is a scene and loses nothing. */
+static enum status open_either(const struct check_options *o, const char *spec,
+                               struct check_subject *out, struct reason *reason)
+{
+    enum status status = world_open(spec, o->seed, &out->world, reason);
+    if (status)
+        return status;
+    out->is_world = !world_is_plain(&out->world);
+    if (out->is_world)
+        return STATUS_OK;
+    status = world_take_scene(spec, &out->world, &out->scene, reason);
+    if (status == STATUS_OK && o->move > 0) {
+        status = scene_open(spec, o->seed, &out->rest, reason);
+        scene_move(&out->scene, o->move, o->seed);
+    }
+    return status;
+}
+
+static enum status check_use_of(const struct check_options *o, const char *spec, bool is_world,
+                                struct reason *reason)
+{
+    if (!is_world && o->modes_named)
+        return fail(reason, STATUS_INPUT,
+                    "--modes: %s is a scene; only worlds have masks and flags (docs/worlds.md)",
+                    spec);
+    if (is_world && o->move > 0)
+        return fail(reason, STATUS_INPUT, "--move: %s is a world; only scenes are moved", spec);
+    if (is_world && o->bvh)
+        return fail(reason, STATUS_INPUT, "--bvh: %s is a world; a tree file is of a scene", spec);
+    for (size_t i = 0; i < o->store.count && is_world; i++)
+        if (tri_stores[o->store.index[i]]->head)
+            return fail(reason, STATUS_INPUT, "--store %s: %s is a world; only scenes are decoded",
+                        tri_stores[o->store.index[i]]->name, spec);
+    return STATUS_OK;
+}
+
+static enum status aim(const struct check_options *o, struct check_scene *result,
+                       struct check_subject *out, struct reason *reason)
+{
+    struct scene baked;
+    struct reason why = {""};
+    enum status status = world_bake(&out->world, AIMED_MOST, &baked, &why);
+    if (status)
+        return fail(reason, status, "%s: %s", result->spec, why.text);
+    status = ray_set_new(ray_sets[o->rays], &baked, o->seed, result->ray_count, &out->ray, reason);
+    scene_free(&baked);
+    out->mode = alloc_zeroed(result->ray_count, sizeof *out->mode);
+    if (status == STATUS_OK && !out->mode)
+        status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", result->ray_count);
+    if (status == STATUS_OK)
+        ray_modes_make((enum ray_modes)o->modes, o->seed, result->ray_count, out->mode);
+    return status;
+}
+
+/* Vertices of all instances, or the most that the member holds. */
+static uint32_t placed_vertices(const struct world *world)
+{
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < world->instance_count; i++)
+        count += world_scene(world, i) ? world_scene(world, i)->vertex_count : 0;
+    return count < UINT32_MAX ? (uint32_t)count : UINT32_MAX;
+}
+
+/* False if no ray can hit anything. */
+static bool is_active(const struct world *world)
+{
+    bool active = false;
+    for (uint32_t i = 0; i < world->instance_count && !active; i++)
+        active = world_is_active(world, i);
+    return active;
+}
+
+static void note_engines(const struct check_options *o, struct check_scene *result)
+{
+    for (size_t e = 0; e < o->engine.count; e++) {
+        const struct engine *engine = engines[o->engine.index[e]];
+        if (!engine->worlds)
+            text_append(result->scenes_only, sizeof result->scenes_only, "%s%s",
+                        result->scenes_only[0] ? ", " : "", engine->name);
+    }
+}
+
+enum status check_open(const struct check_options *options, const char *spec,
+                       struct check_scene *result, struct check_subject *out, struct reason *reason)
+{
+    *out = (struct check_subject){0};
+    enum status status = open_either(options, spec, out, reason);
+    if (status == STATUS_OK)
+        status = check_use_of(options, spec, out->is_world, reason);
+    if (status)
+        return status;
+    if (!out->is_world) {
+        result->tri_count = out->scene.tri_count;
+        result->vertex_count = out->scene.vertex_count;
+        return ray_set_new(ray_sets[options->rays], &out->scene, options->seed, result->ray_count,
+                           &out->ray, reason);
+    }
+    result->tri_count = world_tri_count(&out->world);
+    result->vertex_count = placed_vertices(&out->world);
+    result->instance_count = out->world.instance_count;
+    result->modes = ray_modes_name((enum ray_modes)options->modes);
+    result->vacuous = !is_active(&out->world);
+    note_engines(options, result);
+    return result->vacuous ? STATUS_OK : aim(options, result, out, reason);
+}
+
+void check_close(struct check_subject *subject)
+{
+    scene_free(&subject->scene);
+    scene_free(&subject->rest);
+    world_free(&subject->world);
+    free(subject->ray);
+    free(subject->mode);
+}

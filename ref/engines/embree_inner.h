@@ -1,0 +1,65 @@
+/* What the files of Embree's engines share: for embree_device.c and embree_worlds.c only. The one
+ * header of the library that includes Embree's. */
+#ifndef EMBREE_INNER_H
+#define EMBREE_INNER_H
+
+#include "ref/engines/embree_device.h"
+
+#if HAVE_EMBREE == 4
+#include <embree4/rtcore.h>
+typedef struct RTCRayQueryContext embree_context;
+#else
+#include <embree3/rtcore.h>
+typedef struct RTCIntersectContext embree_context;
+#endif
+
+#include <stdatomic.h>
+
+struct embree_world; /* embree_worlds.c */
+
+struct embree {
+    RTCDevice device;
+    RTCScene scene;             /* of the last prepare; else NULL */
+    struct embree_world *world; /* of the last prepare_world; else NULL */
+    enum embree_mode mode;
+    bool compact;
+    bool unguarded;
+    bool masks; /* the library was built with masks of rays */
+    unsigned threads;
+    enum query query;
+    atomic_llong bytes; /* currently allocated by Embree */
+};
+
+/* Rays whose origin or direction reaches this are out of contract: Embree asserts from 1.844e18
+ * on. */
+#define EMBREE_MOST 1e18f
+
+/* Takes the device's error. Returns STATUS_OK if there is none. */
+enum status embree_error(struct embree *embree, const char *doing, struct reason *reason) MUST_USE;
+
+/* Makes an empty scene with the mode's flags; the caller releases it. */
+RTCScene embree_scene(const struct embree *embree);
+
+/* Builds a scene and leaves this thread's handling of subnormals as it was. Errors: as
+ * embree_error. */
+enum status embree_commit(struct embree *embree, RTCScene scene, struct reason *reason) MUST_USE;
+
+/* True if Embree survives the ray in a scene, or need not. */
+bool embree_takes(const struct embree *embree, const struct ray *ray);
+
+/* The ray as Embree reads it, with no hit yet. */
+struct RTCRayHit embree_query(const struct ray *ray);
+
+/* Traces one ray with the caller's context. */
+void embree_intersect(RTCScene scene, embree_context *context, struct RTCRayHit *query);
+
+/* Whether anything blocks the ray. */
+bool embree_occluded(RTCScene scene, embree_context *context, struct RTCRay *ray);
+
+/* Frees what prepare and prepare_world made. */
+void embree_drop(struct embree *embree);
+
+/* Frees the world of an engine; NULL is fine. */
+void embree_world_free(struct embree_world *world);
+
+#endif

@@ -1,0 +1,386 @@
+/* Worlds in Embree: a scene for each mesh with a geometry for each of its own, and a scene of
+ * instances over them. Instances and geometries keep their numbers. What a ray may meet is decided
+ * by Embree's masks and by a filter function of every geometry, which Embree calls with the ray in
+ * the space of the mesh. */
+#include "ref/engines/embree_device.h"
+
+#if HAVE_EMBREE
+
+#include "ref/engines/embree_inner.h"
+#include "ref/world/world_boxes.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Embree aborts on rays in the space of a mesh as it does on rays of the world. Instances that
+ * lengthen rays about as much are one class. Embree's masks have 32 bits, those of worlds 8, so
+ * each class has 8 bits of its own, and a ray that a class may not be given has none of them. */
+#define CLASSES 4u
+
+static const double class_most[CLASSES] = {0x1p8, 0x1p20, 0x1p32, INFINITY};
+
+struct embree_class {
+    double growth; /* rays get at most so many times as long; 0: no instance */
+    double far;    /* largest coordinate of a translation */
+};
+
+struct embree_world {
+    const struct world *world; /* borrowed; not read when it is freed */
+    RTCScene top;
+    RTCScene *mesh; /* mesh_count of them; NULL: no triangles */
+    uint32_t mesh_count;
+    struct embree_class class[CLASSES];
+};
+
+void embree_world_free(struct embree_world *world)
+{
+    if (!world)
+        return;
+    if (world->top)
+        rtcReleaseScene(world->top);
+    for (uint32_t i = 0; i < world->mesh_count && world->mesh; i++)
+        if (world->mesh[i])
+            rtcReleaseScene(world->mesh[i]);
+    free(world->mesh);
+    free(world);
+}
+
+/* --- rays that Embree survives ---------------------------------------------------------------- */
+
+/* Embree's inverse is the adjoint times the reciprocal of the determinant, in float32. Five
+ * roundings in a row and flushed subnormals change the determinant by at most DET_ERROR of the sum
+ * of its terms' sizes and DET_LOST of the largest number and 1. */
+#define DET_ERROR 0x1.5p-22
+#define DET_LOST  0x1p-120
+#define DET_MOST  0x1p120
+
+/* The largest row sum that Embree's inverse of M can have; 0 if it may be infinite or NaN. */
+static double growth_of(const float m[3][4])
+{
+    double det = 0.0, size = 0.0, largest = 1.0, most = 0.0;
+    for (int i = 0; i < 3; i++) {
+        double sum = 0.0;
+        const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+        for (int j = 0; j < 3; j++) {
+            const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+            double a = (double)m[j1][i1] * (double)m[j2][i2];
+            double b = (double)m[j1][i2] * (double)m[j2][i1];
+            sum += fabs(a) + fabs(b);
+            largest = fmax(largest, fabs((double)m[j][i]));
+            if (i == 0) {
+                det += (double)m[j][0] * (a - b);
+                size += fabs((double)m[j][0]) * (fabs(a) + fabs(b));
+            }
+        }
+        most = fmax(most, sum);
+    }
+    double least = fabs(det) - DET_ERROR * size - DET_LOST * largest;
+    if (!(least > 0.0 && size < DET_MOST && most < DET_MOST))
+        return 0.0;
+    return 1.0625 * most / least;
+}
+
+/* The class of an instance, to which it is added; CLASSES if Embree may abort on every ray. */
+static uint32_t add_to_class(struct embree_world *world, const struct instance *instance)
+{
+    double growth = growth_of(instance->m), far = 0.0;
+    uint32_t at = 0;
+    if (growth == 0.0)
+        return CLASSES;
+    while (growth > class_most[at])
+        at++;
+    for (int k = 0; k < 3; k++)
+        far = fmax(far, fabs((double)instance->m[k][3]));
+    world->class[at].growth = fmax(world->class[at].growth, growth);
+    world->class[at].far = fmax(world->class[at].far, far);
+    return at;
+}
+
+static double largest_of(const float v[3])
+{
+    return fmax(fabs((double)v[0]), fmax(fabs((double)v[1]), fabs((double)v[2])));
+}
+
+/* Embree's mask for a ray; 0 if it meets nothing or is not given to Embree. */
+static uint32_t mask_for(const struct embree *embree, const struct ray *ray, struct ray_mode mode)
+{
+    uint32_t mask = 0, unsafe = 0;
+    if (!embree_takes(embree, ray) || (mode.flags & ABI_RAY_SKIP_TRIANGLES))
+        return 0;
+    const double org = largest_of(ray->org), dir = largest_of(ray->dir);
+    for (uint32_t i = 0; i < CLASSES; i++) {
+        const struct embree_class *class = &embree->world->class[i];
+        bool safe = class->growth * (org + class->far) < (double)EMBREE_MOST &&
+                    class->growth * dir < (double)EMBREE_MOST;
+        unsafe += !safe && !embree->unguarded;
+        if (safe || embree->unguarded)
+            mask |= mode.mask << 8 * i;
+    }
+    return !embree->masks && unsafe ? 0 : mask;
+}
+
+/* --- what counts ------------------------------------------------------------------------------ */
+
+/* One ray: the context that Embree passes to the filter. */
+struct embree_walk {
+    embree_context context; /* first: Embree passes its address */
+    const struct embree *embree;
+    struct ray_mode mode;
+    bool lists;
+    struct hit *hit;
+    uint32_t *tag;
+    uint32_t capacity, found;
+};
+
+/* Where Embree's numbers are. Returns false if there is no such triangle. */
+static bool place_of(const struct world *world, const struct RTCHit *hit, struct place *out)
+{
+    *out = (struct place){.instance = hit->instID[0], .geometry = hit->geomID, .tri = hit->primID};
+    if (out->instance >= world->instance_count || !world_scene(world, out->instance))
+        return false;
+    out->mesh = world->instance[out->instance].mesh;
+    const struct world_mesh *mesh = &world->mesh[out->mesh];
+    if (out->geometry >= mesh->geometry_count || out->tri >= mesh->geometry[out->geometry].count)
+        return false;
+    out->prim = mesh->geometry[out->geometry].first + out->tri;
+    return true;
+}
+
+/* True if the front is seen: Ng is (v1 - v0) x (v2 - v0), and the direction that of the space of
+ * the mesh. */
+static bool sees_front(const struct instance *instance, const struct RTCRay *ray,
+                       const struct RTCHit *hit)
+{
+    double side = (double)ray->dir_x * (double)hit->Ng_x + (double)ray->dir_y * (double)hit->Ng_y +
+                  (double)ray->dir_z * (double)hit->Ng_z;
+    return world_is_front(instance, side < 0.0 ? -1 : 1);
+}
+
+#define PHANTOM 0xFFFFFFFEu /* a triangle that no world has */
+
+/* The hit in our terms. The filter left which side is seen in Ng_x. */
+static void take_hit(const struct world *world, const struct RTCHit *from, float t, struct hit *hit,
+                     uint32_t *tag)
+{
+    struct place place;
+    *hit = (struct hit){t, from->u, from->v, PHANTOM};
+    *tag = 0;
+    if (!place_of(world, from, &place))
+        return;
+    hit->prim = world->first[place.instance] + place.prim;
+    *tag = world->instance[place.instance].custom | (from->Ng_x > 0.0f ? ABI_TAG_FRONT : 0);
+}
+
+/* Decides about one candidate. Rays are traced one by one: only a group of one has the layout of
+ * the single structs. Numbers that the world does not have are accepted, so that they are seen. */
+static void filter_candidate(const struct RTCFilterFunctionNArguments *args)
+{
+    struct embree_walk *walk = (struct embree_walk *)args->context;
+    const struct world *world = walk->embree->world->world;
+    const struct RTCRay *ray = (const struct RTCRay *)args->ray;
+    struct RTCHit *hit = (struct RTCHit *)args->hit;
+    struct place place;
+    if (args->N != 1 || args->valid[0] != -1)
+        return;
+    if (place_of(world, hit, &place)) {
+        const struct instance *instance = &world->instance[place.instance];
+        bool stated = world->mesh[place.mesh].geometry[place.geometry].opaque;
+        bool opaque = world_is_opaque(instance, stated, walk->mode);
+        bool front = sees_front(instance, ray, hit);
+        if ((!walk->embree->masks && !world_meets(instance, walk->mode)) ||
+            world_culls(instance, opaque, front, walk->mode) ||
+            (!opaque && !filter_passes(&world->filter, &place, hit->u, hit->v))) {
+            args->valid[0] = 0;
+            return;
+        }
+        hit->Ng_x = front ? 1.0f : -1.0f;
+    }
+    if (!walk->lists)
+        return;
+    if (walk->found < walk->capacity)
+        take_hit(world, hit, ray->tfar, &walk->hit[walk->found], &walk->tag[walk->found]);
+    walk->found++;
+    args->valid[0] = 0; /* the ray keeps its length */
+}
+
+/* --- building --------------------------------------------------------------------------------- */
+
+/* A copy of the numbers in a buffer of Embree's; NULL without memory. Embree may read 16 bytes
+ * where the last vertex is. */
+static RTCBuffer copy_of(const struct embree *embree, const void *data, size_t bytes)
+{
+    RTCBuffer buffer = rtcNewBuffer(embree->device, bytes + 16);
+    void *to = buffer ? rtcGetBufferData(buffer) : NULL;
+    if (to)
+        memcpy(to, data, bytes);
+    return to ? buffer : NULL;
+}
+
+static void add_geometry(const struct embree *embree, RTCScene to, const struct scene *scene,
+                         const struct geometry *geometry, uint32_t number, RTCBuffer vertices,
+                         RTCBuffer indices)
+{
+    RTCGeometry mesh = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices, 0,
+                         3 * sizeof(float), scene->vertex_count);
+    rtcSetGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices,
+                         3 * sizeof(unsigned) * (size_t)geometry->first, 3 * sizeof(unsigned),
+                         geometry->count);
+    rtcSetGeometryMask(mesh, 0xFFFFFFFFu); /* masks of rays apply to it, too */
+    rtcSetGeometryIntersectFilterFunction(mesh, filter_candidate);
+    rtcSetGeometryOccludedFilterFunction(mesh, filter_candidate);
+    rtcCommitGeometry(mesh);
+    rtcAttachGeometryByID(to, mesh, number);
+    rtcReleaseGeometry(mesh);
+}
+
+static enum status build_mesh(struct embree *embree, const struct world_mesh *mesh, RTCScene *out,
+                              struct reason *reason)
+{
+    const struct scene *scene = mesh->scene;
+    if (scene->tri_count == 0)
+        return STATUS_OK;
+    RTCBuffer vertices = copy_of(embree, scene->vertex, 12 * (size_t)scene->vertex_count);
+    RTCBuffer indices = copy_of(embree, scene->index, 12 * (size_t)scene->tri_count);
+    enum status status = STATUS_OK;
+    if (!vertices || !indices)
+        status =
+            fail(reason, STATUS_MEMORY, "Embree: no memory for %u triangles", scene->tri_count);
+    if (!status) {
+        *out = embree_scene(embree);
+        for (uint32_t i = 0; i < mesh->geometry_count; i++)
+            if (mesh->geometry[i].count)
+                add_geometry(embree, *out, scene, &mesh->geometry[i], i, vertices, indices);
+        status = embree_commit(embree, *out, reason);
+    }
+    if (vertices)
+        rtcReleaseBuffer(vertices);
+    if (indices)
+        rtcReleaseBuffer(indices);
+    return status;
+}
+
+static enum status add_instance(struct embree *embree, uint32_t number, struct reason *reason)
+{
+    struct embree_world *world = embree->world;
+    const struct instance *instance = &world->world->instance[number];
+    uint32_t class = add_to_class(world, instance);
+    if (class == CLASSES && !embree->unguarded)
+        return fail(reason, STATUS_UNSUPPORTED,
+                    "Embree: instance %u: the inverse of its transform is beyond float32, or the "
+                    "transform too near to singular: Embree may abort",
+                    number);
+    RTCGeometry geometry = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry, world->mesh[instance->mesh]);
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance->m);
+    rtcSetGeometryMask(geometry, instance->mask << 8 * (class % CLASSES));
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(world->top, geometry, number);
+    rtcReleaseGeometry(geometry);
+    return STATUS_OK;
+}
+
+static enum status prepare_world(void *self, const struct world_job *job, struct reason *reason)
+{
+    struct embree *embree = self;
+    const struct world *from = job->world;
+    embree_drop(embree);
+    embree->query = job->query;
+    struct embree_world *world = embree->world = alloc_zeroed(1, sizeof *world);
+    if (!world)
+        return fail(reason, STATUS_MEMORY, "no memory for a world");
+    world->world = from;
+    world->mesh_count = from->mesh_count;
+    world->mesh = alloc_zeroed(from->mesh_count, sizeof *world->mesh);
+    enum status status = STATUS_OK;
+    if (!world->mesh)
+        status = fail(reason, STATUS_MEMORY, "no memory for %u meshes", from->mesh_count);
+    for (uint32_t i = 0; i < from->mesh_count && !status; i++)
+        status = build_mesh(embree, &from->mesh[i], &world->mesh[i], reason);
+    world->top = embree_scene(embree);
+    for (uint32_t i = 0; i < from->instance_count && !status; i++)
+        if (world_is_active(from, i))
+            status = add_instance(embree, i, reason);
+    return status ? status : embree_commit(embree, world->top, reason);
+}
+
+/* --- tracing ---------------------------------------------------------------------------------- */
+
+static struct ray_mode mode_at(const struct ray_mode *mode, size_t ray)
+{
+    return mode ? mode[ray] : ray_mode_all();
+}
+
+static void trace_one(const struct embree *embree, const struct ray *ray, struct ray_mode mode,
+                      struct hit *hit, uint32_t *tag)
+{
+    struct embree_walk walk = {.embree = embree, .mode = mode};
+    struct RTCRayHit query = embree_query(ray);
+    *hit = (struct hit){.prim = ABI_NO_PRIM};
+    *tag = 0;
+    query.ray.mask = mask_for(embree, ray, mode);
+    if (!query.ray.mask)
+        return;
+    if (embree->query == QUERY_ANY || (mode.flags & ABI_RAY_FIRST)) {
+        /* Embree does not return what blocked the ray, so a hit is triangle 0 at t = 0. */
+        if (embree_occluded(embree->world->top, &walk.context, &query.ray))
+            hit->prim = 0;
+        return;
+    }
+    embree_intersect(embree->world->top, &walk.context, &query);
+    if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID)
+        take_hit(embree->world->world, &query.hit, query.ray.tfar, hit, tag);
+}
+
+static uint32_t list_one(const struct embree *embree, const struct ray *ray, struct ray_mode mode,
+                         uint32_t capacity, struct hit *hit, uint32_t *tag)
+{
+    struct embree_walk walk = {.embree = embree,
+                               .mode = mode,
+                               .lists = true,
+                               .hit = hit,
+                               .tag = tag,
+                               .capacity = capacity};
+    struct RTCRayHit query = embree_query(ray);
+    query.ray.mask = mask_for(embree, ray, mode);
+    if (query.ray.mask)
+        embree_intersect(embree->world->top, &walk.context, &query);
+    return walk.found;
+}
+
+static enum status trace_world(void *self, const struct ray *ray, const struct ray_mode *mode,
+                               size_t ray_count, struct hit *hit, uint32_t *tag,
+                               struct trace_report *report, struct reason *reason)
+{
+    struct embree *embree = self;
+    uint64_t start = time_ns();
+#pragma omp parallel for schedule(dynamic, 64) num_threads(embree->threads) if (ray_count > 64)
+    for (long long i = 0; i < (long long)ray_count; i++)
+        trace_one(embree, &ray[i], mode_at(mode, (size_t)i), &hit[i], &tag[i]);
+    *report = (struct trace_report){.ns = time_ns() - start,
+                                    .memory_bytes = (uint64_t)atomic_load(&embree->bytes)};
+    return embree_error(embree, "tracing", reason);
+}
+
+static enum status trace_world_all(void *self, const struct ray *ray, const struct ray_mode *mode,
+                                   size_t ray_count, uint32_t capacity, struct hit *hit,
+                                   uint32_t *tag, uint32_t *hit_count, struct reason *reason)
+{
+    struct embree *embree = self;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(embree->threads) if (ray_count > 64)
+    for (long long i = 0; i < (long long)ray_count; i++) {
+        size_t first = (size_t)i * capacity;
+        hit_count[i] = list_one(embree, &ray[i], mode_at(mode, (size_t)i), capacity,
+                                capacity ? hit + first : NULL, capacity ? tag + first : NULL);
+    }
+    return embree_error(embree, "tracing", reason);
+}
+
+const struct world_tracer embree_worlds = {
+    .prepare_world = prepare_world,
+    .trace_world = trace_world,
+    .trace_world_all = trace_world_all,
+};
+
+#endif

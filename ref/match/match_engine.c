@@ -1,0 +1,166 @@
+#include "ref/match/match_engine.h"
+
+#include "ref/base/text.h"
+#include "ref/match/match_trees.h"
+#include "ref/store.h"
+
+#include <string.h>
+
+static struct job job_of(const struct match *match, const struct engine *engine)
+{
+    return (struct job){.scene = match->scene,
+                        .packed = engine->needs_packed ? &match->packed : NULL,
+                        .box = match->options.box,
+                        .tri = match->options.tri,
+                        .query = match->options.query};
+}
+
+enum status match_prepare(const struct match *match, const struct engine *engine, void *self,
+                          struct reason *reason)
+{
+    const bool lists = match->options.query == QUERY_ALL;
+    if (!match->world) {
+        const struct job job = job_of(match, engine);
+        if (lists && !engine->trace_all)
+            return fail(reason, STATUS_UNSUPPORTED, "%s cannot list all hits", engine->name);
+        return engine->prepare(self, &job, reason);
+    }
+    if (!engine->worlds)
+        return fail(reason, STATUS_UNSUPPORTED, "%s traces scenes, not worlds", engine->name);
+    if (lists && !engine->worlds->trace_world_all)
+        return fail(reason, STATUS_UNSUPPORTED, "%s cannot list all hits of a world", engine->name);
+    const struct world_job job = {.world = match->world,
+                                  .packed = engine->needs_packed ? &match->packed_world : NULL,
+                                  .box = match->options.box,
+                                  .tri = match->options.tri,
+                                  .query = match->options.query};
+    return engine->worlds->prepare_world(self, &job, reason);
+}
+
+enum status match_trace(const struct match *match, const struct engine *engine, void *self,
+                        size_t count, struct hit *hit, uint32_t *tag, struct trace_report *report,
+                        struct reason *reason)
+{
+    if (!match->world)
+        return engine->trace(self, match->ray, count, hit, report, reason);
+    return engine->worlds->trace_world(self, match->ray, match->mode, count, hit, tag, report,
+                                       reason);
+}
+
+bool match_keeps_watertight(const struct match *match, const struct engine *engine)
+{
+    if (match->world)
+        return !engine->needs_packed ||
+               (match->options.box->watertight && !match->packed_world.split);
+    const struct job job = job_of(match, engine);
+    return job_keeps_watertight(&job);
+}
+
+bool match_same_bits(const struct hit *a, const struct hit *b, const uint32_t *a_tag,
+                     const uint32_t *b_tag, size_t i)
+{
+    return memcmp(&a[i], &b[i], sizeof *a) == 0 && (!a_tag || a_tag[i] == b_tag[i]);
+}
+
+const struct layout *match_layout(const struct match *match)
+{
+    return match->world ? match->packed_world.top.layout : match->packed.layout;
+}
+
+uint32_t match_tri_count(const struct match *match)
+{
+    return match->world ? world_tri_count(match->world) : match->scene->tri_count;
+}
+
+static uint64_t bytes_of_scene(const struct scene *scene)
+{
+    return 12 * ((uint64_t)scene->vertex_count + scene->tri_count);
+}
+
+static void world_bytes(const struct match *match, struct row *row)
+{
+    const struct packed_world *packed = &match->packed_world;
+    row->node_bytes = packed_node_bytes(&packed->top);
+    row->item_bytes =
+        packed_item_bytes(&packed->top) + packed->instance_count * (uint64_t)sizeof *packed->record;
+    for (uint32_t i = 0; i < packed->mesh_count; i++) {
+        row->node_bytes += packed_node_bytes(&packed->bottom[i]);
+        row->item_bytes += packed_item_bytes(&packed->bottom[i]);
+        if (tri_store_reads_scene(packed->bottom[i].store))
+            row->scene_bytes += bytes_of_scene(match->world->mesh[i].scene);
+    }
+}
+
+void match_row_bytes(const struct match *match, struct row *row)
+{
+    if (!match_layout(match))
+        return;
+    if (match->world) {
+        world_bytes(match, row);
+        return;
+    }
+    row->node_bytes = packed_node_bytes(&match->packed);
+    row->item_bytes = packed_item_bytes(&match->packed);
+    if (tri_store_reads_scene(match->packed.store))
+        row->scene_bytes = bytes_of_scene(match->scene);
+}
+
+static uint32_t more_of(uint32_t a, uint32_t b)
+{
+    return a > b ? a : b;
+}
+
+/* Of all trees together: nodes and leaves added up, the deepest way down both levels. */
+static struct bvh_stats stats_of(const struct world *world, const struct world_trees *trees)
+{
+    struct bvh_stats all = bvh_stats(&trees->top, &trees->items);
+    uint32_t bottom = 0;
+    for (uint32_t i = 0; i < trees->mesh_count; i++) {
+        const struct bvh_stats one = bvh_stats(&trees->bottom[i], world->mesh[i].scene);
+        all.node_count += one.node_count;
+        all.leaf_count += one.leaf_count;
+        all.largest_leaf = more_of(all.largest_leaf, one.largest_leaf);
+        all.loose_count += one.loose_count;
+        bottom = more_of(bottom, one.depth);
+    }
+    all.depth += bottom;
+    return all;
+}
+
+enum status match_rebuild_world(struct match *match, struct reason *reason)
+{
+    const struct world_build build = {.top = match->options.builder,
+                                      .bottom = match->options.builder,
+                                      .top_options = match->options.build,
+                                      .bottom_options = match->options.build};
+    world_trees_free(&match->trees);
+    const enum status status = world_trees_make(match->world, &build, &match->trees, reason);
+    match->stats = status ? (struct bvh_stats){0} : stats_of(match->world, &match->trees);
+    return status;
+}
+
+enum status match_pack_world(struct match *match, const struct layout *layout,
+                             struct reason *reason)
+{
+    const struct tri_store *store = match->options.store ? match->options.store : tri_stores[0];
+    return packed_world_make(match->world, &match->trees, layout, layout, store,
+                             &match->packed_world, reason);
+}
+
+enum status match_pack_world_auto(struct match *match, char *refused, size_t refused_bytes,
+                                  struct reason *reason)
+{
+    struct reason why = {"no layout can be chosen"};
+    if (refused_bytes > 0)
+        refused[0] = 0;
+    for (size_t i = 0; layouts_auto[i]; i++) {
+        match_unpack(match);
+        enum status status = match_pack_world(match, layouts_auto[i], &why);
+        if (!status)
+            return STATUS_OK;
+        if (status != STATUS_LIMIT)
+            return fail(reason, status, "%s", why.text);
+        text_append(refused, refused_bytes, "%s%s", i ? "\n" : "", why.text);
+    }
+    return fail(reason, STATUS_LIMIT, "no layout can hold this world: %s", why.text);
+}

@@ -1,0 +1,39 @@
+/* Checks a packed world against its world, without rays. */
+#ifndef WORLD_CHECK_H
+#define WORLD_CHECK_H
+
+#include "ref/two_level/packed_world.h"
+
+/* Kinds of faults of a packed world. */
+enum world_rule {
+    WORLD_SOUND,
+    WORLD_NUMBERS, /* instances or meshes are not as many as the world's */
+    WORLD_RECORD,  /* a record is not its instance's: W is not the inverse rounded once, or another
+                      member differs */
+    WORLD_BOX,     /* a placed vertex lies outside the box of its instance; an instance that is not
+                      active has a box */
+    WORLD_TOP,     /* the top is no tree of the active instances and their boxes, each once */
+    WORLD_BOTTOM,  /* a bottom is no tree of its mesh */
+    WORLD_STACK    /* stack_need is less than both levels need, or over the limit */
+};
+
+/* Result of world_pack_check. */
+struct world_faults {
+    enum world_rule first; /* rule of the described fault */
+    uint32_t records;      /* instances with another record */
+    uint32_t boxes;        /* instances with a vertex outside their box */
+    uint32_t tops;         /* 1 if packed_check finds a fault in the top */
+    uint32_t bottoms;      /* meshes in whose tree packed_check finds a fault */
+    uint32_t stacks;       /* 1 if stack_need is wrong */
+};
+
+/* Checks that each record is that of its instance, bit for bit; that each box contains M v + T of
+ * every vertex of every triangle of its instance, by integers; that the top and every bottom pass
+ * packed_check, so that each active instance is reached once, each triangle of a mesh in its bottom
+ * (in a split one every part of it), and nothing else; that the stack is as large as needed.
+ * Returns STATUS_OK if it finds no fault, else STATUS_INPUT with the first fault in `reason`;
+ * *faults (may be NULL) has the counts. STATUS_MEMORY leaves *faults zero. */
+enum status world_pack_check(const struct world *world, const struct packed_world *packed,
+                             struct world_faults *faults, struct reason *reason) MUST_USE;
+
+#endif

@@ -1,0 +1,126 @@
+/* Memory that runs out between a world and its hits: each allocation in turn fails. It must be said
+ * in one line, with nothing made and nothing kept. */
+#include "tests/support/allocations.h"
+
+#include "ref/engine.h"
+#include "ref/store.h"
+#include "ref/trace/trace_world.h"
+#include "ref/two_level/world_check.h"
+#include "tests/two_level/two_level_fixture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "tests/two_level/world_stand.h"
+
+#define TIMES_MOST 4000
+
+/* What steps need of those before. */
+struct steps {
+    struct world world;
+    struct world_trees trees;
+    struct packed_world packed;
+};
+
+typedef enum status step_fn(const struct steps *steps, struct reason *reason);
+
+/* Fails each allocation until there is none to fail; returns how many there are. */
+static long fail_each(step_fn *step, const struct steps *steps)
+{
+    for (long n = 0; n < TIMES_MOST; n++) {
+        struct reason reason = {""};
+        atomic_store(&held, 0);
+        atomic_store(&has_failed, false);
+        atomic_store(&until_failure, n);
+        enum status status = step(steps, &reason);
+        atomic_store(&until_failure, -1);
+        assert_int_equal(held, 0);
+        if (!has_failed) {
+            if (status)
+                fail_msg("%s", reason.text);
+            return n;
+        }
+        if (status != STATUS_MEMORY || !strstr(reason.text, "no memory"))
+            fail_msg("without allocation %ld: status %d, %s", n, status, reason.text);
+    }
+    fail_msg("never ends");
+    return 0;
+}
+
+static enum status do_trees(const struct steps *steps, struct reason *reason)
+{
+    struct world_build build = stand_build("median", 2);
+    struct world_trees trees;
+    build.top_options.threads = build.bottom_options.threads = 1;
+    enum status status = world_trees_make(&steps->world, &build, &trees, reason);
+    const struct world_trees zero = {0};
+    if (status)
+        assert_memory_equal(&trees, &zero, sizeof zero);
+    world_trees_free(&trees);
+    return status;
+}
+
+static enum status do_pack(const struct steps *steps, struct reason *reason)
+{
+    struct packed_world packed;
+    enum status status = packed_world_make(&steps->world, &steps->trees, layout_find("f32"),
+                                           layout_find("cwbvh80"), tri_stores[0], &packed, reason);
+    const struct packed_world zero = {0};
+    if (status)
+        assert_memory_equal(&packed, &zero, sizeof zero);
+    packed_world_free(&packed);
+    return status;
+}
+
+static enum status do_check(const struct steps *steps, struct reason *reason)
+{
+    struct world_faults faults;
+    return world_pack_check(&steps->world, &steps->packed, &faults, reason);
+}
+
+static enum status do_brute(const struct steps *steps, struct reason *reason)
+{
+    const struct engine *engine = engine_find("brute");
+    const struct engine_options options = {.threads = 1, .device = -1};
+    struct world_job job = stand_job(&steps->world, NULL, QUERY_CLOSEST);
+    void *self;
+    enum status status = engine->open(&options, &self, reason);
+    if (!status)
+        status = engine->worlds->prepare_world(self, &job, reason);
+    engine->close(self);
+    return status;
+}
+
+static void each_allocation_may_fail(void **state)
+{
+    (void)state;
+    struct steps steps = {.world = fixture_room(3, 12)};
+    fixture_mesh(&steps.world, 0, "soup:n=9", 2);
+    fixture_mesh(&steps.world, 1, "soup:n=0", 1);
+    fixture_mesh(&steps.world, 2, "sphere:n=1", 1);
+    for (uint32_t i = 0; i < 12; i++) {
+        fixture_transform(WORLD_TURNED, i, steps.world.instance[i].m);
+        steps.world.instance[i].mesh = i % 3;
+    }
+    fixture_finish(&steps.world);
+    steps.trees = stand_trees(&steps.world, "median", 2);
+    steps.packed = stand_packed(&steps.world, &steps.trees, "f32", "cwbvh80");
+    assert_true(fail_each(do_trees, &steps) > 20);
+    assert_true(fail_each(do_pack, &steps) > 10);
+    assert_true(fail_each(do_check, &steps) > 10);
+    assert_true(fail_each(do_brute, &steps) == 2);
+    packed_world_free(&steps.packed);
+    world_trees_free(&steps.trees);
+    world_free(&steps.world);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(each_allocation_may_fail)};
+    return cmocka_run_group_tests_name("world_memory", tests, NULL, NULL);
+}
