@@ -82,9 +82,9 @@ static void print_name(const struct command *command)
 
 static void print_page(const struct command *command)
 {
-    printf(".TP\n.BR raydiff\\-%s (1)\n%s%s%s%s\n", command->name, command->summary,
+    printf(".TP\n.BR raydiff\\-%s (1)\n%s%s%s%s%s\n", command->name, command->summary,
            command->group ? "; also raydiff " : "", command->group ? command->group : "",
-           command->group ? " and its name" : "");
+           command->group ? " " : "", command->group ? command->name : "");
 }
 
 /* Lines of both shells: a command of a group, as the second word or about to be. */
@@ -214,6 +214,12 @@ static int help(int argc, char **argv)
 {
     static const char *const form[] = {"--man", "--bash", "--zsh", "--commands"};
     size_t i = 0;
+    if (argc > 2 && strcmp(argv[argc - 1], form[0]) == 0) { /* also behind the command */
+        memmove(argv + 2, argv + 1, (size_t)(argc - 2) * sizeof *argv);
+        argv[1] = (char *)form[0];
+    }
+    if (argc == 2 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0))
+        argc = 1;
     while (argc > 1 && i < ARRAY_COUNT(form) && strcmp(argv[1], form[i]) != 0)
         i++;
     const bool formed = argc > 1 && i < ARRAY_COUNT(form);
@@ -265,11 +271,12 @@ int main(int argc, char **argv)
         print_help(stderr);
         return EXIT_USAGE;
     }
-    if (strcmp(argv[1], "--version") == 0) {
+    if (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "version") == 0) {
         puts("raydiff " RAYDIFF_VERSION);
         return EXIT_AGREE;
     }
-    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0)
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 ||
+        strcmp(argv[1], "help") == 0)
         return printed(argv[1], help(argc - 1, argv + 1));
     plugin_compile_with(cmd_glsl_compile);
     process_signals();

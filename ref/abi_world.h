@@ -72,6 +72,14 @@ ABI_SIZE(struct ray_mode, 8)
 #define ABI_WORLD_HIT        2u /* struct hit, then the tag and three words of 0 */
 #define ABI_WORLD_QUAD_BYTES 16u
 
+/* Shader query_world traces the driver's own trees, in binding 8. Its world is a quad for each
+ * instance (push.records): number of its first placed triangle, number of its first geometry,
+ * number of its geometries (0: no mesh), its flags; then the quads of geometries as above, of each
+ * mesh once. */
+#define ABI_BIND_STRUCTURE 8
+
+#define ABI_PHANTOM 0xFFFFFFFEu /* hit.prim of an answer that names no triangle of the world */
+
 /* Push constants. */
 struct world_push {
     U32 ray_count;

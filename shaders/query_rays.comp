@@ -6,22 +6,14 @@
  * (numbers that are not finite, tmin below 0 or above tmax) are misses and are not traced.
  * QUERY_ALL lists candidates and confirms none, so that none ends the ray. */
 #include "job.glsl"
+#include "query_defined.glsl"
 
 layout(set = 0, binding = ABI_BIND_FOUND + 1) uniform accelerationStructureEXT world;
-
-bool is_finite(vec3 v)
-{
-    uvec3 exponent = floatBitsToUint(v) & 0x7F800000u;
-    return exponent.x != 0x7F800000u && exponent.y != 0x7F800000u && exponent.z != 0x7F800000u;
-}
 
 uvec4 hit_of(float t, vec2 barycentrics, int prim)
 {
     return uvec4(floatBitsToUint(vec3(t, barycentrics)), uint(prim));
 }
-
-/* A query of more steps than this hangs. */
-#define STEPS_MOST 16777216u
 
 void main()
 {
@@ -32,7 +24,7 @@ void main()
     uvec4 answer = uvec4(0u, 0u, 0u, ABI_NO_PRIM);
     uint found = 0u, steps = 0u;
     bool more = false;
-    if (is_finite(org.xyz) && is_finite(dir.xyz) && org.w >= 0.0 && org.w <= dir.w) {
+    if (is_defined(org, dir)) {
         const uint flags = QUERY == ABI_QUERY_ALL ? gl_RayFlagsNoOpaqueEXT
             : QUERY == ABI_QUERY_ANY ? gl_RayFlagsOpaqueEXT | gl_RayFlagsTerminateOnFirstHitEXT
                                      : gl_RayFlagsOpaqueEXT;

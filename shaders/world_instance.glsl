@@ -3,6 +3,7 @@
 #ifndef WORLD_INSTANCE_GLSL
 #define WORLD_INSTANCE_GLSL
 
+#include "filter.glsl"
 #include "tri.glsl"
 #include "tri_load.glsl"
 
@@ -76,34 +77,6 @@ bool is_culled(instance i, bool opaque, bool front, uint ray_flags)
     return any(bvec2((ray_flags & by_opacity) != 0u, by_facing));
 }
 
-uint filter_stir(uint hash, uint number)
-{
-    hash ^= number;
-    hash ^= hash >> 16;
-    hash *= 0x85EBCA6Bu;
-    hash ^= hash >> 13;
-    hash *= 0xC2B2AE35u;
-    return hash ^ hash >> 16;
-}
-
-/* The cell of a coordinate on a grid of four: how many of its inner lines are at or below it. */
-uint filter_cell(float x)
-{
-    precise float scaled = x * float(ABI_FILTER_GRID);
-    return pick(scaled >= 1.0, 1u, 0u) + pick(scaled >= 2.0, 1u, 0u) + pick(scaled >= 3.0, 1u, 0u);
-}
-
-bool filter_passes(uint index, uvec3 geometry, uint prim, vec2 uv)
-{
-    uint hash = filter_stir(world.filter_seed, index);
-    hash = filter_stir(hash, geometry.x);
-    hash = filter_stir(hash, prim - geometry.y);
-    uint cell = filter_cell(uv.x) * ABI_FILTER_GRID + filter_cell(uv.y);
-    hash = pick(world.filter_kind == ABI_FILTER_CELLS, filter_stir(hash, cell), hash);
-    bool passes = both((hash & 0xFFu) < world.filter_share, world.filter_kind != ABI_FILTER_NONE);
-    return any(bvec2(passes, world.filter_kind == ABI_FILTER_ALL));
-}
-
 /* Decides about a hit of triangle `prim` of the mesh; `tag` is for one that counts. */
 bool candidate_counts(instance i, uint ray_flags, vec3 d, uint prim, vec3 tuv, out uint tag)
 {
@@ -116,8 +89,8 @@ bool candidate_counts(instance i, uint ray_flags, vec3 d, uint prim, vec3 tuv, o
     bool opaque = is_opaque(i, geometry.z != 0u, ray_flags);
     bool front = (side < 0.0) != ((i.flags & ABI_INSTANCE_FLIP_FACING) != 0u);
     tag = (i.custom_mask & ABI_TAG_CUSTOM) | pick(front, ABI_TAG_FRONT, 0u);
-    bool passes = any(bvec2(opaque, filter_passes(i.index, geometry, prim, tuv.yz)));
-    return both(passes, !is_culled(i, opaque, front, ray_flags));
+    bool passes = filter_passes(i.index, geometry.x, prim - geometry.y, tuv.yz);
+    return both(any(bvec2(opaque, passes)), !is_culled(i, opaque, front, ray_flags));
 }
 
 #endif

@@ -235,7 +235,7 @@ static void conclude(const struct bench *bench, const struct benchmark *benchmar
                   !shown               ? PAINT_BAD
                   : benchmark->refuted ? PAINT_GOOD
                                        : PAINT_PLAIN,
-                  "%s: %zu row%s: %s\n", benchmark->name, bench->row_count,
+                  "bench %s: %zu row%s: %s\n", benchmark->name, bench->row_count,
                   plural(bench->row_count), shown ? benchmark->shown : benchmark->refuted);
 }
 

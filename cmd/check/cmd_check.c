@@ -216,6 +216,7 @@ static enum status check_one(struct check_run *check, const char *spec, struct c
 static int check_all(struct check_run *check, char *const *spec, size_t count)
 {
     int code = EXIT_AGREE;
+    bool any = false; /* scene was played */
     struct reason reason = {""};
     struct check_scene *results = alloc_zeroed(count, sizeof *results);
     if (!results)
@@ -237,14 +238,17 @@ static int check_all(struct check_run *check, char *const *spec, size_t count)
         }
         if (status || results[i].vacuous)
             continue;
+        any = true;
         check_print(&results[i], &screen);
         fflush(stdout);
         turnout_rows(&check->turnout, results[i].row, results[i].row_count);
         code = exit_worse(code, check_exit(&results[i], check->options.layout_named,
                                            check->options.engine_named));
     }
-    turnout_print(&check->turnout, &screen);
-    code = exit_worse(code, turnout_exit(&check->turnout));
+    if (any) { /* else it is already told why nothing was run */
+        turnout_print(&check->turnout, &screen);
+        code = exit_worse(code, turnout_exit(&check->turnout));
+    }
     code = exit_worse(code, check_unused(check->options.demands.displacement, results, count));
     if (check->options.json) {
         enum status status =

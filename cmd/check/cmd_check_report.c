@@ -279,8 +279,9 @@ static void print_tree(const struct row *row)
         printf("tree: %s", row->options.tree->name);
     else
         printf("tree: %s, leaf %u", row->options.builder->name, row->options.build.leaf);
-    printf(": %u nodes, %u leaves, depth %u, largest leaf %u\n", row->stats.node_count,
-           row->stats.leaf_count, row->stats.depth, row->stats.largest_leaf);
+    printf(": %u node%s, %u lea%s, depth %u, largest leaf %u\n", row->stats.node_count,
+           plural(row->stats.node_count), row->stats.leaf_count,
+           row->stats.leaf_count == 1 ? "f" : "ves", row->stats.depth, row->stats.largest_leaf);
 }
 
 void check_print(const struct check_scene *scene, const struct screen *screen)
@@ -292,15 +293,16 @@ void check_print(const struct check_scene *scene, const struct screen *screen)
                  plural(scene->instance_count));
         snprintf(modes, sizeof modes, ", modes %s", scene->modes);
     }
-    printf("%s: %s%u triangles, %u vertices; %zu rays, set %s%s, seed %llu\n", scene->spec,
-           instances, scene->tri_count, scene->vertex_count, scene->ray_count, scene->rays, modes,
-           (unsigned long long)scene->seed);
+    printf("%s: %s%u triangle%s, %u vert%s; %zu ray%s, set %s%s, seed %llu\n", scene->spec,
+           instances, scene->tri_count, plural(scene->tri_count), scene->vertex_count,
+           scene->vertex_count == 1 ? "ex" : "ices", scene->ray_count, plural(scene->ray_count),
+           scene->rays, modes, (unsigned long long)scene->seed);
     for (size_t i = 0; i < scene->row_count; i++)
         if (scene->row[i].status == ROW_OK && scene->row[i].layout) {
             first = &scene->row[i];
             break;
         }
-    if (first)
+    if (first && first->layout) /* else no engine here walks one */
         print_tree(first);
     if (first && first->compared)
         printf("truth: exact, by the oracle's tree; %zu of %zu rays by brute force too\n",

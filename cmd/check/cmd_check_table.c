@@ -97,10 +97,11 @@ static void write_number(const struct check_scene *scene, const struct row *row,
         snprintf(text, CELL_MOST, row->displacement.count ? "-" : "%.2f", row->worst_over);
         break;
     case COL_SPEED:
-        snprintf(text, CELL_MOST, "%.3f", row->mrays[0]);
+        snprintf(text, CELL_MOST, row->mrays[0] > 0 ? "%.3f" : "-", row->mrays[0]);
         break;
     case COL_SPAN:
-        snprintf(text, CELL_MOST, "%.3f-%.3f", row->mrays[1], row->mrays[2]);
+        snprintf(text, CELL_MOST, row->mrays[0] > 0 ? "%.3f-%.3f" : "-", row->mrays[1],
+                 row->mrays[2]); /* of a file's answers there is none */
         break;
     default:
         write_bytes(scene, row, text);

@@ -171,6 +171,14 @@ static int unknown_option(const struct option_reading *r, const char *name, size
     for (const struct option_group *group = r->set->group; group->row; group++)
         for (const struct option_row *row = group->row; row->name; row++)
             nearest_try(&nearest, row->name);
+    /* What a person shortened may be far from all of them. */
+    bool begun = length < 2;
+    for (const struct option_group *group = r->set->group; group->row && !begun; group++)
+        for (const struct option_row *row = group->row; row->name && !begun; row++)
+            if (strncmp(row->name, name, length) == 0) {
+                nearest.name = row->name;
+                begun = true;
+            }
     return usage_error(r->set->command, "unknown option: '--%.*s'%s%s%s",
                        (int)(length > 60 ? 60 : length), name,
                        nearest.name ? "; did you mean --" : "", nearest.name ? nearest.name : "",
@@ -214,7 +222,7 @@ static enum status find_value(struct option_reading *r, char *text, struct optio
     if (none && text)
         return fail(reason, STATUS_INPUT, "--%s: takes no value", row->name);
     if (!none && !row->optional && !value->text)
-        return fail(reason, STATUS_INPUT, "unknown option or missing value: '--%s'", row->name);
+        return fail(reason, STATUS_INPUT, "--%s: its value is missing: %s", row->name, row->word);
     if (value->text && strcmp(value->text, "-") == 0) {
         if (row->type == OPTION_OUTPUT || row->type == OPTION_WRITTEN)
             return fail(reason, STATUS_INPUT, "--%s: needs a file, not '-'", row->name);

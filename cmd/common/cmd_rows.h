@@ -134,6 +134,12 @@ extern const struct option_row engine_rows[], outside_rows[], leaf_rows[], build
         "seed", "S", "of rays, and of generators whose text gives none",                           \
             OF_COUNT(member, 0, UINT64_MAX), .value = "1"                                          \
     }
+/* The same of commands that draw no rays. */
+#define SCENE_SEED_ROW(member)                                                                     \
+    {                                                                                              \
+        "seed", "S", "of generators whose text gives none", OF_COUNT(member, 0, UINT64_MAX),       \
+            .value = "1"                                                                           \
+    }
 
 /* A row --bvh. */
 #define TREE_ROW(member)                                                                           \

@@ -53,7 +53,10 @@ static enum status take_shader(void *options, const struct option_value *given,
                                struct reason *reason)
 {
     (void)options;
-    return plugin_shader_take(given->text, reason);
+    struct reason why = {""};
+    enum status status = plugin_shader_take(given->text, &why);
+    const bool named = strncmp(why.text, "--shader", 8) == 0;
+    return status ? fail(reason, status, "%s%s", named ? "" : "--shader: ", why.text) : STATUS_OK;
 }
 
 const struct option_row outside_rows[] = {

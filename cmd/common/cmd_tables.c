@@ -262,7 +262,13 @@ static enum status add_engine(enum table table, const char *flag, const char *te
         return STATUS_OK;
     snprintf(name, sizeof name, "%.*s", (int)(length < PIPE_NAME_MOST ? length : PIPE_NAME_MOST),
              text);
-    if (begins_with(name, PIPE_PREFIX))
+    const char *comma = strrchr(name, ',');
+    if (begins_with(name, PIPE_PREFIX) && comma && !strchr(name, ' ') && engine_find(comma + 1))
+        status = fail(&why, STATUS_INPUT,
+                      "'%.100s': a pipe takes all that follows as its command: name it last, as "
+                      "%.30s,%.*s",
+                      name, comma + 1, (int)(comma - name), name);
+    else if (begins_with(name, PIPE_PREFIX))
         status = pipe_engine(name, &engine, &why);
     else if (begins_with(name, RECORDED_PREFIX))
         status = recorded_find(name, &engine, &why);
@@ -282,8 +288,8 @@ static enum status add_plugin(enum table table, const char *flag, const char **t
         return STATUS_OK;
     snprintf(path, sizeof path, "%.*s", (int)*length, *text);
     enum status status = plugin_open(path, &layout, &why);
-    if (!status)
-        status = plugin_shader_layout(layout, &why);
+    if (!status && plugin_shader_layout(layout, &why)) /* of a shader that was named before */
+        return fail(reason, STATUS_INPUT, "--shader: %s", why.text);
     if (status)
         return fail(reason, status, "%s: %s", flag, why.text);
     *text = layout->name;

@@ -42,7 +42,8 @@ static const struct option_row rows[] = {
      "print the names, run nothing (not those that stand in for refused trials); of hard cases "
      "also how many there are, on standard error",
      OF_FLAG(list_only)},
-    {"count", "N", "rays per trial", OF_COUNT(count, 1, 1u << 30), .shown = "1000; with --all 200"},
+    {"count", "N", "rays per trial; below 200 some trials hit nothing, which fails them",
+     OF_COUNT(count, 1, 1u << 30), .shown = "1000; with --all 200"},
     {"brute", "N", "ray-triangle tests that brute force may spend", OF_COUNT(brute, 0, UINT64_MAX),
      .value = "1e8"},
     {"engine", "E,..", "only these engines; pipe:COMMAND is one, too",

@@ -198,6 +198,7 @@ void conform_report_add(struct conform_report *report, const char *name, enum st
     entry.outcome = decide(status, row, reason, required, why, sizeof why);
     entry.code = status ? exit_of_status(status) : engine_failed ? EXIT_ENGINE : EXIT_MISMATCH;
     enum matrix_outcome outcome = conform_report_put(report, &entry, NULL);
+    report->vacuous += outcome == OUTCOME_FAILED && !status && row->status == ROW_VACUOUS;
     report->absent += outcome == OUTCOME_SKIPPED && row->absent;
     if (status == STATUS_OK)
         count_turnout(&report->turnout, row);
@@ -286,6 +287,10 @@ static void print_sums(const struct conform_report *report)
     if (report->published)
         text_append(line, sizeof line, "; as published, counted: %zu", report->published);
     screen_record(screen, PAINT_PLAIN, "%s\n", line);
+    if (report->vacuous)
+        screen_record(screen, PAINT_PLAIN,
+                      "%zu trial%s failed for want of hits alone: --count is too small\n",
+                      report->vacuous, plural(report->vacuous));
     if (report->excused)
         screen_record(screen, PAINT_PLAIN,
                       "%zu rays more in trials that are waived or show a known defect\n",

@@ -24,7 +24,8 @@ struct conform_options {
 struct conform_report {
     size_t expected /* 0: unknown until the end */, done;
     size_t outcomes[OUTCOME_COUNT];
-    size_t absent; /* skipped because the engine cannot run here at all */
+    size_t vacuous; /* failed since too few of their rays hit anything */
+    size_t absent;  /* skipped because the engine cannot run here at all */
     size_t rays, count[VERDICT_COUNT];
     size_t published; /* WRONG answers of members as published; not in `count` */
     size_t excused;   /* rays of hard cases whose failure is waived or known; not in `rays` */

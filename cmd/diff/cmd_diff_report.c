@@ -100,7 +100,7 @@ static void print_pair(const struct diff_run *run, const struct diff_member *mem
            pair->same_bits ? "the same bits are demanded" : "each difference is to be explained");
     printf("  paths       %zu of %zu differ\n", diff->paths_apart, diff->paths);
     screen_line(
-        14, "  segments    of %zu differ in triangle %zu, t %zu, lights asked %zu, shadows %zu\n",
+        14, "  segments    %zu, different in triangle %zu, t %zu, lights asked %zu, shadows %zu\n",
         diff->segments, diff->field[PATH_PRIM], diff->field[PATH_T], diff->field[PATH_ASKED],
         diff->field[PATH_SHADOWED]);
     screen_line(
@@ -141,6 +141,14 @@ void diff_print(const struct diff_run *run)
     for (size_t i = run->reference + 1; i < run->count; i++)
         if (!run->member[i].status)
             print_pair(run, &run->member[i]);
+    size_t pairs = 0, agree = 0;
+    for (size_t i = run->reference + 1; i < run->count; i++) {
+        const struct diff_member *member = &run->member[i];
+        pairs += member->status == STATUS_OK;
+        agree += !member->status && pair_agrees(&member->pair) && !diff_is_vacuous(&member->pair);
+    }
+    screen_line(4, "conclusion: %zu of %zu comparison%s with %s as it should be\n", agree, pairs,
+                plural(pairs), run->member[run->reference].engine->name);
 }
 
 static json_t *answer_json(const struct diff_run *run, const struct diff_member *member,

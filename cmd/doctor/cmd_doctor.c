@@ -14,6 +14,13 @@
 #include <string.h>
 #include <unistd.h>
 
+/* __VERSION__ of clang begins with its name, that of gcc does not have it. */
+#ifdef __clang__
+#define COMPILER __VERSION__
+#else
+#define COMPILER "gcc " __VERSION__
+#endif
+
 /* Prints each line indented. */
 static void print_lines(char *text)
 {
@@ -32,11 +39,19 @@ static void ask_engine(const struct engine *engine, const struct engine_options 
         engine->close(self);
 }
 
-static void print_engine(const struct doctor_engine *e)
+/* `e` is one of the engines from `first` on; what is the same as of one before is not repeated. */
+static void print_engine(const struct doctor_engine *first, const struct doctor_engine *e)
 {
+    const struct doctor_engine *same = first;
     char text[sizeof e->text];
+    while (same < e && (same->status || e->status || strcmp(same->text, e->text) != 0))
+        same++;
     memcpy(text, e->text, sizeof text);
     printf("%-14s %s\n", e->engine->name, e->status ? "SKIPPED" : "runs");
+    if (same < e && strchr(e->text, '\n')) {
+        printf("    as %s\n", same->engine->name);
+        return;
+    }
     if (e->status)
         screen_line(9, "    why: %s\n", e->reason.text);
     if (!e->status || !strstr(text, e->reason.text)) /* else the text repeats the reason */
@@ -121,10 +136,11 @@ static const struct option_set set = {
 static int examine(const struct arguments *arguments, struct doctor *doctor)
 {
     int code = print_float_environment();
-    size_t drivers = 0;
+    size_t drivers = 0, running = 0;
     for (size_t i = 0; engines[i] && i < DOCTOR_MOST; i++, doctor->engine_count++) {
         ask_engine(engines[i], &arguments->engine, &doctor->engine[i]);
-        print_engine(&doctor->engine[i]);
+        print_engine(doctor->engine, &doctor->engine[i]);
+        running += doctor->engine[i].status == STATUS_OK;
         if (doctor->engine[i].status && !engines[i]->gpu)
             code = exit_worse(code, EXIT_SKIPPED);
     }
@@ -135,6 +151,8 @@ static int examine(const struct arguments *arguments, struct doctor *doctor)
         print_driver(&doctor->driver[i]);
         drivers += doctor->driver[i].status == STATUS_OK;
     }
+    screen_line(4, "conclusion: %zu of %zu engines run, %zu of %zu Vulkan drivers are here\n",
+                running, doctor->engine_count, drivers, doctor->driver_count);
     return drivers > 0 ? code : exit_worse(code, EXIT_SKIPPED);
 }
 
@@ -146,7 +164,7 @@ int cmd_doctor(int argc, char **argv)
         return code;
     if (first < argc)
         return usage_error("doctor", "'%s' is not an option", argv[first]);
-    printf("raydiff        %s, compiled by %s\n", RAYDIFF_VERSION, __VERSION__);
+    printf("raydiff        %s, compiled by %s\n", RAYDIFF_VERSION, COMPILER);
     printf("processors     %ld\n", sysconf(_SC_NPROCESSORS_ONLN));
     struct doctor *doctor = alloc_zeroed(1, sizeof *doctor);
     struct reason reason = {""};

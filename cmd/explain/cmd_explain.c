@@ -105,8 +105,8 @@ static enum status make_rays(struct explaining *e, struct reason *reason)
     const struct explain_options *o = e->options;
     if (o->has_file) {
         if (o->has_index && o->index >= e->ray_count)
-            return fail(reason, STATUS_INPUT, "--index: %llu of %zu rays",
-                        (unsigned long long)o->index, e->ray_count);
+            return fail(reason, STATUS_INPUT, "--index: %llu is no ray here: 0 to %zu",
+                        (unsigned long long)o->index, e->ray_count ? e->ray_count - 1 : 0);
         return STATUS_OK;
     }
     e->ray_count = o->ray_text ? 1 : (size_t)o->count;
@@ -116,8 +116,8 @@ static enum status make_rays(struct explaining *e, struct reason *reason)
     if (o->ray_text)
         return ray_text_read(o->ray_text, RAY_TMAX, e->ray, reason);
     if (o->has_index && o->index >= o->count)
-        return fail(reason, STATUS_INPUT, "--index: %llu of %llu rays",
-                    (unsigned long long)o->index, (unsigned long long)o->count);
+        return fail(reason, STATUS_INPUT, "--index: %llu is no ray here: 0 to %llu",
+                    (unsigned long long)o->index, (unsigned long long)o->count - 1);
     return ray_set_make(o->rays, &e->scene, o->of.seed, e->ray_count, e->ray, reason);
 }
 

@@ -25,7 +25,7 @@ struct judge_options {
 #define ROWS_OF struct judge_options
 
 static const struct option_row seed_rows[] = {
-    SEED_ROW(seed),
+    SCENE_SEED_ROW(seed),
     {0},
 };
 
@@ -223,6 +223,7 @@ static int judge_all(struct judge_run *j)
                                  .row = &row,
                                  .row_count = 1};
     enum status status = play(j, &row, &reason);
+    const bool judged = status == STATUS_OK;
     int code = EXIT_AGREE;
     if (!status) {
         const struct screen screen = screen_make(&j->options->screen);
@@ -232,7 +233,12 @@ static int judge_all(struct judge_run *j)
     if (!status && j->options->json)
         status = check_write_json(j->options->json, &result, 1, &(struct turnout){.count = 0}, code,
                                   &reason);
-    return exit_worse(code, exit_with_reason(j->command, status, &reason));
+    code = exit_worse(code, exit_with_reason(j->command, status, &reason));
+    if (judged) {
+        const struct screen screen = screen_make(&j->options->screen);
+        check_print_conclusion(&result, 1, code, &screen);
+    }
+    return code;
 }
 
 /* Judges, or prints why the input could not be read. Returns the exit code. */

@@ -61,8 +61,8 @@ void min_print(const struct min_row *row)
         return;
     }
     print_size("after", &row->stats.after, row->bytes_after);
-    screen_line(11, "  asked    %llu trials in %u rounds (%llu asks), %llu were smaller; %s\n",
-                (unsigned long long)row->stats.tried, row->stats.rounds,
+    screen_line(11, "  asked    %llu trials in %u round%s (%llu asks), %llu were smaller; %s\n",
+                (unsigned long long)row->stats.tried, row->stats.rounds, plural(row->stats.rounds),
                 (unsigned long long)row->stats.asks, (unsigned long long)row->stats.accepted,
                 end_text(row->stats.end));
     replay_finding_line(&row->smaller.trial, &row->stats.finding, text, sizeof text);

@@ -99,6 +99,7 @@ static int leaks_all(const struct leaks_options *o, char *const *spec, size_t co
         enum status status = leaks_write_json(o->json, results, count, &turnout, code, &reason);
         code = exit_worse(code, exit_with_reason("leaks", status, &reason));
     }
+    leaks_print_conclusion(results, count, code, &screen);
     for (size_t i = 0; i < count; i++)
         free(results[i].row);
     free(results);

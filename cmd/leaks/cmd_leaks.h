@@ -66,6 +66,12 @@ enum status leaks_play(const struct leaks_options *options, struct pool *pool,
 /* Fills in row->broken from the row's counts. */
 void leak_row_judge(struct leak_row *row, const struct leak_profile *profile);
 
+/* Prints the last line: how many rows keep their promise and the profile, break one, or are only
+ * counted; how many did not run. `code`, the command's exit code, decides the colour. Prints
+ * nothing if there are no rows. */
+void leaks_print_conclusion(const struct leak_scene *scene, size_t count, int code,
+                            const struct screen *screen);
+
 /* Prints the table of a scene, its findings and a summary. */
 void leaks_print(const struct leak_scene *scene, const struct screen *screen);
 

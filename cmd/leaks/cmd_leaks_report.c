@@ -1,6 +1,7 @@
 /* Output of raydiff leaks: the table, the findings, and which rows keep their promise. */
 #include "cmd/leaks/cmd_leaks.h"
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 #include "ref/store.h"
 
 #include <stdio.h>
@@ -91,6 +92,34 @@ void leaks_print(const struct leak_scene *scene, const struct screen *screen)
     if (scene->vacuous[0])
         screen_text(screen, "  vacuous: %s\n", scene->vacuous);
     putchar('\n');
+}
+
+void leaks_print_conclusion(const struct leak_scene *scene, size_t count, int code,
+                            const struct screen *screen)
+{
+    size_t rows = 0, kept = 0, broken = 0, counted = 0, vacuous = 0;
+    for (size_t s = 0; s < count; s++) {
+        rows += scene[s].row_count;
+        vacuous += scene[s].vacuous[0] != '\0';
+        for (size_t i = 0; i < scene[s].row_count; i++) {
+            const struct leak_row *row = &scene[s].row[i];
+            broken += row->status == STATUS_OK && row->broken[0];
+            kept += row->status == STATUS_OK && !row->broken[0] && row->promises;
+            counted += row->status == STATUS_OK && !row->broken[0] && !row->promises;
+        }
+    }
+    if (rows == 0) /* no scene could be read */
+        return;
+    char text[300] = "";
+    text_append(text, sizeof text, "%zu rows: %zu kept, %zu broken, %zu counted", rows, kept,
+                broken, counted);
+    if (rows > kept + broken + counted)
+        text_append(text, sizeof text, ", %zu did not run", rows - kept - broken - counted);
+    if (vacuous)
+        text_append(text, sizeof text, "; vacuous, see above");
+    screen_paint(screen, code == EXIT_AGREE ? PAINT_GOOD : PAINT_BAD);
+    screen_text(screen, "conclusion: %s\n", text);
+    screen_paint(screen, PAINT_PLAIN);
 }
 
 int leaks_exit(const struct leak_scene *scene, bool layout_named, bool engine_named)

@@ -212,8 +212,9 @@ static enum status draw_all(const struct render *r, const struct render_stage *s
         uint64_t ns = 0;
         for (uint32_t i = 0; i < *done; i++)
             ns += record[i].report.ns;
-        printf("%u pictures, %s and on: %.1f ms tracing each by the %s's clock\n", *done,
-               *done ? record[0].path : "none", *done ? (double)ns * 1e-6 / *done : 0.0,
+        printf("%u picture%s, %s and on: %.1f ms tracing each by the %s's clock\n", *done,
+               plural(*done), *done ? record[0].path : "none",
+               *done ? (double)ns * 1e-6 / *done : 0.0,
                *done && record[0].report.device_clock ? "device" : "host");
     }
     return status;

@@ -199,8 +199,8 @@ static int run(const struct render_settings *settings, const char *value)
     if (!status)
         status = close_files(&s, &reason);
     if (!status)
-        printf("%llu pictures, %.1f ms each, camera turned by %.1f degrees\n",
-               (unsigned long long)s.pictures,
+        printf("%llu picture%s, %.1f ms each, camera turned by %.1f degrees\n",
+               (unsigned long long)s.pictures, plural(s.pictures),
                s.pictures ? 1e-6 * (double)s.ns / (double)s.pictures : 0.0,
                s.angle * (180 / acos(-1.0)));
     window_close(s.window);

@@ -226,8 +226,8 @@ static enum status write_json(const char *path, const struct report *report, siz
 static void print_sum(const struct report *report, const char *path, size_t bytes)
 {
     struct report_sum sum = report_sum(report);
-    printf("%s: %.1f kB, %zu parts, %zu figures\n", path, (double)bytes / 1e3, sum.parts,
-           sum.figures);
+    printf("%s: %.1f kB, %zu part%s, %zu figure%s\n", path, (double)bytes / 1e3, sum.parts,
+           plural(sum.parts), sum.figures, plural(sum.figures));
     for (size_t i = 0; i < report->part_count; i++) {
         const struct report_part *part = &report->part[i];
         int code = report_part_code(part);

@@ -203,7 +203,7 @@ static const struct option_row rows[] = {
     {"fill-normals", NULL,
      "a vertex whose triangles give it no normal gets 0 1 0; else it is an error",
      OF_FLAG(construct.fill_normals)},
-    SEED_ROW(construct.seed),
+    SCENE_SEED_ROW(construct.seed),
     {"json", NULL, "what was made as JSON on the standard output", OF_FLAG(json)},
     {0},
 };

@@ -50,7 +50,7 @@ static const struct option_row rows[] = {
      OF_COUNT(build.leaf, 1, UINT32_MAX), .standard = BUILD_LEAF_DEFAULT},
     {"eps", "E", "builder rtrs: a box below half of it is not split",
      OF_REAL(build.eps, -INFINITY, INFINITY), .standard = BUILD_EPS_DEFAULT},
-    SEED_ROW(seed),
+    SCENE_SEED_ROW(seed),
     {0},
 };
 

@@ -214,7 +214,7 @@ static const struct {
 
 static const struct option_row rows[] = {
     {"json", NULL, "info as one JSON object, {\"scenes\": [...]}", OF_FLAG(json)},
-    SEED_ROW(seed),
+    SCENE_SEED_ROW(seed),
     {0},
 };
 

@@ -6,7 +6,9 @@
 #include "ref/base/text.h"
 #include "gpu/vk/vk_accel.h"
 #include "gpu/trace/vulkan_options.h"
+#include "gpu/trace/world_runner.h"
 #include "ref/twin/model.h"
+#include "ref/world/world.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +18,8 @@
 struct rayquery {
     struct batch_engine base;
     struct vk_pipeline *pipeline[QUERIES];
-    struct vk_accel *accel; /* NULL: no triangles */
+    struct vk_accel *accel; /* of the scene or world; NULL: none, or a scene without triangles */
+    struct world_runner *worlds; /* NULL until a world is prepared */
 };
 
 _Static_assert(ABI_QUERY_ALL < QUERIES, "a pipeline each");
@@ -28,6 +31,7 @@ static void close(void *self)
         return;
     for (uint32_t q = 0; q < QUERIES && r->base.vk; q++)
         vk_pipeline_free(r->base.vk, r->pipeline[q]);
+    world_runner_free(r->worlds);
     if (r->base.vk)
         vk_accel_free(r->base.vk, r->accel);
     (void)vk_close(r->base.vk, NULL);
@@ -133,6 +137,132 @@ static enum status prepare(void *self, const struct job *job, struct reason *rea
     return status;
 }
 
+/* --- worlds ----------------------------------------------------------------------------------- */
+
+/* The meshes of a world as the device is given them; owns the buffers. */
+struct meshes {
+    struct vk_accel_mesh *mesh;
+    struct vk_accel_geometry *geometry; /* of all meshes, in order */
+    struct vk_accel_instance *instance;
+    uint32_t count;
+};
+
+static void free_meshes(struct vk *vk, struct meshes *meshes)
+{
+    for (uint32_t i = 0; i < meshes->count; i++) {
+        vk_buffer_free(vk, meshes->mesh[i].vertices);
+        vk_buffer_free(vk, meshes->mesh[i].indices);
+    }
+    free(meshes->mesh);
+    free(meshes->geometry);
+    free(meshes->instance);
+}
+
+static enum status make_room(const struct world *world, struct meshes *out, struct reason *reason)
+{
+    uint64_t geometries = 0;
+    for (uint32_t i = 0; i < world->mesh_count; i++)
+        geometries += world->mesh[i].geometry_count;
+    out->mesh = alloc_zeroed(world->mesh_count, sizeof *out->mesh);
+    out->geometry = alloc_zeroed(geometries, sizeof *out->geometry);
+    out->instance = alloc_zeroed(world->instance_count, sizeof *out->instance);
+    if (!out->mesh || !out->geometry || !out->instance)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for %u instances",
+                    world->instance_count);
+    out->count = world->mesh_count;
+    return STATUS_OK;
+}
+
+static enum status upload_meshes(struct rayquery *r, const struct world *world, struct meshes *out,
+                                 struct reason *reason)
+{
+    enum status status = make_room(world, out, reason);
+    struct vk_accel_geometry *next = out->geometry;
+    for (uint32_t i = 0; i < world->mesh_count && !status; i++) {
+        const struct world_mesh *from = &world->mesh[i];
+        struct vk_accel_mesh *to = &out->mesh[i];
+        to->vertex_count = from->scene->vertex_count;
+        to->geometry = next;
+        to->geometry_count = from->geometry_count;
+        for (uint32_t g = 0; g < from->geometry_count; g++)
+            *next++ = (struct vk_accel_geometry){from->geometry[g].first, from->geometry[g].count,
+                                                 from->geometry[g].opaque};
+        status = vk_buffer_make_of(r->base.vk, from->scene->vertex, 12ull * to->vertex_count,
+                                   &to->vertices, reason);
+        if (!status)
+            status = vk_buffer_make_of(r->base.vk, from->scene->index,
+                                       12ull * from->scene->tri_count, &to->indices, reason);
+    }
+    return status;
+}
+
+_Static_assert(VK_ACCEL_NO_MESH == WORLD_NO_MESH, "a null reference");
+
+static enum status build_world(struct rayquery *r, const struct world *world, struct reason *reason)
+{
+    struct meshes meshes = {0};
+    enum status status = upload_meshes(r, world, &meshes, reason);
+    for (uint32_t i = 0; i < world->instance_count && !status; i++) {
+        const struct instance *from = &world->instance[i];
+        struct vk_accel_instance *to = &meshes.instance[i];
+        memcpy(to->transform, from->m, sizeof from->m);
+        to->mesh = from->mesh;
+        to->custom = from->custom;
+        to->mask = from->mask;
+        to->flags = from->flags;
+    }
+    const struct vk_accel_world built = {meshes.mesh, meshes.instance, world->mesh_count,
+                                         world->instance_count};
+    if (!status)
+        status = vk_accel_make_world(r->base.vk, &built, &r->accel, reason);
+    free_meshes(r->base.vk, &meshes);
+    return status;
+}
+
+static enum status prepare_world(void *self, const struct world_job *job, struct reason *reason)
+{
+    struct rayquery *r = self;
+    vk_accel_free(r->base.vk, r->accel);
+    r->accel = NULL;
+    r->base.chosen = NULL;
+    if (!r->worlds)
+        r->worlds = world_runner_make(r->base.vk, r->base.workgroup);
+    if (!r->worlds)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the engine");
+    enum status status = build_world(r, job->world, reason);
+    if (!status)
+        return world_runner_prepare_query(r->worlds, job, r->accel, reason);
+    world_runner_free(r->worlds); /* what it was prepared for is gone */
+    r->worlds = NULL;
+    return status;
+}
+
+static enum status trace_world(void *self, const struct ray *ray, const struct ray_mode *mode,
+                               size_t ray_count, struct hit *hit, uint32_t *tag,
+                               struct trace_report *report, struct reason *reason)
+{
+    struct rayquery *r = self;
+    enum status status =
+        world_runner_trace(r->worlds, ray, mode, ray_count, 1, hit, tag, NULL, report, reason);
+    report->memory_bytes += vk_accel_bytes(r->accel);
+    return status;
+}
+
+static enum status trace_world_all(void *self, const struct ray *ray, const struct ray_mode *mode,
+                                   size_t ray_count, uint32_t capacity, struct hit *hit,
+                                   uint32_t *tag, uint32_t *hit_count, struct reason *reason)
+{
+    struct trace_report unused;
+    return world_runner_trace(((struct rayquery *)self)->worlds, ray, mode, ray_count, capacity,
+                              hit, tag, hit_count, &unused, reason);
+}
+
+static const struct world_tracer worlds = {
+    .prepare_world = prepare_world,
+    .trace_world = trace_world,
+    .trace_world_all = trace_world_all,
+};
+
 /* Vulkan requires tmin < t < tmax; that closed fans are watertight is only a "should". */
 static struct model model(void *self, const struct tri_test *tri)
 {
@@ -167,6 +297,7 @@ const struct engine engine_rayquery = {
     .prepare = prepare,
     .trace = batch_trace,
     .trace_all = batch_trace_all,
+    .worlds = &worlds,
     .model = model,
     .close = close,
     .describe = describe,

@@ -8,6 +8,7 @@
 #define HEADER_WORDS   5u
 #define NO_CONTRACTION 42u
 #define RAY_QUERY      4472u /* the capability RayQueryKHR */
+#define RAY_SKIPS      4478u /* RayTraversalPrimitiveCullingKHR: devices with ray queries have it */
 
 enum {
     OP_EXTENSION = 10,
@@ -120,7 +121,8 @@ static bool next(const struct module *m, size_t *at, struct instruction *out, bo
 static bool check_baseline(const struct module *m, size_t at, const struct instruction *i)
 {
     if (i->op == OP_CAPABILITY &&
-        !(i->count == 2 && (i->word[1] == 1 || (m->rules.query && i->word[1] == RAY_QUERY))))
+        !(i->count == 2 && (i->word[1] == 1 || (m->rules.query && (i->word[1] == RAY_QUERY ||
+                                                                   i->word[1] == RAY_SKIPS)))))
         return complain(m, at, "OpCapability", "only Shader is promised everywhere");
     if (i->op == OP_EXTENSION &&
         !(m->rules.query && i->count == 6 && memcmp(i->word + 1, "SPV_KHR_ray_query", 18) == 0))

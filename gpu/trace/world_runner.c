@@ -3,6 +3,7 @@
 #include "gpu/shaders/pipelines.h"
 #include "gpu/trace/dispatch.h"
 #include "gpu/trace/world_upload.h"
+#include "gpu/vk/vk_accel.h"
 #include "ref/store.h"
 #include "ref/two_level/packed_world.h"
 #include "ref/world/world.h"
@@ -106,6 +107,20 @@ static enum status check_trees(const struct world_job *job, struct reason *reaso
     return status;
 }
 
+static enum status take_pipeline(struct world_runner *runner, const struct shader *shader,
+                                 const uint32_t *constant, bool accel, struct reason *reason)
+{
+    const struct vk_shader made = {.name = shader->name,
+                                   .word = shader->word,
+                                   .word_count = shader->word_count,
+                                   .binding_count = WORLD_BINDINGS,
+                                   .push_bytes = sizeof(struct world_push),
+                                   .accel = accel,
+                                   .constant = constant,
+                                   .constant_count = DISPATCH_CONSTANTS};
+    return pipelines_find(&runner->pipelines, runner->vk, &made, &runner->pipeline, reason);
+}
+
 static enum status find_pipeline(struct world_runner *runner, const struct world_job *job,
                                  struct reason *reason)
 {
@@ -130,33 +145,56 @@ static enum status find_pipeline(struct world_runner *runner, const struct world
         shader_why_not(layout->name, reason);
         return STATUS_UNSUPPORTED;
     }
-    const struct vk_shader made = {.name = shader->name,
-                                   .word = shader->word,
-                                   .word_count = shader->word_count,
-                                   .binding_count = WORLD_BINDINGS,
-                                   .push_bytes = sizeof(struct world_push),
-                                   .constant = constant,
-                                   .constant_count = DISPATCH_CONSTANTS};
-    return pipelines_find(&runner->pipelines, runner->vk, &made, &runner->pipeline, reason);
+    return take_pipeline(runner, shader, constant, false, reason);
 }
 
-enum status world_runner_prepare(struct world_runner *runner, const struct world_job *job,
-                                 struct reason *reason)
+static void start_job(struct world_runner *runner, const struct world_job *job)
 {
     vk_buffers_free(runner->vk, runner->buffer, WORLD_BINDINGS);
     runner->pipeline = NULL;
     runner->lists = job->query == QUERY_ALL;
     runner->batch = WORLD_BATCH_FIRST;
-    enum status status = check_trees(job, reason);
-    if (!status)
-        status = find_pipeline(runner, job, reason);
-    if (!status)
-        status = world_upload(runner->vk, job, runner->buffer, &runner->push, reason);
+}
+
+static enum status end_job(struct world_runner *runner, enum status status)
+{
     if (status) {
         vk_buffers_free(runner->vk, runner->buffer, WORLD_BINDINGS);
         runner->pipeline = NULL;
     }
     return status;
+}
+
+enum status world_runner_prepare(struct world_runner *runner, const struct world_job *job,
+                                 struct reason *reason)
+{
+    start_job(runner, job);
+    enum status status = check_trees(job, reason);
+    if (!status)
+        status = find_pipeline(runner, job, reason);
+    if (!status)
+        status = world_upload(runner->vk, job, runner->buffer, &runner->push, reason);
+    return end_job(runner, status);
+}
+
+enum status world_runner_prepare_query(struct world_runner *runner, const struct world_job *job,
+                                       const struct vk_accel *accel, struct reason *reason)
+{
+    const uint32_t constant[DISPATCH_CONSTANTS] = {[ABI_SPEC_WORKGROUP] = runner->workgroup,
+                                                   [ABI_SPEC_BOX] = ABI_BOX_ROBUST,
+                                                   [ABI_SPEC_TRI] = ABI_TRI_MT,
+                                                   [ABI_SPEC_QUERY] = (uint32_t)job->query,
+                                                   [ABI_SPEC_STACK] = 16};
+    start_job(runner, job);
+    enum status status = take_pipeline(runner, shader_find("query_world"), constant, true, reason);
+    for (uint32_t i = ABI_BIND_NODES; i <= ABI_BIND_TRIS && !status; i++) /* not read */
+        status = vk_buffer_make(runner->vk, 0, &runner->buffer[i], reason);
+    if (!status)
+        status = world_upload_query(runner->vk, job->world, &runner->buffer[ABI_BIND_WORLD],
+                                    &runner->push, reason);
+    if (!status)
+        vk_pipeline_use(runner->vk, runner->pipeline, accel);
+    return end_job(runner, status);
 }
 
 /* --- trace ------------------------------------------------------------------------------------ */

@@ -1,11 +1,12 @@
-/* Traces rays through worlds on a Vulkan device, by the shaders world_LAYOUT. Used by engine
- * `vulkan`. */
+/* Traces rays through worlds on a Vulkan device: by the shaders world_LAYOUT, for engine `vulkan`,
+ * or by query_world, for engine `rayquery`. */
 #ifndef WORLD_RUNNER_H
 #define WORLD_RUNNER_H
 
 #include "gpu/vk/vk.h"
 #include "ref/engine.h"
 
+struct vk_accel;
 struct world_runner;
 
 /* Makes one on an open device, which is borrowed. NULL: no memory. */
@@ -20,6 +21,13 @@ void world_runner_free(struct world_runner *runner);
  * buffer over the device's limits; STATUS_DEVICE; STATUS_MEMORY. */
 enum status world_runner_prepare(struct world_runner *runner, const struct world_job *job,
                                  struct reason *reason) MUST_USE;
+
+/* The same for the driver's own trees, `accel`, made of job->world on a device with ray queries; of
+ * the job only world and query are used. Errors: STATUS_LIMIT a buffer over the device's limits;
+ * STATUS_UNSUPPORTED as vk_pipeline_make; STATUS_DEVICE; STATUS_MEMORY. */
+enum status world_runner_prepare_query(struct world_runner *runner, const struct world_job *job,
+                                       const struct vk_accel *accel,
+                                       struct reason *reason) MUST_USE;
 
 /* As trace_world and trace_world_all; `hit_count` NULL: the former, of capacity 1. Errors:
  * STATUS_DEVICE not prepared, or for another query, lost, hung, a ray that was not finished, or

@@ -55,6 +55,26 @@ static void put_tree(const struct world_job *job, uint32_t tree, const struct wo
     memcpy(out, words, sizeof words);
 }
 
+/* The members of the filter. */
+static void put_filter(const struct world *world, struct world_push *push)
+{
+    push->filter_kind = (uint32_t)world->filter.kind;
+    push->filter_seed = world->filter.seed;
+    push->filter_share = world->filter.share;
+}
+
+/* A quad for each geometry of every mesh. */
+static void put_geometries(const struct world *world, uint32_t *at)
+{
+    for (uint32_t i = 0; i < world->mesh_count; i++)
+        for (uint32_t g = 0; g < world->mesh[i].geometry_count; g++, at += QUAD_WORDS) {
+            const struct geometry *geometry = &world->mesh[i].geometry[g];
+            at[0] = geometry->first;
+            at[1] = geometry->count;
+            at[2] = geometry->opaque;
+        }
+}
+
 static enum status upload_world(struct vk *vk, const struct world_job *job,
                                 const struct world_places *places, struct vk_buffer **out,
                                 struct world_push *push, struct reason *reason)
@@ -70,22 +90,13 @@ static enum status upload_world(struct vk *vk, const struct world_job *job,
                     world->instance_count);
     *push = (struct world_push){.instance_count = world->instance_count,
                                 .records = (uint32_t)records,
-                                .geometries = (uint32_t)geometries,
-                                .filter_kind = (uint32_t)world->filter.kind,
-                                .filter_seed = world->filter.seed,
-                                .filter_share = world->filter.share};
+                                .geometries = (uint32_t)geometries};
+    put_filter(world, push);
     for (uint32_t i = 0; i < trees; i++)
         put_tree(job, i, &places[i], word + (size_t)QUAD_WORDS * ABI_WORLD_TREE * i);
     memcpy(word + QUAD_WORDS * records, job->packed->record,
            world->instance_count * sizeof *job->packed->record);
-    uint32_t *at = word + QUAD_WORDS * geometries;
-    for (uint32_t i = 0; i < world->mesh_count; i++)
-        for (uint32_t g = 0; g < world->mesh[i].geometry_count; g++, at += QUAD_WORDS) {
-            const struct geometry *geometry = &world->mesh[i].geometry[g];
-            at[0] = geometry->first;
-            at[1] = geometry->count;
-            at[2] = geometry->opaque;
-        }
+    put_geometries(world, word + QUAD_WORDS * geometries);
     enum status status = vk_buffer_make_of(vk, word, quads * ABI_WORLD_QUAD_BYTES, out, reason);
     free(word);
     return status;
@@ -143,5 +154,49 @@ enum status world_upload(struct vk *vk, const struct world_job *job,
     if (!status)
         status = upload_world(vk, job, places, &buffer[ABI_BIND_WORLD], push, reason);
     free(places);
+    return status;
+}
+
+/* --- for the driver's trees ------------------------------------------------------------------- */
+
+/* The first geometry of each mesh, and behind them the number of all. NULL: no memory. */
+static uint64_t *first_geometries(const struct world *world)
+{
+    uint64_t *first = alloc_zeroed((size_t)world->mesh_count + 1, sizeof *first);
+    for (uint32_t i = 0; i < world->mesh_count && first; i++)
+        first[i + 1] = first[i] + world->mesh[i].geometry_count;
+    return first;
+}
+
+enum status world_upload_query(struct vk *vk, const struct world *world, struct vk_buffer **out,
+                               struct world_push *push, struct reason *reason)
+{
+    uint64_t *first = first_geometries(world);
+    uint64_t quads = world->instance_count + (first ? first[world->mesh_count] : 0);
+    uint32_t *word =
+        first && quads <= UINT32_MAX ? alloc_zeroed(quads, ABI_WORLD_QUAD_BYTES) : NULL;
+    enum status status = STATUS_OK;
+    *push = (struct world_push){.instance_count = world->instance_count,
+                                .geometries = world->instance_count};
+    put_filter(world, push);
+    if (!word)
+        status = fail(reason, STATUS_MEMORY, "vulkan: no memory for %u instances",
+                      world->instance_count);
+    for (uint32_t i = 0; i < world->instance_count && !status; i++) {
+        const struct instance *instance = &world->instance[i];
+        uint32_t *at = word + (size_t)QUAD_WORDS * i;
+        if (instance->mesh == WORLD_NO_MESH)
+            continue;
+        at[0] = world->first[i];
+        at[1] = (uint32_t)first[instance->mesh];
+        at[2] = world->mesh[instance->mesh].geometry_count;
+        at[3] = instance->flags;
+    }
+    if (!status) {
+        put_geometries(world, word + (size_t)QUAD_WORDS * world->instance_count);
+        status = vk_buffer_make_of(vk, word, quads * ABI_WORLD_QUAD_BYTES, out, reason);
+    }
+    free(first);
+    free(word);
     return status;
 }

@@ -6,6 +6,8 @@
 #include "ref/abi_world.h"
 #include "ref/engine.h"
 
+struct world;
+
 #define WORLD_BINDINGS (ABI_BIND_WORLD + 1u)
 
 /* Makes the buffers of nodes, items, triangles and the world, and sets those members of *push that
@@ -14,5 +16,10 @@
 enum status world_upload(struct vk *vk, const struct world_job *job,
                          struct vk_buffer *buffer[WORLD_BINDINGS], struct world_push *push,
                          struct reason *reason) MUST_USE;
+
+/* Makes the buffer of the world for shader query_world, and sets *push likewise. Errors: the
+ * same. */
+enum status world_upload_query(struct vk *vk, const struct world *world, struct vk_buffer **out,
+                               struct world_push *push, struct reason *reason) MUST_USE;
 
 #endif

@@ -93,8 +93,10 @@ enum status judge_make(const struct oracle *oracle, const struct model *model, e
     judge->tri_count = judge->world ? world_tri_count(judge->world) : judge->scene->tri_count;
     judge->mode = ray_mode_all();
     judge->model = *model;
-    if (judge->world && !twin_is_own(model->formula)) /* transforms are its own, too */
+    if (judge->world && !twin_is_own(model->formula)) { /* transforms are its own, too */
         judge->model.formula = TWIN_UNKNOWN;
+        judge->beyond = judge_share_beyond(model); /* but t is not transformed */
+    }
     judge->query = query;
     judge->own = twin_is_own(model->formula);
     judge->displacement = model->displacement > 0.0 ? model->displacement : JUDGE_DISPLACEMENT_MOST;

@@ -137,6 +137,13 @@ static double plane_t_of(const struct judge *judge, const struct ray *ray, uint3
     return judge_plane_t(ray, v);
 }
 
+/* True if t lies outside the range by no more than judge->beyond. */
+static bool just_beyond(const struct judge *judge, const struct ray *ray, double t)
+{
+    return judge->beyond > 0.0 && t >= (double)ray->tmin * (1.0 - judge->beyond) &&
+           t <= (double)ray->tmax * (1.0 + judge->beyond);
+}
+
 enum verdict judge_named_by_distance(const struct judge *judge, const struct ray *ray,
                                      const struct oracle_answer *truth, const struct hit *answer,
                                      struct judgement *out)
@@ -148,7 +155,7 @@ enum verdict judge_named_by_distance(const struct judge *judge, const struct ray
     struct judge_rounding rounding = judge_rounding_at(judge, ray, answer->prim);
     oracle_pair(judge->oracle, ray, answer->prim, &pair);
     out->share = hit_over(judge, (double)answer->t, &rounding, &out->displacement, &noise);
-    if (!judge_in_range(judge, ray, answer->t))
+    if (!judge_in_range(judge, ray, answer->t) && !just_beyond(judge, ray, (double)answer->t))
         return judge_set_wrong(out, WRONG_DISTANCE);
     if (out->share > 1.0) {
         double unused, exact = (double)(float)plane_t_of(judge, ray, answer->prim, &rounding);

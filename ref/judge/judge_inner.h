@@ -34,6 +34,8 @@ struct judge {
     bool in_contract;    /* the scene's coordinates are in contract */
     double displacement; /* unknown formula: what any triangle allows, in units */
     float largest[3];    /* |coordinate| per axis of the scene */
+    double beyond;       /* worlds: share of an end of the range that an engine's t may lie beyond
+                            it, since it compares before it divides (judge_noise.c) */
     struct judge_lazy *lazy;
 };
 
@@ -157,6 +159,10 @@ bool judge_can_answer(const struct judge *judge, const struct ray *ray, uint32_t
 
 /* The same for any answer in the range of the ray. */
 bool judge_can_hit(const struct judge *judge, const struct ray *ray, uint32_t prim);
+
+/* The share of an end of the range that a t of this model may lie beyond it; 0 unless it is that of
+ * Embree's default test. */
+double judge_share_beyond(const struct model *model);
 
 /* True if the formula, which accepts the triangle, may answer t: in the ray's range, or as far
  * outside as a comparison before the division allows. */

@@ -43,6 +43,14 @@ bool judge_can_hit(const struct judge *judge, const struct ray *ray, uint32_t pr
     return can_answer(judge, ray, prim, &range);
 }
 
+double judge_share_beyond(const struct model *model)
+{
+    const struct rounding *k = &model->rounding;
+    return model->formula == TWIN_EMBREE
+               ? (2.0 * k->mul + k->div) * JUDGE_UNIT * (1.0 + JUDGE_SHARE)
+               : 0.0;
+}
+
 /* Embree's default test compares |det| tmin < T <= |det| tmax, then divides. A product rounded up
  * is at most |det| tmax (1 + k* u), so T over |det|, by the reciprocal and its product, is at most
  * tmax (1 + k* u)^2 (1 + k/ u), and mirrored at tmin: 7.5 u for its own rounding. What is flushed
@@ -54,7 +62,7 @@ static bool within_compared(const struct judge *judge, const struct ray *ray, ui
     float v[3][3];
     const struct rounding *k = &judge->model.rounding;
     const struct liberty liberty = liberty_of(judge);
-    double share = (2.0 * k->mul + k->div) * JUDGE_UNIT * (1.0 + JUDGE_SHARE);
+    double share = judge_share_beyond(&judge->model);
     double from = (double)ray->tmin * (1.0 - share), to = (double)ray->tmax * (1.0 + share);
     if (t >= from && t <= to)
         return true;

@@ -283,9 +283,8 @@ static enum status play_row(struct match *match, const struct engine *engine, vo
                             struct row *row)
 {
     struct model model = engine->model(self, match->options.tri);
-    if (match->world && !twin_is_own(model.formula)) /* as the judge has it */
-        model.formula = TWIN_UNKNOWN;
-    row->unknown = model.formula == TWIN_UNKNOWN;
+    row->unknown = model.formula == TWIN_UNKNOWN || /* as the judge of worlds has it */
+                   (match->world && !twin_is_own(model.formula));
     row->formula = row_formula_name(model.formula);
     if (match->options.demands.displacement > 0.0f)
         model.displacement = (double)match->options.demands.displacement;

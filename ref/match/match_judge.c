@@ -22,10 +22,10 @@ struct judging {
     struct judge *fans; /* options.demands.watertight: finds hits that closed fans lost, or NULL */
 };
 
-bool match_tally_start(struct row *row, const struct model *model, struct match_tally *out)
+bool match_tally_start(struct row *row, struct match_tally *out)
 {
     *out = (struct match_tally){.row = row};
-    if (model->formula != TWIN_UNKNOWN)
+    if (!row->unknown)
         return true;
     out->displacement = alloc_zeroed(row->rays, sizeof *out->displacement);
     out->note = alloc_zeroed(row->rays, sizeof *out->note);
@@ -211,7 +211,7 @@ enum status match_judge(const struct match *match, const struct model *model, st
 {
     struct judging j = {.match = match, .row = row};
     j.judgement = alloc_zeroed(CHUNK, sizeof *j.judgement);
-    bool started = match_tally_start(row, model, &j.tally);
+    bool started = match_tally_start(row, &j.tally);
     enum status status = started && j.judgement ? judges_make(&j, model)
                                                 : fail(&row->reason, STATUS_MEMORY,
                                                        "no memory to judge %zu rays", row->rays);

@@ -22,7 +22,7 @@ struct match_tally {
 };
 
 /* Returns false without memory; match_tally_end frees it in any case. */
-bool match_tally_start(struct row *row, const struct model *model, struct match_tally *out);
+bool match_tally_start(struct row *row, struct match_tally *out);
 
 /* Counts the judgement of ray i. `hit`: a triangle was answered. */
 void match_tally_add(struct match_tally *tally, size_t i, bool hit,

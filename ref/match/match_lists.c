@@ -192,7 +192,7 @@ static enum status play(struct playing *p, const struct model *model)
         status = topology_make(match->scene, &p->topology, &row->reason);
     if (!status)
         status = judge_make(match->oracle, model, QUERY_ALL, &p->judge, &row->reason);
-    bool started = match_tally_start(row, model, &p->tally);
+    bool started = match_tally_start(row, &p->tally);
     p->said = alloc_zeroed(ALL_HITS_RAYS, sizeof *p->said);
     if (!status && (!p->said || !started))
         status = fail(&row->reason, STATUS_MEMORY, "no memory to judge %zu lists", row->rays);

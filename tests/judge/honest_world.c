@@ -150,18 +150,22 @@ static void corners_of(const struct world *world, uint32_t prim, double out[3][3
         }
 }
 
+/* The inside, an edge, a vertex, a point beside an edge, or one where cells of a filter meet. */
 static void draw_weights(struct rng *rng, double w[3])
 {
     uint32_t kind = rng_below(rng, 5), first = rng_below(rng, 3);
     double a = (double)rng_float(rng), b = (double)rng_float(rng) * (1 - a);
     double beside = ldexp(1, -10 - (int)rng_below(rng, 16));
-    const double parts[5][3] = {{a, b, 1 - a - b},
-                                {a, 1 - a, 0},
-                                {1, 0, 0},
-                                {a, 1 - a - beside, beside},
-                                {a, b, 1 - a - b}};
-    for (uint32_t c = 0; c < 3; c++)
+    double u = 0.25 * (1 + rng_below(rng, 3)), v = rng_below(rng, 2) ? 0.25 : a * (1 - u);
+    const double parts[4][3] = {
+        {a, b, 1 - a - b}, {a, 1 - a, 0}, {1, 0, 0}, {a, 1 - a - beside, beside}};
+    for (uint32_t c = 0; c < 3 && kind < 4; c++)
         w[(c + first) % 3] = parts[kind][c];
+    if (kind == 4) {
+        w[0] = 1 - u - v;
+        w[1] = u;
+        w[2] = v;
+    }
 }
 
 struct ray judged_world_aim(const struct judged_world *w, struct rng *rng)

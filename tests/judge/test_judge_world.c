@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -96,9 +97,9 @@ static void say_what_is_off(struct lying *l, uint32_t prim, const struct oracle_
         assert_true(j.wrong == WRONG_FACING);
         l->caught[WRONG_FACING]++;
     }
-    (void)at;
     say_anothers(l, prim, &hit, tag);
-    if (!isfinite(twin.t_err) || right.verdict == VERDICT_NOISE)
+    if (!isfinite(twin.t_err) || right.verdict == VERDICT_NOISE ||
+        !judge_takes(l->judge, &l->ray, prim))
         return;
     far.t = (float)(twin.t_near + 2.01 * twin.t_err + 2e-7 * fabs(twin.t_near));
     if (far.t < l->ray.tmax && isfinite(far.t)) {
@@ -300,11 +301,84 @@ static void a_scene_in_a_world_is_judged_as_itself(void **state)
     }
 }
 
+/* --- a cell of the filter --------------------------------------------------------------------- */
+
+/* A triangle that is not opaque, hit at u = 0.25, where the second cell begins. */
+static void one_triangle(struct judged_world *w)
+{
+    struct world world = {.mesh_count = 1, .instance_count = 1};
+    struct scene *scene = calloc(1, sizeof *scene);
+    world.mesh = calloc(1, sizeof *world.mesh);
+    world.instance = calloc(1, sizeof *world.instance);
+    struct geometry *geometry = calloc(1, sizeof *geometry);
+    assert_true(world.mesh && world.instance && scene && geometry);
+    assert_int_equal(scene_make(3, 1, scene), STATUS_OK);
+    memcpy(scene->vertex, (float[]){0, 0, 2, 1, 0, 2, 0, 1, 2}, 9 * sizeof(float));
+    memcpy(scene->index, (uint32_t[]){0, 1, 2}, 3 * sizeof(uint32_t));
+    *geometry = (struct geometry){0, 1, false};
+    world.mesh[0] = (struct world_mesh){scene, geometry, 1};
+    world.instance[0] =
+        (struct instance){.m = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}, .mask = 0xFF};
+    assert_int_equal(world_finish(&world, NULL), STATUS_OK);
+    judged_world_of(world, w);
+}
+
+/* A filter that passes in that cell of u and not in the one beside it. */
+static void pass_only(struct judged_world *w, float u, float beside)
+{
+    const struct place place = world_place(&w->world, 0);
+    struct filter_rule *filter = &w->world.filter;
+    *filter = (struct filter_rule){.kind = FILTER_CELLS, .share = 128};
+    while (!filter_passes(filter, &place, u, 0.1f) || filter_passes(filter, &place, beside, 0.1f))
+        filter->seed++;
+}
+
+static struct judgement told(struct lying *l, float u)
+{
+    struct hit hit = {2, u, 0.1f, 0};
+    if (u < 0)
+        return judged(l, &(struct hit){.prim = ABI_NO_PRIM}, 0);
+    return judged(l, &hit, side_at(l, 0) < 0 ? ABI_TAG_FRONT : 0);
+}
+
+static void a_cell_that_rounding_decides_leaves_the_triangle_open(void **state)
+{
+    (void)state;
+    const float below = nextafterf(0.25f, 0);
+    for (size_t f = 0; f < OWN; f++)
+        for (int loose = 0; loose < 2; loose++) {
+            struct judged_world w;
+            struct judge *judge;
+            struct model model = model_of(f, loose);
+            one_triangle(&w);
+            assert_int_equal(judge_make(w.oracle, &model, QUERY_CLOSEST, &judge, NULL), STATUS_OK);
+            struct lying l = {.w = &w,
+                              .judge = judge,
+                              .ray = {{0.25f, 0.1f, 0}, 0, {0, 0, 1}, 9},
+                              .mode = ray_mode_all()};
+            pass_only(&w, below, 0.25f); /* exactly it does not pass */
+            l.truth = judged_world_truth(&w, &l.ray, l.mode);
+            assert_int_equal(l.truth.prim, ABI_NO_PRIM);
+            assert_int_equal(told(&l, below).verdict, VERDICT_BOUNDARY);
+            assert_int_equal(told(&l, -1).verdict, VERDICT_RIGHT);
+            assert_int_equal(told(&l, 0.25f).wrong, loose ? WRONG_NOT : WRONG_OPACITY);
+            pass_only(&w, 0.25f, below); /* exactly it does */
+            l.truth = judged_world_truth(&w, &l.ray, l.mode);
+            assert_int_equal(l.truth.prim, 0);
+            assert_int_equal(told(&l, 0.25f).verdict, VERDICT_RIGHT);
+            assert_int_equal(told(&l, -1).verdict, VERDICT_BOUNDARY);
+            assert_int_equal(told(&l, below).wrong, loose ? WRONG_NOT : WRONG_OPACITY);
+            judge_free(judge);
+            judged_world_free(&w);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_kind_of_lie_is_found),
         cmocka_unit_test(a_scene_in_a_world_is_judged_as_itself),
+        cmocka_unit_test(a_cell_that_rounding_decides_leaves_the_triangle_open),
     };
     return cmocka_run_group_tests_name("judge_world", tests, NULL, NULL) ? 1 : 0;
 }

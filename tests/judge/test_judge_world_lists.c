@@ -200,6 +200,42 @@ static void nothing_of_it_is_excused_of_a_black_box(void **state)
     assert_true(caught[WRONG_NOT] > 50 && off * 20 > caught[WRONG_NOT] * 19);
 }
 
+/* Any hit without a triangle: an honest one is never WRONG; where nothing can be hit it is a
+ * phantom, also if what is there is masked or culled. */
+static void a_hit_without_a_triangle_must_be_possible(void **state)
+{
+    (void)state;
+    const struct model model = {.formula = TWIN_UNKNOWN, .any_unnamed = true};
+    uint32_t phantom = 0, hidden = 0, excused = 0;
+    for (uint64_t i = 0; i < WORLDS / 2; i++) {
+        struct judged_world w;
+        struct judge *judge;
+        struct rng rng = rng_make(i, 41);
+        judged_world_make(11000 + i, &w);
+        assert_int_equal(judge_make(w.oracle, &model, QUERY_ANY, &judge, NULL), STATUS_OK);
+        for (int n = 0; n < RAYS; n++) {
+            struct lying l = {.w = &w, .judge = judge, .ray = judged_world_aim(&w, &rng)};
+            const struct hit says_hit = {.prim = 0};
+            l.mode = judged_world_mode(&rng);
+            l.truth = judged_world_truth(&w, &l.ray, l.mode);
+            struct judgement j = judged(&l, &says_hit, 0);
+            if (l.truth.prim != ABI_NO_PRIM) {
+                assert_int_equal(j.verdict, VERDICT_RIGHT);
+                continue;
+            }
+            struct oracle_answer any = judged_world_truth(&w, &l.ray, ray_mode_all());
+            phantom += j.wrong == WRONG_PHANTOM;
+            hidden += j.wrong == WRONG_PHANTOM && any.prim != ABI_NO_PRIM;
+            excused += j.verdict != VERDICT_WRONG;
+        }
+        judge_free(judge);
+        judged_world_free(&w);
+    }
+    print_message("phantoms %u, of them %u before what does not count; excused %u\n", phantom,
+                  hidden, excused);
+    assert_true(phantom > 50 && hidden > 20 && excused > 0);
+}
+
 /* --- contract --------------------------------------------------------------------------------- */
 
 /* One triangle across the x axis, sheared so little that the direction of the ray along that axis
@@ -248,6 +284,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_kind_of_lie_is_found_in_lists),
         cmocka_unit_test(nothing_of_it_is_excused_of_a_black_box),
+        cmocka_unit_test(a_hit_without_a_triangle_must_be_possible),
         cmocka_unit_test(out_of_contract_in_an_instance_is_not_judged),
     };
     return cmocka_run_group_tests_name("judge_world_lists", tests, NULL, NULL) ? 1 : 0;

@@ -75,7 +75,8 @@ compile_shaders() {
     for shader in $(echo "$unit" | tr , ' '); do
         source=$shaders/$shader.comp
         [ -e "$source" ] || source=$build/gen/$shader.comp
-        ${GLSLANG:-glslangValidator} --quiet -V --target-env vulkan1.1 -g0 -I. "-I$shaders" \
+        case $shader in query_*) target=vulkan1.2 ;; *) target=vulkan1.1 ;; esac
+        ${GLSLANG:-glslangValidator} --quiet -V --target-env $target -g0 -I. "-I$shaders" \
             -o "$dir/$shader.raw" "$source" && "$tool" fix "$dir/$shader.raw" "$dir/$shader.spv" || return
         cmp -s "$dir/$shader.spv" "$build/spv/$shader.spv" &&
             { echo "the bug changes nothing in $shader"; return 1; }

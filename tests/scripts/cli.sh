@@ -33,7 +33,10 @@ expect 2 'count: is given twice' check soup --count 3 --count 4
 expect 2 "unknown command 'load' .see raydiff render --help" load
 expect 2 'no scene given' check
 expect 2 'unknown option' check soup --frobnicate
-expect 2 'missing value' check soup --count
+expect 2 '--count: its value is missing: N' check soup --count
+expect 2 '^raydiff check: nothing.obj: No such file' check nothing.obj --engine cpu
+[ -s "$dir/out" ] && bad 'check: an engine is blamed for a scene that is not there'
+expect 2 'name it last, as cpu,pipe:./tracer' check soup --engine pipe:./tracer,cpu
 expect 2 "unknown name 'f33'; layouts are: f32, rf16" check soup --layout f33
 expect 2 "unknown name 'gpu'; engines are" check soup --engine gpu
 expect 2 "unknown name 'sah'; builders are" check soup --builder sah
@@ -257,7 +260,7 @@ expect 2 "ray: 5 numbers" explain soup --ray '0,0,0 1,1'
 expect 2 "does not begin with a float32 number" explain soup --ray '0,0,0 1,1,x'
 expect 2 "is beyond its eighth number" explain soup --ray '0,0,0 1,1,1 0,1 2'
 expect 2 "goes without --rays" explain soup --ray '0,0,0 1,1,1' --index 3
-expect 2 "20 of 20 rays" explain soup --rays random --count 20 --index 20
+expect 2 "20 is no ray here: 0 to 19" explain soup --rays random --count 20 --index 20
 # Its default layout is one that holds the scene; a named one stays.
 expect 0 . explain sphere:n=100 --count 100
 grep -q 'no answer of cpu is wrong' "$dir/out" || bad "explain: no default layout for a large scene"
@@ -308,7 +311,7 @@ grep -q '1 ray: no answer of cpu is wrong' "$dir/out" || bad "explain says of a 
 expect 0 . explain $inward --engine embree --index 0
 expect 2 "^raydiff explain: --leaf: $inward brings its own" explain $inward --leaf 2
 expect 2 "^raydiff explain: --rays: $inward brings its own" explain $inward --rays mixed
-expect 2 "--index: 1 of 1 rays" explain $inward --index 1
+expect 2 "--index: 1 is no ray here: 0 to 0" explain $inward --index 1
 expect 2 "none.trial" explain "$dir/none.trial"
 # A cause that says that it did not show again is not looked for.
 sed 's/^expect .*/expect cpu.rtrs_rf_paper.missed.not_repeatable/' fuzz/corpus/sentinel.trial >"$dir/once.trial"

@@ -87,7 +87,7 @@ case $? in
     expect 0 . diff rtrs --engine cpu,vulkan --handler bvh-rf $small
     if grep -q 'the same bits are demanded' "$dir/out"; then
         says '^  paths       0 of 1728 differ$'
-        says 'differ in triangle 0, t 0, lights asked 0, shadows 0$'
+        says 'different in triangle 0, t 0, lights asked 0, shadows 0$'
     fi
     ;;
 esac

@@ -32,6 +32,17 @@ rows=0
 offers '' | grep -vx help | cmp -s - "$dir/commands" || bad "bash offers other commands"
 [ "$(grep -c . "$dir/commands")" -ge 20 ] || bad "help --commands: too few"
 "$raydiff" help >"$dir/help"
+# As people ask for it.
+for ask in -h 'help --help' 'help -h'; do
+    "$raydiff" $ask 2>/dev/null | cmp -s - "$dir/help" || bad "raydiff $ask is not raydiff help"
+done
+"$raydiff" version | grep -q '^raydiff [0-9.]*$' || bad 'raydiff version'
+"$raydiff" help check --man 2>/dev/null | grep -q '^\.TH RAYDIFF-check 1' || bad 'help check --man is not help --man check'
+"$raydiff" help --man | grep -q '; also raydiff fuzz min$' || bad 'the man page does not tell the other name of min'
+for command in 'scene info' precompute construct judge; do
+    "$raydiff" $command --help | tr -s ' \n' ' ' | grep -q -- '--seed S of generators' || bad "$command --help: a seed of rays"
+done
+"$raydiff" check soup --lay f32 2>&1 | grep -q 'did you mean --layout? ' || bad 'what --lay begins is not suggested'
 [ "$(awk '{ if (length($0) > most) most = length($0) } END { print most }' "$dir/help")" -le 80 ] || bad "help: wider than 80 columns"
 # An indented command is the same behind its group's name, for the command and for the shell.
 awk '/^  [a-z]/ { group = $1 } /^    [a-z]/ { print group, $1 }' "$dir/help" >"$dir/members"

@@ -26,6 +26,9 @@ if plays min; then
     [ "$printed" = 'min found --layout ./liar.so' ] || bad "fuzz says to shrink by '$printed'"
     expect 2 "unknown layout 'liar' .one from outside: --layout FILE.so first." min found
     expect 2 "takes only FILE.so" min found --layout f32
+    # What is wrong with a shader is told of it, whichever is named first.
+    expect 2 '^raydiff check: --shader: no.glsl: No such file' check sphere --engine vulkan --shader no.glsl --layout ./mine.so
+    expect 2 '^raydiff check: --shader: no.glsl: No such file' check sphere --engine vulkan --layout ./mine.so --shader no.glsl
     expect 2 "no finding of found is on mine" min found --layout ./liar.so,./mine.so
     expect 2 "no finding of found is on mine" min found --layout ./mine.so --layout ./liar.so
     expect 2 "liar is named twice" min found --layout ./liar.so --layout ./liar.so

@@ -32,7 +32,7 @@ trap 'exit 1' INT TERM
 # least, so that it is not taken for the angle.
 summed() { # NAME
     awk 'FNR == NR { n++; ms += $NF; angle = $4; wrong += $2 != n || $NF < 0.001; next }
-        /^[0-9]+ pictures, / { told++; wrong += $1 != n || ($3 - ms / n) ^ 2 > 0.06 ^ 2 || $9 != sprintf("%.1f", angle * 180 / atan2(0, -1)) }
+        /^[0-9]+ pictures?, / { told++; wrong += $1 != n || ($3 - ms / n) ^ 2 > 0.06 ^ 2 || $9 != sprintf("%.1f", angle * 180 / atan2(0, -1)) }
         END { exit wrong || told != 1 }' "$dir/$1.log" "$dir/out" || bad "$1: the line at the end is not that of the log"
 }
 

@@ -25,10 +25,10 @@ static const enum wrong judged_never[] = {WRONG_MASKED,     WRONG_CULLED,       
                                           WRONG_NOT_FINITE, WRONG_NOT_REPEATABLE};
 
 /* What came of some rows. */
-struct world_judged {
+struct judged_sum {
     size_t rows, compared, hits, ill, wrong;
     size_t refused; /* jobs of worlds that the engine refuses by name */
-    double most; /* displacement */
+    double most;    /* displacement */
 };
 
 /* Prints what is WRONG; fails if no rounding explains it. */
@@ -44,7 +44,7 @@ static inline void judged_kinds(const size_t wrong[WRONG_COUNT], size_t compared
                           wrong_name((enum wrong)kind));
 }
 
-static inline void judged_row(const struct row *row, const char *what, struct world_judged *sum)
+static inline void judged_row(const struct row *row, const char *what, struct judged_sum *sum)
 {
     if (row->status == ROW_SKIPPED && strstr(row->reason.text, "near to singular")) {
         sum->refused++;
@@ -94,7 +94,7 @@ static inline void judged_sort(struct hit *hit, uint32_t *tag, uint32_t count)
 
 /* All lists of a match, whose engine is prepared for them. */
 static inline void judged_lists(const struct match *match, const struct engine *engine, void *self,
-                                const char *what, struct world_judged *sum)
+                                const char *what, struct judged_sum *sum)
 {
     const struct model model = engine->model(self, tri_tests[0]);
     const size_t rays = match->ray_count;
@@ -138,7 +138,7 @@ static inline void judged_lists(const struct match *match, const struct engine *
 
 /* Every query of one match. */
 static inline void judged_match(struct match *match, const struct engine *engine, const char *name,
-                                struct world_judged *sum)
+                                struct judged_sum *sum)
 {
     for (int query = QUERY_CLOSEST; query <= QUERY_ALL; query++) {
         char what[200];
@@ -169,7 +169,7 @@ static inline void judged_match(struct match *match, const struct engine *engine
 /* One world, one set of modes, every query. */
 static inline void judged_world(const struct engine *engine, const struct engine_options *options,
                                 const char *spec, enum ray_modes modes, size_t rays,
-                                struct world_judged *sum)
+                                struct judged_sum *sum)
 {
     struct world world;
     struct scene baked;
@@ -202,10 +202,10 @@ static inline void judged_world(const struct engine *engine, const struct engine
 }
 
 /* Every generator with every set of modes. */
-static inline struct world_judged judged_everywhere(const struct engine *engine,
-                                              const struct engine_options *options, size_t rays)
+static inline struct judged_sum judged_everywhere(const struct engine *engine,
+                                                  const struct engine_options *options, size_t rays)
 {
-    struct world_judged sum = {0};
+    struct judged_sum sum = {0};
     for (size_t i = 0; world_generators[i]; i++)
         for (int modes = 0; modes < RAY_MODES_COUNT; modes++)
             judged_world(engine, options, world_generators[i]->name, (enum ray_modes)modes, rays,

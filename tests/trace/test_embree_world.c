@@ -190,7 +190,7 @@ static void no_generator_has_what_rounding_does_not_explain(void **state)
     for (size_t which = 0; which < ARRAY_COUNT(names); which++) {
         struct laws laws = open_named(which);
         laws.engine->close(laws.self);
-        struct world_judged sum = judged_everywhere(laws.engine, &options, RAYS);
+        struct judged_sum sum = judged_everywhere(laws.engine, &options, RAYS);
         assert_true(sum.compared == sum.rows * RAYS && sum.refused <= 9); /* placed-thin */
         assert_true(sum.hits > sum.compared / 8);
         assert_true(sum.wrong <= sum.compared / 1000);

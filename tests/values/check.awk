@@ -33,7 +33,7 @@ BEGIN {
     scene = -1
     next_row = 0
 }
-/^[^ ].*: ([0-9]+ instances?, )?[0-9]+ triangles, [0-9]+ vertices; [0-9]+ rays, set / {
+/^[^ ].*: ([0-9]+ instances?, )?[0-9]+ triangles?, [0-9]+ vert(ex|ices); [0-9]+ rays?, set / {
     scene++
     first = next_row
     p = "scenes." scene
@@ -47,7 +47,7 @@ BEGIN {
         equal("modes", substr($0, RSTART + 8, RLENGTH - 9), v[p ".modes"])
     } else
         truth("a scene has no instances", !((p ".instances") in v) && !((p ".modes") in v))
-    match(text, /: [0-9]+ triangles/)
+    match(text, /: [0-9]+ triangle/)
     split(substr(text, RSTART + 2), word, " ")
     equal("triangles", word[1], v[p ".triangles"])
     equal("vertices", word[3], v[p ".vertices"])
@@ -55,7 +55,7 @@ BEGIN {
     next
 }
 /^tree: / {
-    match($0, /: [0-9]+ nodes, [0-9]+ leaves, depth [0-9]+, largest leaf [0-9]+/)
+    match($0, /: [0-9]+ nodes?, [0-9]+ lea(f|ves), depth [0-9]+, largest leaf [0-9]+/)
     split(substr($0, RSTART + 2), word, /[ ,]+/)
     r = first
     while (v["rows." r ".layout"] == "null") r++

@@ -32,7 +32,7 @@ values() {
     [ "${told:-$code}" -eq "$code" ] || bad "$name: the JSON tells exit code $told, it was $code"
     sh tests/values/fields.sh "$name" "$dir/flat" "$dir/seen" || bad "$name: keys without a line in fields.*.txt"
     case $ran in
-    'raydiff bench '* | 'bench '*) [ "$code" -gt 1 ] || tail -n 1 "$dir/text" | grep -qE "^${name#bench_}: [0-9]+ rows?: " || bad "$ran: no conclusion" ;;
+    'raydiff bench '* | 'bench '*) [ "$code" -gt 1 ] || tail -n 1 "$dir/text" | grep -qE "^bench ${name#bench_}: [0-9]+ rows?: " || bad "$ran: no conclusion" ;;
     esac
     laws=$(ls "tests/values/$name.awk" tests/values/*/"$name.awk" 2>/dev/null)
     awk -v least="$least" -v took="$took" -f tests/values/lib.awk $(libraries "$name") -f "$laws" "$dir/flat" "$@" || bad "$name: $ran"

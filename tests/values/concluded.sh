@@ -39,6 +39,9 @@ grep -q ' missed [0-9]*; displacement p50 .* uM, [0-9]* lost in closed fans; los
 for word in uM 'closed fan' 'lost beside edges'; do
     grep -q "^| $word |" docs/glossary.md || bad "the glossary has no '$word'"
 done
+expect 1 . judge sphere:n=2 "$dir/rays" "$dir/hits"
+grep -q '^tree: ' "$dir/out" && bad 'judge: a tree that no engine walks'
+grep -q '^WRONG  *-  *answer:.* -$' "$dir/out" || bad 'judge: the speed of a file'
 # What is vacuous is told once.
 expect 1 . check soup:n=0 $few --layout f32 --engine cpu
 grep -q '^  cpu: vacuous: 0 hits of 500 rays prove nothing$' "$dir/out" || bad 'check: why a row is vacuous'
@@ -61,6 +64,24 @@ expect 0 . leaks sphere:n=4 --engine cpu,fast,embree,brute,"pipe:$samples/tracer
 sed -n '/^verdict/,/^what it means/p' "$dir/out" | sort | uniq -d | grep -q . && bad 'leaks: a row twice'
 expect 0 . leaks sphere:n=4 --engine fast --layout f32 --count 2000
 grep -q '  1 of 1 rows promise' "$dir/out" || bad 'leaks: engine fast is one row'
+
+# Each command that judges ends with a conclusion.
+dxr='leaks sphere:n=4 --engine cpu --layout f32 --tri woop --box watertight --count 2000'
+ends 0 'conclusion: 3 rows: [12] kept, 0 broken, [12] counted' leaks sphere:n=4 --engine cpu,embree --layout f32 --tri woop --count 2000
+ends 1 'conclusion: 1 rows: 0 kept, 1 broken, 0 counted' $dxr --profile dxr
+ends 1 'conclusion: 0 of 1 rows agree, 2 of 2 answers WRONG' judge sphere:n=2 "$dir/rays" "$dir/hits"
+"$raydiff" gen sphere:n=4 --count 50 --decimal | awk -f fuzz/samples/tracer.awk | "$raydiff" verify >"$dir/out" 2>"$dir/err"
+tail -n 1 "$dir/out" | grep -qx 'conclusion: 1 of 1 rows agree, 0 of 50 answers WRONG' || bad 'verify: no conclusion'
+ends 0 'conclusion: 1 of 1 comparison with cpu as it should be' diff rtrs --engine cpu,vulkan --width 16 --height 12
+ends 0 'conclusion: [0-9]+ of [0-9]+ engines run, [1-9] of [0-9]+ Vulkan drivers are here' doctor
+head -n 1 "$dir/out" | grep -qE 'compiled by (gcc|Clang|.* Clang) [0-9]' || bad 'doctor: which compiler?'
+sed -n '/^brute/,/^driver/p' "$dir/out" | grep '^        ' | sort | uniq -d | grep -q . && bad 'doctor: a device is described again'
+ends 0 'bench error: [0-9]+ rows?: no answer is WRONG' \
+    bench error --scene sphere:n=4 --count 60 --rounds 1 --engine cpu --layout f32 --tri mt
+
+# One is told as one.
+expect 1 . check soup:n=1 --rays random --count 1 --layout f32 --engine cpu
+grep -q '^soup:n=1: 1 triangle, 3 vertices; 1 ray, set ' "$dir/out" && grep -q ': 1 node, 1 leaf, depth ' "$dir/out" || bad 'check: 1 triangles'
 
 echo "concluded: $failed failed"
 [ "$failed" -eq 0 ]

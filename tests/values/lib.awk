@@ -42,9 +42,9 @@ FNR == NR {
     next
 }
 # The last line of raydiff bench.
-FILENAME ~ /text$/ && /^[a-z]+: [0-9]+ rows?: / {
-    if ("rows.count" in v) equal("rows", $2, v["rows.count"])
-    if ("handlers.count" in v) equal("rows", $2, v["handlers.count"])
+FILENAME ~ /text$/ && /^bench [a-z]+: [0-9]+ rows?: / {
+    if ("rows.count" in v) equal("rows", $3, v["rows.count"])
+    if ("handlers.count" in v) equal("rows", $3, v["handlers.count"])
     if ("exit" in v) equal("conclusion", /no answer is WRONG$|same|bits of engine cpu,|no correct|not judged$|nothing is judged$|no picture/ ? 0 : 1, v["exit"])
     next
 }

@@ -35,6 +35,9 @@ named=$(grep -c '^engine [a-z]* answered [0-9]* of [0-9]*' "$dir/text")
 [ "$judged" -eq "$verdicts" ] || bad "$judged rays judged, $verdicts verdicts"
 [ "$judged" -eq $((rays * (passed + wrong))) ] || bad "$judged rays judged in $((passed + wrong)) trials of $rays"
 [ "$(grep -c '^FAILED  ' "$dir/text")" -eq "$wrong" ] || bad "not a line for each of $wrong failed"
+few=$(grep -c '^FAILED  .*: vacuous: ' "$dir/text")
+[ "$few" -gt 0 ] && grep -qE "^$few trials? failed for want of hits alone: --count is too small\$" "$dir/text" ||
+    bad "it is not told that $few trials had too few rays"
 for engine in cpu fast; do
     line=$(grep "^engine $engine answered " "$dir/text" | sed 's/[,:].*//')
     of=$(grep -o 'name="[^"]*"' "$dir/xml" | grep -v answered | grep -c "^name=\"[a-z]*\.$engine\.")
@@ -68,6 +71,10 @@ for told in 'cornell edges' 'sphere mixed' 'terrain corners'; do
         }' >"$dir/line"
     grep -qF ": $(cat "$dir/line")" "$dir/one" || { bad "conform $told: not as check tells: $(cat "$dir/line")"; head -n 2 "$dir/one"; }
 done
+
+# The least that the help names is enough.
+least=$("$raydiff" conform --help | tr -s ' \n' ' ' | sed 's/.*rays per trial; below \([0-9]*\) some.*/\1/')
+ends 0 --engine cpu --count "$least"
 
 # What members as published get wrong is counted beside what is judged.
 told='closest.cpu.rtrs_rf.median.rtrs.mt_rtrs.*.1'

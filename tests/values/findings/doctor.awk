@@ -63,6 +63,12 @@ BEGIN { e = d = -1 }
     }
     next
 }
+/^conclusion: / {
+    for (k = 0; k < v["engines.count"]; k++) running += v["engines." k ".runs"] == "true"
+    for (k = 0; k < v["drivers.count"]; k++) here += v["drivers." k ".runs"] == "true"
+    equal("conclusion", $0, "conclusion: " running + 0 " of " v["engines.count"] " engines run, " here + 0 " of " v["drivers.count"] " Vulkan drivers are here")
+    next
+}
 /^[a-z]/ {
     p = "engines." ++e
     equal("engine", $1, v[p ".name"])
@@ -71,6 +77,13 @@ BEGIN { e = d = -1 }
     next
 }
 /^    why: / { equal("why", substr($0, 10), v[p ".why"]); next }
+# What is the same as of an engine before is not repeated.
+d < 0 && /^    as [a-z_]+$/ {
+    for (k = 0; k < e && v["engines." k ".name"] != $2; k++) continue
+    truth(v[p ".name"] " is as one before", k < e)
+    equal("text of " v[p ".name"], v[p ".text"], v["engines." k ".text"])
+    next
+}
 d < 0 { truth("text of " v[p ".name"], index(v[p ".text"], substr($0, 5))); next }
 {
     for (name in line)

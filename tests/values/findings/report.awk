@@ -1,6 +1,6 @@
 # `raydiff report` against what it was made of: awk -f lib.awk -f report.awk FLAT
 # bytes=N figures=N findings=N failing=N OTHER.FLAT TEXT. What it counts is counted again from the JSON of check.
-/^[^ ].*: [0-9.]+ kB, [0-9]+ parts, [0-9]+ figures$/ {
+/^[^ ].*: [0-9.]+ kB, [0-9]+ parts?, [0-9]+ figures?$/ {
     text = substr($0, match($0, /: [0-9.]+ kB/) + 2)
     split(text, word, " ")
     same("kB", word[1], "%.1f", v["bytes"] / 1000)

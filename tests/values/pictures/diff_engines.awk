@@ -153,7 +153,7 @@ $1 ~ /^(paths|segments|values|explained|faults)$/ { lines++ }
 $1 == "paths" { equal("paths", $2 " " $4, v[p ".paths_different"] " " v[p ".paths"]) }
 $1 == "segments" {
     gsub(",", "")
-    equal("segments", $3 " " $7 " " $9 " " $12 " " $14, v[p ".segments"] " " v[p ".triangle"] " " v[p ".t"] " " v[p ".asked"] " " v[p ".shadowed"])
+    equal("segments", $2 " " $6 " " $8 " " $11 " " $13, v[p ".segments"] " " v[p ".triangle"] " " v[p ".t"] " " v[p ".asked"] " " v[p ".shadowed"])
 }
 $1 == "values" {
     gsub(/[,;]/, "")

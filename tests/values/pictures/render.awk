@@ -61,7 +61,7 @@ FNR == 1 {
     if (v["tree"] != "null") equal("bytes", word[22] " " word[23], v["tree.layout"] " " v["tree.node_bytes"] + v["tree.item_bytes"])
     told++
 }
-/^[0-9]+ pictures, / {
+/^[0-9]+ pictures?, / {
     equal("pictures", $1, v["frames.count"])
     equal("first", $3, v["frames.0.file"])
     same("ms tracing each", $6, "%.1f", sum_ns / v["frames.count"] * 1e-6)
