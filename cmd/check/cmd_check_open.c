@@ -6,7 +6,6 @@
 #include "ref/world/bake.h"
 #include "ref/world/world_boxes.h"
 #include "scenes/move.h"
-#include "scenes/opening.h"
 #include "scenes/rays/ray_modes.h"
 #include "scenes/rays/rays.h"
 #include "scenes/worlds.h"
@@ -15,6 +14,15 @@
 
 /* Triangles of the scene that rays into a world are aimed at. */
 #define AIMED_MOST (1u << 20)
+
+/* Moves the scene out of a plain world; it may have no triangle, which is vacuous. */
+static void take_scene(struct world *world, struct scene *out)
+{
+    struct scene *own = world->mesh[0].scene;
+    *out = *own;
+    *own = (struct scene){0};
+    world_free(world);
+}
 
 /* Opens the text as a world; a plain one is a scene and loses nothing. */
 static enum status open_either(const struct check_options *o, const char *spec,
@@ -26,8 +34,8 @@ static enum status open_either(const struct check_options *o, const char *spec,
     out->is_world = !world_is_plain(&out->world);
     if (out->is_world)
         return STATUS_OK;
-    status = world_take_scene(spec, &out->world, &out->scene, reason);
-    if (status == STATUS_OK && o->move > 0) {
+    take_scene(&out->world, &out->scene);
+    if (o->move > 0) {
         status = scene_open(spec, o->seed, &out->rest, reason);
         scene_move(&out->scene, o->move, o->seed);
     }
