@@ -90,7 +90,10 @@ struct world_push {
     U32 filter_kind; /* ABI_FILTER_* */
     U32 filter_seed;
     U32 filter_share;
+    U32 first; /* world_brute: placed triangles first .. last - 1 are tested, the first of which is */
+    U32 last;  /* of instance `index` */
+    U32 index;
 };
-ABI_SIZE(struct world_push, 32)
+ABI_SIZE(struct world_push, 44)
 
 #endif

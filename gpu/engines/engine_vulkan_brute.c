@@ -8,6 +8,7 @@
 #include "gpu/trace/gather.h"
 #include "gpu/card/probe.h"
 #include "gpu/trace/vulkan_options.h"
+#include "gpu/trace/world_runner.h"
 #include "ref/twin/twin.h"
 
 #include <stdlib.h>
@@ -30,7 +31,8 @@ struct brute {
     uint64_t tests;
     struct arithmetic arithmetic;
     bool measured;
-    struct framer *framer; /* NULL until a frame is prepared */
+    struct framer *framer;       /* NULL until a frame is prepared */
+    struct world_runner *worlds; /* NULL until a world is */
 };
 
 _Static_assert(ABI_TRI_BALDWIN_WEBBER < TRIS && ABI_QUERY_ALL < QUERIES, "a pipeline each");
@@ -41,6 +43,7 @@ static void close(void *self)
     if (!b)
         return;
     framer_free(b->framer);
+    world_runner_free(b->worlds);
     for (uint32_t t = 0; t < TRIS && b->base.vk; t++)
         for (uint32_t q = 0; q < QUERIES; q++)
             vk_pipeline_free(b->base.vk, b->pipeline[t][q]);
@@ -172,6 +175,33 @@ static enum status frame(void *self, const struct view *view, struct frame *out,
     return framer_draw(((struct brute *)self)->framer, view, out, report, reason);
 }
 
+static enum status prepare_world(void *self, const struct world_job *job, struct reason *reason)
+{
+    struct brute *b = self;
+    if (!b->worlds)
+        b->worlds = world_runner_make(b->base.vk, b->base.workgroup);
+    if (!b->worlds)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the engine");
+    return world_runner_prepare_brute(b->worlds, job, reason);
+}
+
+static enum status trace_world(void *self, const struct ray *ray, const struct ray_mode *mode,
+                               size_t ray_count, struct hit *hit, uint32_t *tag,
+                               struct trace_report *report, struct reason *reason)
+{
+    return world_runner_trace(((struct brute *)self)->worlds, ray, mode, ray_count, 1, hit, tag,
+                              NULL, report, reason);
+}
+
+static enum status trace_world_all(void *self, const struct ray *ray, const struct ray_mode *mode,
+                                   size_t ray_count, uint32_t capacity, struct hit *hit,
+                                   uint32_t *tag, uint32_t *hit_count, struct reason *reason)
+{
+    struct trace_report unused;
+    return world_runner_trace(((struct brute *)self)->worlds, ray, mode, ray_count, capacity, hit,
+                              tag, hit_count, &unused, reason);
+}
+
 static struct model model(void *self, const struct tri_test *tri)
 {
     struct brute *b = self;
@@ -182,6 +212,11 @@ static struct model model(void *self, const struct tri_test *tri)
 }
 
 extern const struct engine engine_vulkan_brute;
+static const struct world_tracer worlds = {
+    .prepare_world = prepare_world,
+    .trace_world = trace_world,
+    .trace_world_all = trace_world_all,
+};
 static const struct frame_renderer renderer = {.prepare = frame_prepare, .draw = frame};
 
 const struct engine engine_vulkan_brute = {
@@ -193,6 +228,7 @@ const struct engine engine_vulkan_brute = {
     .prepare = prepare,
     .trace = batch_trace,
     .trace_all = batch_trace_all,
+    .worlds = &worlds,
     .renderer = &renderer,
     .model = model,
     .close = close,

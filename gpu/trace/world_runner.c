@@ -2,6 +2,7 @@
 
 #include "gpu/shaders/pipelines.h"
 #include "gpu/trace/dispatch.h"
+#include "gpu/trace/world_part.h"
 #include "gpu/trace/world_upload.h"
 #include "gpu/vk/vk_accel.h"
 #include "ref/store.h"
@@ -47,7 +48,8 @@ struct world_runner {
     struct vk_buffer *buffer[WORLD_BINDINGS];
     struct world_push push;
     uint32_t batch;
-    bool lists; /* prepared for QUERY_ALL */
+    bool lists;                /* prepared for QUERY_ALL */
+    const struct world *brute; /* tested triangle by triangle; NULL: not so */
     /* What a dispatch reads and writes, on this side. */
     struct world_ray *ray;
     struct world_hit *hit;
@@ -153,6 +155,7 @@ static void start_job(struct world_runner *runner, const struct world_job *job)
     vk_buffers_free(runner->vk, runner->buffer, WORLD_BINDINGS);
     runner->pipeline = NULL;
     runner->lists = job->query == QUERY_ALL;
+    runner->brute = NULL;
     runner->batch = WORLD_BATCH_FIRST;
 }
 
@@ -197,6 +200,23 @@ enum status world_runner_prepare_query(struct world_runner *runner, const struct
     return end_job(runner, status);
 }
 
+enum status world_runner_prepare_brute(struct world_runner *runner, const struct world_job *job,
+                                       struct reason *reason)
+{
+    const uint32_t constant[DISPATCH_CONSTANTS] = {[ABI_SPEC_WORKGROUP] = runner->workgroup,
+                                                   [ABI_SPEC_BOX] = ABI_BOX_ROBUST,
+                                                   [ABI_SPEC_TRI] = job->tri->id,
+                                                   [ABI_SPEC_QUERY] = (uint32_t)job->query,
+                                                   [ABI_SPEC_STACK] = 16};
+    const struct world_job whole = {job->world, NULL, job->box, job->tri, job->query};
+    start_job(runner, job);
+    enum status status = take_pipeline(runner, shader_find("world_brute"), constant, false, reason);
+    if (!status)
+        status = world_upload(runner->vk, &whole, runner->buffer, &runner->push, reason);
+    runner->brute = job->world;
+    return end_job(runner, status);
+}
+
 /* --- trace ------------------------------------------------------------------------------------ */
 
 static uint64_t least_of(uint64_t a, uint64_t b)
@@ -227,15 +247,50 @@ static enum status reserve(struct world_runner *runner, size_t count, uint32_t c
         array_reserve(&runner->hit, &runner->hit_room, list, sizeof *runner->hit) ||
         array_reserve(&runner->flag, &runner->flag_room, need, sizeof *runner->flag))
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for %u rays", need);
-    const uint64_t bytes[] = {[ABI_BIND_RAYS] = need * (uint64_t)RAY_BYTES,
-                              [ABI_BIND_HITS] = list * (uint64_t)HIT_BYTES,
-                              [ABI_BIND_FLAGS] = need * word};
+    const uint64_t hit_bytes = list * (uint64_t)HIT_BYTES, count_bytes = need * word;
+    const uint64_t bytes[] = {/* 0: as it is */
+                              [ABI_BIND_RAYS] = need * (uint64_t)RAY_BYTES,
+                              [ABI_BIND_HITS] = hit_bytes,
+                              [ABI_BIND_FLAGS] = need * word,
+                              [ABI_BIND_NODES] = runner->brute && !runner->lists ? hit_bytes : 0,
+                              [ABI_BIND_ITEMS] = runner->brute && runner->lists ? count_bytes : 0,
+                              [ABI_BIND_FOUND] = runner->lists ? count_bytes : 0};
     enum status status = STATUS_OK;
     for (uint32_t i = 0; i < ARRAY_COUNT(bytes) && !status; i++)
         status = vk_buffer_grow(runner->vk, bytes[i], &runner->buffer[i], reason);
-    if (!status)
-        status = vk_buffer_grow(runner->vk, runner->lists ? need * word : 0,
-                                &runner->buffer[ABI_BIND_FOUND], reason);
+    return status;
+}
+
+static void swap_buffers(struct vk_buffer **a, struct vk_buffer **b)
+{
+    struct vk_buffer *c = *a;
+    *a = *b;
+    *b = c;
+}
+
+/* Dispatches once; or, without trees, for one part of the placed triangles after the other. */
+static enum status dispatch_parts(struct world_runner *runner, uint32_t groups,
+                                  struct vk_time *time, struct reason *reason)
+{
+    struct world_push *push = &runner->push;
+    enum status status = STATUS_OK;
+    bool more = false;
+    push->last = 0;
+    time->device_clock = true;
+    do {
+        struct vk_time part = {0};
+        if (runner->brute)
+            more = world_part_next(runner->brute, push);
+        if (push->first) { /* what the part before wrote is read */
+            swap_buffers(&runner->buffer[ABI_BIND_FOUND], &runner->buffer[ABI_BIND_ITEMS]);
+            if (!runner->lists)
+                swap_buffers(&runner->buffer[ABI_BIND_HITS], &runner->buffer[ABI_BIND_NODES]);
+        }
+        status =
+            vk_dispatch(runner->vk, runner->pipeline, runner->buffer, push, groups, &part, reason);
+        time->ns += part.ns;
+        time->device_clock = time->device_clock && part.device_clock;
+    } while (!status && more);
     return status;
 }
 
@@ -302,8 +357,7 @@ static enum status trace_batch(struct world_runner *runner, const struct world_a
     runner->push.capacity = answers->capacity;
     enum status status = write_rays(runner, answers, first, count, reason);
     if (!status)
-        status = vk_dispatch(runner->vk, runner->pipeline, runner->buffer, &runner->push, groups,
-                             time, reason);
+        status = dispatch_parts(runner, groups, time, reason);
     if (!status)
         status = check_flags(runner, first, count, reason);
     return status ? status : read_hits(runner, answers, first, count, reason);

@@ -1,5 +1,5 @@
-/* Traces rays through worlds on a Vulkan device: by the shaders world_LAYOUT, for engine `vulkan`,
- * or by query_world, for engine `rayquery`. */
+/* Traces rays through worlds on a Vulkan device: by the shaders world_LAYOUT, for engine `vulkan`;
+ * by query_world, for engine `rayquery`; or by world_brute, for engine `vulkan_brute`. */
 #ifndef WORLD_RUNNER_H
 #define WORLD_RUNNER_H
 
@@ -27,6 +27,12 @@ enum status world_runner_prepare(struct world_runner *runner, const struct world
  * STATUS_UNSUPPORTED as vk_pipeline_make; STATUS_DEVICE; STATUS_MEMORY. */
 enum status world_runner_prepare_query(struct world_runner *runner, const struct world_job *job,
                                        const struct vk_accel *accel,
+                                       struct reason *reason) MUST_USE;
+
+/* The same without trees: every triangle of every instance is tested, to the bits of engine brute.
+ * The world is read again when rays are traced. Errors: STATUS_LIMIT the inverse of a transform is
+ * beyond float32, or a buffer over the device's limits; STATUS_DEVICE; STATUS_MEMORY. */
+enum status world_runner_prepare_brute(struct world_runner *runner, const struct world_job *job,
                                        struct reason *reason) MUST_USE;
 
 /* As trace_world and trace_world_all; `hit_count` NULL: the former, of capacity 1. Errors:

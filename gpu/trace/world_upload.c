@@ -16,9 +16,12 @@ struct world_places {
     uint64_t nodes, items, tris, geometries;
 };
 
-/* Tree 0 is the top. */
+/* Tree 0 is the top. Without trees, all are empty. */
 static const struct packed *tree_of(const struct world_job *job, uint32_t tree)
 {
+    static const struct packed none;
+    if (!job->packed)
+        return &none;
     return tree == 0 ? &job->packed->top : &job->packed->bottom[tree - 1];
 }
 
@@ -38,7 +41,7 @@ static void put_tree(const struct world_job *job, uint32_t tree, const struct wo
                      uint32_t *out)
 {
     const struct packed *packed = tree_of(job, tree);
-    uint32_t tris = job->packed->instance_count, geometries = 0;
+    uint32_t tris = job->world->instance_count, geometries = 0;
     if (tree > 0) {
         tris = job->world->mesh[tree - 1].scene->tri_count;
         geometries = job->world->mesh[tree - 1].geometry_count;
@@ -75,6 +78,20 @@ static void put_geometries(const struct world *world, uint32_t *at)
         }
 }
 
+/* The records of all instances, made here if no packed world has them. */
+static enum status put_records(const struct world_job *job, uint32_t *out, struct reason *reason)
+{
+    const size_t bytes = job->world->instance_count * sizeof(struct instance_record);
+    struct instance_record *made = NULL;
+    enum status status = STATUS_OK;
+    if (!job->packed)
+        status = world_records_make(job->world, &made, reason);
+    if (!status)
+        memcpy(out, job->packed ? job->packed->record : made, bytes);
+    free(made);
+    return status;
+}
+
 static enum status upload_world(struct vk *vk, const struct world_job *job,
                                 const struct world_places *places, struct vk_buffer **out,
                                 struct world_push *push, struct reason *reason)
@@ -94,10 +111,10 @@ static enum status upload_world(struct vk *vk, const struct world_job *job,
     put_filter(world, push);
     for (uint32_t i = 0; i < trees; i++)
         put_tree(job, i, &places[i], word + (size_t)QUAD_WORDS * ABI_WORLD_TREE * i);
-    memcpy(word + QUAD_WORDS * records, job->packed->record,
-           world->instance_count * sizeof *job->packed->record);
+    enum status status = put_records(job, word + QUAD_WORDS * records, reason);
     put_geometries(world, word + QUAD_WORDS * geometries);
-    enum status status = vk_buffer_make_of(vk, word, quads * ABI_WORLD_QUAD_BYTES, out, reason);
+    if (!status)
+        status = vk_buffer_make_of(vk, word, quads * ABI_WORLD_QUAD_BYTES, out, reason);
     free(word);
     return status;
 }

@@ -293,11 +293,12 @@ void embree_describe(const struct engine_options *options, char *text, size_t te
         snprintf(text, text_bytes, "no device for this processor");
         return;
     }
-    snprintf(text, text_bytes, "Embree %lld.%lld.%lld, %u threads",
+    bool masks = rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED);
+    snprintf(text, text_bytes, "Embree %lld.%lld.%lld, %u threads%s",
              (long long)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR),
              (long long)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MINOR),
              (long long)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_PATCH),
-             cpu_rays_threads(options));
+             cpu_rays_threads(options), masks ? "" : ", without masks of rays");
     rtcReleaseDevice(device);
 }
 

@@ -23,9 +23,10 @@ void embree_close(void *self);
 
 /* Worlds, for EMBREE_DEFAULT and EMBREE_ROBUST. Embree has no custom indices: those of the tags
  * come from the world. What QUERY_ANY and ABI_RAY_FIRST find is not named: triangle 0 at t = 0 with
- * tag 0. A ray that Embree may abort on in the space of some meshes does not meet their instances.
- * prepare_world returns also STATUS_UNSUPPORTED: Embree may abort on every ray through a transform
- * (the instance), unless `unguarded`. */
+ * tag 0. A ray that Embree may abort on in the space of some meshes does not meet their instances;
+ * where the library was built without masks of rays, it meets nothing. prepare_world returns also
+ * STATUS_UNSUPPORTED: Embree may abort on every ray through a transform (the instance), unless
+ * `unguarded`. */
 extern const struct world_tracer embree_worlds;
 
 void embree_describe(const struct engine_options *options, char *text, size_t text_bytes);

@@ -4,6 +4,7 @@
 #define TESTS_FAKE_ENGINES_H
 
 #include "gpu/frame/framer.h"
+#include "ref/world/world.h"
 #include "tests/gpu/fake_work.h"
 
 #include "tests/support/pictures.h"
@@ -79,6 +80,43 @@ static inline enum status engine_play(const struct engine *engine, const struct 
     engine->close(self);
     return status;
 }
+
+/* The same with a world, which is the scene in one instance, of an engine that needs no trees. */
+static inline enum status world_play(const struct engine *engine, const struct fake_stage *s,
+                                     struct reason *reason)
+{
+    const struct engine_options options = {.device = -1};
+    struct hit hit[2 * RAYS];
+    uint32_t tag[2 * RAYS], count[RAYS];
+    struct trace_report report;
+    struct world world;
+    void *self = NULL;
+    *reason = (struct reason){""};
+    enum status status = world_of_scene(&s->scene, &world, reason);
+    if (status)
+        return status;
+    struct world_job job = {.world = &world,
+                            .box = box_test_find("robust"),
+                            .tri = tri_test_find("mt"),
+                            .query = QUERY_CLOSEST};
+    status = engine->open(&options, &self, reason);
+    if (!status)
+        status = engine->worlds->prepare_world(self, &job, reason);
+    if (!status)
+        status = engine->worlds->trace_world(self, s->ray, NULL, RAYS, hit, tag, &report, reason);
+    job.query = QUERY_ALL;
+    if (!status)
+        status = engine->worlds->prepare_world(self, &job, reason);
+    if (!status)
+        status =
+            engine->worlds->trace_world_all(self, s->ray, NULL, RAYS, 2, hit, tag, count, reason);
+    engine->close(self);
+    world_free(&world);
+    return status;
+}
+
+/* Those of engine_names that world_play takes. */
+static const char *const world_names[] = {"vulkan_brute", "rayquery"};
 
 static const char *const engine_names[] = {"vulkan", "vulkan_stackless", "vulkan_brute",
                                            "rayquery"};

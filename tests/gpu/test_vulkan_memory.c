@@ -10,6 +10,7 @@ struct memory_play {
     const char *name;
     const struct engine *engine; /* NULL: a picture */
     const struct fake_stage *stage;
+    bool world; /* of the engine: its worlds */
     struct picture *picture;
     bool brute;
     enum frame_plan plan;
@@ -17,6 +18,8 @@ struct memory_play {
 
 static enum status play(const struct memory_play *play, struct reason *reason)
 {
+    if (play->world)
+        return world_play(play->engine, play->stage, reason);
     return play->engine ? engine_play(play->engine, play->stage, reason)
                         : frame_play(play->picture, play->brute, play->plan, reason);
 }
@@ -58,6 +61,11 @@ static void engines_on_a_device(void **state)
     for (size_t i = 0; i < ARRAY_COUNT(engine_names); i++)
         fail_each(&(struct memory_play){
             .name = engine_names[i], .engine = engine_find(engine_names[i]), .stage = &stage});
+    for (size_t i = 0; i < ARRAY_COUNT(world_names); i++)
+        fail_each(&(struct memory_play){.name = world_names[i],
+                                        .engine = engine_find(world_names[i]),
+                                        .stage = &stage,
+                                        .world = true});
     assert_int_equal(unsetenv("RAYDIFF_VULKAN_LIBRARY"), 0);
     stage_free(&stage);
 }

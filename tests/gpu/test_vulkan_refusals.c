@@ -241,7 +241,10 @@ static void messages_are_counted_but_for_remarks(void **state)
     assert_int_equal(vk_open(&options, &vk, &reason), STATUS_UNSUPPORTED);
 }
 
-static void fail_each_call(const struct engine *engine, const struct fake_stage *s)
+typedef enum status play_fn(const struct engine *engine, const struct fake_stage *s,
+                            struct reason *reason);
+
+static void fail_each_call(const struct engine *engine, play_fn *play, const struct fake_stage *s)
 {
     static const struct {
         VkResult result;
@@ -260,7 +263,7 @@ static void fail_each_call(const struct engine *engine, const struct fake_stage 
                 fake.result = ways[way].result;
                 if (!shared)
                     fake.device[0].base.deviceType = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU;
-                enum status status = engine_play(engine, s, &reason);
+                enum status status = play(engine, s, &reason);
                 must_be_clean(fake.failed ? fake.failed : engine->name);
                 calls = at ? calls : fake.calls;
                 if (at == 0)
@@ -281,7 +284,9 @@ static void every_call_of_an_engine_that_fails_is_a_status(void **state)
     struct fake_stage s = stage_make();
     assert_int_equal(setenv("RAYDIFF_VULKAN_LIBRARY", "", 1), 0);
     for (size_t i = 0; i < ARRAY_COUNT(engine_names); i++)
-        fail_each_call(engine_find(engine_names[i]), &s);
+        fail_each_call(engine_find(engine_names[i]), engine_play, &s);
+    for (size_t i = 0; i < ARRAY_COUNT(world_names); i++)
+        fail_each_call(engine_find(world_names[i]), world_play, &s);
     assert_int_equal(unsetenv("RAYDIFF_VULKAN_LIBRARY"), 0);
     stage_free(&s);
 }
@@ -296,6 +301,22 @@ static void all_but_one(const struct fake_dispatch *dispatch)
     memcpy(flags->byte + flags->offset + 4 * left_out, &(uint32_t){ABI_FLAG_LOOP}, 4);
 }
 
+static void assert_named(const char *name, play_fn *play, const struct fake_stage *s)
+{
+    for (left_out = 0; left_out < RAYS; left_out++) {
+        struct reason reason;
+        char text[64];
+        fake_reset();
+        fake.run = all_but_one;
+        assert_int_equal(play(engine_find(name), s, &reason), STATUS_DEVICE);
+        (void)snprintf(text, sizeof text, "ray %u was not finished: the driver ended its loop",
+                       left_out);
+        if (!strstr(reason.text, text))
+            fail_msg("%s: '%s' is not '%s'", name, reason.text, text);
+        must_be_clean(name);
+    }
+}
+
 /* Of each ray, the first and the last ones included. */
 static void ray_that_is_not_done_is_named(void **state)
 {
@@ -303,18 +324,9 @@ static void ray_that_is_not_done_is_named(void **state)
     struct fake_stage s = stage_make();
     assert_int_equal(setenv("RAYDIFF_VULKAN_LIBRARY", "", 1), 0);
     for (size_t i = 0; i < ARRAY_COUNT(engine_names); i++)
-        for (left_out = 0; left_out < RAYS; left_out++) {
-            struct reason reason;
-            char text[64];
-            fake_reset();
-            fake.run = all_but_one;
-            assert_int_equal(engine_play(engine_find(engine_names[i]), &s, &reason), STATUS_DEVICE);
-            (void)snprintf(text, sizeof text, "ray %u was not finished: the driver ended its loop",
-                           left_out);
-            if (!strstr(reason.text, text))
-                fail_msg("%s: '%s' is not '%s'", engine_names[i], reason.text, text);
-            must_be_clean(engine_names[i]);
-        }
+        assert_named(engine_names[i], engine_play, &s);
+    for (size_t i = 0; i < ARRAY_COUNT(world_names); i++)
+        assert_named(world_names[i], world_play, &s);
     assert_int_equal(unsetenv("RAYDIFF_VULKAN_LIBRARY"), 0);
     stage_free(&s);
 }

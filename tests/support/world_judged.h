@@ -173,7 +173,7 @@ static inline void judged_world(const struct engine *engine, const struct engine
 {
     struct world world;
     struct scene baked;
-    struct ray *ray;
+    struct ray *ray = NULL;
     struct reason reason = {""};
     struct pool pool = {.options = *options};
     struct match match;

@@ -113,6 +113,14 @@ static struct world two_sizes(float scale)
     return world;
 }
 
+/* Without them the library cannot keep a ray from one instance alone. */
+static bool has_masks(const struct engine *engine)
+{
+    char text[200];
+    engine->describe(&options, text, sizeof text);
+    return !strstr(text, "without masks");
+}
+
 /* Rays onto both plates, whose origin is `far` away from the one of instance 0 and whose direction
  * is `length` long. */
 static void fire_long(const struct laws *laws, const struct world *world, float scale, float far,
@@ -128,8 +136,9 @@ static void fire_long(const struct laws *laws, const struct world *world, float 
         assert_int_equal(hit, 0);
     else
         assert_true(hit == 0 || hit == ABI_NO_PRIM);
-    if (length < 1e12f)
-        assert_int_equal(laws_single(laws, other, &tag), 1);
+    uint32_t beside = laws_single(laws, other, &tag);
+    if (length < 1e12f && has_masks(laws->engine))
+        assert_int_equal(beside, 1);
 }
 
 /* A length of 1 in the world is one of 1e11 in the space of a mesh of 1e-11, where rays of 1e7
