@@ -90,9 +90,9 @@ struct world_push {
     U32 filter_kind; /* ABI_FILTER_* */
     U32 filter_seed;
     U32 filter_share;
-    U32 first; /* world_brute: placed triangles first .. last - 1 are tested, the first of which is */
-    U32 last;  /* of instance `index` */
-    U32 index;
+    U32 first; /* world_brute: placed triangles first .. last - 1 are tested */
+    U32 last;
+    U32 index; /* of the instance that triangle `first` belongs to */
 };
 ABI_SIZE(struct world_push, 44)
 

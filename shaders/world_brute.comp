@@ -2,8 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 /* Tests every triangle of every instance for every ray, as trace_world_brute and
  * trace_world_brute_all of ref/trace/trace_world.h do: one ray per invocation and one part of the
- * placed triangles per dispatch, as trace_brute.comp. Results of earlier parts are passed in buffers
- * that only trees need: best hits in that of the nodes, numbers of hits in that of the items. */
+ * placed triangles per dispatch, as trace_brute.comp. Results of earlier parts are passed in
+ * buffers that only trees need: best hits in that of the nodes, numbers of hits in that of the
+ * items. */
 #define WORLDS
 #include "job.glsl"
 
