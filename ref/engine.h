@@ -2,7 +2,6 @@
 #ifndef ENGINE_H
 #define ENGINE_H
 
-#include "ref/abi_world.h"
 #include "ref/layout.h"
 #include "ref/primitives/primitives.h"
 
@@ -36,6 +35,7 @@ struct job {
 };
 
 struct world;        /* ref/world/world.h */
+struct ray_mode;     /* ref/abi_world.h */
 struct packed_world; /* ref/two_level/packed_world.h */
 
 /* Input of a trace of a world; borrowed as a job is. */

@@ -28,6 +28,8 @@ bool match_tally_start(struct row *row, struct match_tally *out)
     if (!row->unknown)
         return true;
     out->displacement = alloc_zeroed(row->rays, sizeof *out->displacement);
+    if (row->of_world) /* what a transform rounds is more than what counts beside an edge */
+        return out->displacement != NULL;
     out->note = alloc_zeroed(row->rays, sizeof *out->note);
     return out->displacement && out->note;
 }
@@ -85,10 +87,10 @@ enum status match_tally_end(struct match_tally *tally, const struct match *match
                             enum status status)
 {
     struct row *row = tally->row;
-    if (!status && tally->note) {
+    if (!status && tally->displacement)
         match_displacements(tally->displacement, row);
+    if (!status && tally->note)
         status = match_edges_count(match->ray, tally->note, row);
-    }
     row->compared = row->rays;
     row->brute = match->brute_count < row->rays ? match->brute_count : row->rays;
     row->differences += row->bit_differences;

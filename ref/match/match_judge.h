@@ -18,7 +18,7 @@ void match_displacements(double *displacement, struct row *row);
 struct match_tally {
     struct row *row;
     double *displacement; /* of an unknown formula, or NULL */
-    uint8_t *note;        /* likewise: of match_edges_note, one per ray */
+    uint8_t *note;        /* likewise, but of scenes alone: of match_edges_note, one per ray */
 };
 
 /* Returns false without memory; match_tally_end frees it in any case. */

@@ -1,5 +1,7 @@
 #include "ref/trace/all_hits.h"
 
+#include "ref/abi_world.h"
+
 #include <stdlib.h>
 #include <string.h>
 
