@@ -40,7 +40,7 @@ $(ORACLE_TESTS): $(B)/obj/tests/exact/exact_gmp.o $(B)/obj/tests/exact/exact_gmp
     $(addprefix $(B)/obj/tests/exact/,pair_fault.o gmp_world.o world_cases.o)
 $(ORACLE_TESTS): TEST_LIBS += $(GMP_LIBS)
 BOUNDS_TESTS := $(filter $(B)/tests/test_bounds% $(B)/tests/test_judge_noise $(B)/tests/test_judge_range $(B)/tests/test_judge_unnamed,$(TESTS))
-JUDGE_WORLD_TESTS := $(filter $(B)/tests/test_judge_world% $(B)/tests/test_bounds_world,$(TESTS))
+JUDGE_WORLD_TESTS := $(filter $(B)/tests/test_judge_world% $(B)/tests/test_judge_memory $(B)/tests/test_bounds_world,$(TESTS))
 TRIAL_TESTS := $(BOUNDS_TESTS) $(B)/tests/test_judge_exact $(JUDGE_WORLD_TESTS)
 $(JUDGE_WORLD_TESTS): $(B)/obj/tests/judge/honest_world.o
 $(TRIAL_TESTS): $(addprefix $(B)/obj/tests/exact/,trials.o placed_trials.o legal.o legal_formulas.o exact_gmp.o oracle_cases.o)
@@ -58,7 +58,7 @@ $(B)/obj/tests/judge/honest_fast.o: CFLAGS += -ffast-math -ffp-contract=fast $(i
 $(B)/tests/test_adversaries: $(addprefix $(B)/obj/tests/adversaries/,cheats.o outsiders.o outsiders_table.o table.o)
 
 # Their allocations are made to fail, or measured.
-MEMORY_TESTS := $(addprefix $(B)/tests/test_,out_of_memory oracle_world_memory hits_memory hits_tagged memory vulkan_memory world_memory)
+MEMORY_TESTS := $(addprefix $(B)/tests/test_,out_of_memory judge_memory oracle_world_memory hits_memory hits_tagged memory vulkan_memory world_memory)
 $(MEMORY_TESTS): TEST_LIBS += \
     -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 

@@ -243,6 +243,35 @@ static void small_triangles_far_away_are_lost_for_less_than_their_size(void **st
     assert_true(hits > 1000);
 }
 
+static double need_of(struct judge_fixture *c, struct hit answer)
+{
+    double need = -1;
+    assert_int_equal(judge_need(c->judge, &c->ray, &c->truth, &answer, &need), STATUS_OK);
+    return need;
+}
+
+/* In units of the scene, for each query: what is answered by the distance at its t, what is lost by its nearest
+ * way out; an any-hit answer that is a hit has lost nothing. */
+static void a_need_is_a_length(void **state)
+{
+    (void)state;
+    for (enum query query = QUERY_CLOSEST; query <= QUERY_ANY; query++) {
+        struct judge_fixture *c = before();
+        judge_fixture_seat(c, unknown, query);
+        judge_fixture_ask(c, along_z(0.5f, -0.25f)); /* half a unit from the rims of both layers */
+        struct hit near = right_answer(c, 0), far = right_answer(c, 2);
+        assert_true(need_of(c, near) < 1e-6);
+        assert_true(fabs(need_of(c, far) - (query == QUERY_CLOSEST ? 0.5 : 0)) < 1e-6);
+        assert_true(fabs(need_of(c, a_miss()) - 0.5) < 1e-6);
+        near.t += 0.25f;
+        assert_true(fabs(need_of(c, near) - 0.25) < 1e-6);
+        judge_fixture_ask(c, along_z(1.25f, 0.25f)); /* a miss by a quarter */
+        assert_true(need_of(c, a_miss()) == 0);
+        assert_true(fabs(need_of(c, right_answer(c, 0)) - 0.25) < 1e-6);
+        judge_fixture_close(c);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -252,6 +281,7 @@ int main(void)
         cmocka_unit_test(a_lost_hit_needs_its_nearest_way_out),
         cmocka_unit_test(the_worst_of_several_needs_counts),
         cmocka_unit_test(small_triangles_far_away_are_lost_for_less_than_their_size),
+        cmocka_unit_test(a_need_is_a_length),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
