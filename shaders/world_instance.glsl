@@ -1,5 +1,5 @@
 /* Instances: which of them a ray meets, the ray in the space of a mesh (ref/world/object_ray.h),
- * and which of its candidates count (ref/world/world.h, ref/trace/candidate.h). */
+ * and which of its candidates count (ref/world/world.h, ref/world/candidate.h). */
 #ifndef WORLD_INSTANCE_GLSL
 #define WORLD_INSTANCE_GLSL
 

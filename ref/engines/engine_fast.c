@@ -1,21 +1,12 @@
 /* The fast traversal on all cores. Any packed tree is converted to the form of ref/fast/fast.h. */
+#include "ref/engines/fast_inner.h"
+
 #include "ref/engines/cpu_rays.h"
 #include "ref/fast/decoded.h"
-#include "ref/fast/fast.h"
 #include "ref/twin/model.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-
-#define CHUNK 64 /* rays of a thread's unit of work */
-
-struct fast {
-    struct fast_tree tree;
-    const struct fast_kernel *kernel;
-    unsigned threads;
-    bool alone;
-    enum query query;
-};
 
 static enum status fast_open(const struct engine_options *options, void **self,
                              struct reason *reason)
@@ -34,16 +25,18 @@ static enum status fast_open(const struct engine_options *options, void **self,
 static void fast_close(void *self)
 {
     struct fast *fast = self;
-    if (fast)
+    if (fast) {
         fast_free(&fast->tree);
+        fast_world_free(&fast->world);
+    }
     free(fast);
 }
 
-static enum status check_job(const struct job *job, struct reason *reason)
+enum status fast_takes_layout(const struct layout *layout, struct reason *reason)
 {
-    if (job->packed->layout->faithful)
+    if (layout->faithful)
         return fail(reason, STATUS_UNSUPPORTED, "fast has no layout that loses hits, as %s",
-                    job->packed->layout->name);
+                    layout->name);
     return STATUS_OK;
 }
 
@@ -53,7 +46,7 @@ static enum status fast_prepare(void *self, const struct job *job, struct reason
     struct bvh bvh = {.node = NULL};
     fast_free(&fast->tree);
     fast->query = job->query;
-    enum status status = check_job(job, reason);
+    enum status status = fast_takes_layout(job->packed->layout, reason);
     if (status || job->packed->node_count == 0)
         return status;
     status = fast_decode(job->packed, job->scene, &bvh, reason);
@@ -70,12 +63,12 @@ static enum status fast_trace(void *self, const struct ray *ray, size_t ray_coun
 {
     (void)reason;
     struct fast *fast = self;
-    size_t chunks = (ray_count + CHUNK - 1) / CHUNK;
+    size_t chunks = (ray_count + FAST_CHUNK - 1) / FAST_CHUNK;
     uint64_t start = time_ns();
 #pragma omp parallel for schedule(dynamic, 1) num_threads(fast->threads) if (chunks > 1)
     for (size_t i = 0; i < chunks; i++) {
-        size_t first = i * CHUNK;
-        size_t count = ray_count - first < CHUNK ? ray_count - first : CHUNK;
+        size_t first = i * FAST_CHUNK;
+        size_t count = ray_count - first < FAST_CHUNK ? ray_count - first : FAST_CHUNK;
         if (fast->tree.node_count == 0)
             for (size_t k = first; k < first + count; k++)
                 hit[k] = (struct hit){.prim = ABI_NO_PRIM};
@@ -97,7 +90,8 @@ static enum status fast_trace_all(void *self, const struct ray *ray, size_t ray_
 {
     (void)reason;
     struct fast *fast = self;
-#pragma omp parallel for schedule(dynamic, CHUNK) num_threads(fast->threads) if (ray_count > CHUNK)
+#pragma omp parallel for schedule(dynamic, FAST_CHUNK)                                             \
+    num_threads(fast->threads) if (ray_count > FAST_CHUNK)
     for (size_t i = 0; i < ray_count; i++)
         hit_count[i] = fast_all(&fast->tree, &ray[i], capacity, hit + i * capacity);
     return STATUS_OK;
@@ -127,6 +121,7 @@ const struct engine engine_fast = {
     .prepare = fast_prepare,
     .trace = fast_trace,
     .trace_all = fast_trace_all,
+    .worlds = &fast_worlds,
     .model = fast_model,
     .close = fast_close,
     .describe = fast_describe,

@@ -1,23 +1,8 @@
+#include "ref/fast/careful.h"
+
 #include "ref/fast/block.h"
-#include "ref/fast/fast.h"
-#include "ref/primitives/primitives.h"
-#include "ref/primitives/test_run.h"
 
-/* The traversal of a tree by one ray. */
-struct way {
-    const struct fast_tree *tree;
-    struct slab_ray slab;
-    struct tri_ray tri;
-    enum query query;
-    struct hit best;
-    float tbest;
-    struct hit *list; /* QUERY_ALL */
-    uint32_t capacity, found;
-    fast_read_fn *read; /* called for all that is read; or NULL */
-    void *reader;
-};
-
-static void tell(const struct way *way, const void *at, size_t bytes)
+static void tell(const struct careful *way, const void *at, size_t bytes)
 {
     if (way->read)
         way->read(way->reader, at, bytes);
@@ -34,8 +19,31 @@ static struct box decoded(const struct fast_tree *tree, const struct fast_node *
     return box;
 }
 
+/* Returns true if the ray ends at the hit. */
+static bool take(struct careful *way, const struct hit *hit, uint32_t tag)
+{
+    if (way->query == QUERY_ALL) {
+        if (way->found < way->capacity) {
+            way->list[way->found] = *hit;
+            if (way->tags)
+                way->tags[way->found] = tag;
+        }
+        way->found++;
+        return false;
+    }
+    way->best = *hit;
+    way->tag = tag;
+    way->tbest = hit->t;
+    return way->query == QUERY_ANY;
+}
+
+static bool is_nearer(const struct careful *way, const struct hit *hit)
+{
+    return way->query == QUERY_ALL || way->best.prim == ABI_NO_PRIM || hit->t < way->best.t;
+}
+
 /* Returns true if the traversal is finished. */
-static bool visit_leaf(struct way *way, uint32_t ref)
+static bool visit_leaf(struct careful *way, uint32_t ref)
 {
     const uint32_t *word = way->tree->block + (ref & (FAST_LEAF_WORDS - 1));
     uint32_t vertices = (ref >> FAST_LEAF_COUNT & 15u) + 1;
@@ -43,29 +51,23 @@ static bool visit_leaf(struct way *way, uint32_t ref)
     for (uint32_t i = 0; i < BLOCK_TRIS; i++) {
         float v[3][3];
         struct hit hit;
+        uint32_t tag = 0;
         for (int c = 0; c < 3; c++)
             block_corner(word, vertices, i, c, v[c]);
-        if (!tri_test_run(ABI_TRI_WOOP, &way->tri, v, &hit))
+        if (!tri_test_run(ABI_TRI_WOOP, &way->tri, v, &hit) || !is_nearer(way, &hit))
             continue;
         hit.prim = block_prim(word, vertices, i);
-        if (way->query == QUERY_ALL) {
-            if (way->found < way->capacity)
-                way->list[way->found] = hit;
-            way->found++;
+        if (way->in && !candidate_counts(way->in, way->tri.d, &hit, &tag))
             continue;
-        }
-        if (way->best.prim != ABI_NO_PRIM && !(hit.t < way->best.t))
-            continue;
-        way->best = hit;
-        way->tbest = hit.t;
-        tell(way, &word[BLOCK_CORNERS + 3 * vertices + i], sizeof *word);
-        if (way->query == QUERY_ANY)
+        if (way->query != QUERY_ALL)
+            tell(way, &word[BLOCK_CORNERS + 3 * vertices + i], sizeof *word);
+        if (take(way, &hit, tag))
             return true;
     }
     return false;
 }
 
-static void walk(struct way *way)
+static void walk(struct careful *way)
 {
     const struct fast_tree *tree = way->tree;
     uint32_t ref[FAST_STACK + FAST_WIDTH];
@@ -78,7 +80,7 @@ static void walk(struct way *way)
         if (entry[depth] > way->tbest)
             continue;
         if (now & FAST_LEAF) {
-            if (visit_leaf(way, now))
+            if (way->leaf(way, now))
                 return;
             continue;
         }
@@ -101,41 +103,52 @@ static void walk(struct way *way)
     }
 }
 
-/* Traverses the tree. The caller has set the members `list`, `capacity`, `read` and `reader`. */
-static void start(struct way *way, const struct fast_tree *tree, const struct ray *ray,
-                  enum query query)
+void careful_walk(struct careful *way, const struct fast_tree *tree, const struct ray *ray)
 {
     way->tree = tree;
     way->slab = slab_ray_make(ray);
     way->tri = tri_ray_make(ray);
-    way->query = query;
-    way->best = (struct hit){.prim = ABI_NO_PRIM};
-    way->tbest = ray->tmax;
     if (tree->node_count == 0)
         return;
     slab_ray_place(&way->slab, &tree->bounds);
     walk(way);
 }
 
+/* The best hit of a ray through one tree, or its list. */
+static void trace(struct careful *way, const struct fast_tree *tree, const struct ray *ray,
+                  enum query query)
+{
+    careful_start(way, ray, query);
+    careful_walk(way, tree, ray);
+}
+
+void careful_start(struct careful *way, const struct ray *ray, enum query query)
+{
+    way->leaf = visit_leaf;
+    way->query = query;
+    way->best = (struct hit){.prim = ABI_NO_PRIM};
+    way->tbest = ray->tmax;
+}
+
 void fast_careful(const struct fast_tree *tree, const struct ray *ray, bool any, struct hit *hit)
 {
-    struct way way = {.list = NULL};
-    start(&way, tree, ray, any ? QUERY_ANY : QUERY_CLOSEST);
+    struct careful way = {.list = NULL};
+    trace(&way, tree, ray, any ? QUERY_ANY : QUERY_CLOSEST);
     *hit = way.best;
 }
 
 void fast_watched(const struct fast_tree *tree, const struct ray *ray, bool any, fast_read_fn *read,
                   void *reader, struct hit *hit)
 {
-    struct way way = {.read = read, .reader = reader};
-    start(&way, tree, ray, any ? QUERY_ANY : QUERY_CLOSEST);
+    struct careful way = {.read = read, .reader = reader};
+    trace(&way, tree, ray, any ? QUERY_ANY : QUERY_CLOSEST);
     *hit = way.best;
 }
 
 uint32_t fast_all(const struct fast_tree *tree, const struct ray *ray, uint32_t capacity,
                   struct hit *hit)
 {
-    struct way way = {.list = hit, .capacity = capacity};
-    start(&way, tree, ray, QUERY_ALL);
+    struct careful way = {.list = hit, .capacity = capacity};
+    trace(&way, tree, ray, QUERY_ALL);
     return way.found;
 }

@@ -85,11 +85,13 @@ static uint64_t count_words(const struct wide_tree *wide, const struct bvh *bvh,
     return words;
 }
 
-static uint32_t add_block(struct fast_tree *tree, const uint32_t *prim, uint32_t count,
-                          const struct scene *scene)
+static uint32_t add_leaf(struct fast_tree *tree, const uint32_t *prim, uint32_t count,
+                         const struct scene *scene, bool items)
 {
     struct block block;
     uint32_t first = (uint32_t)tree->block_words;
+    if (items)
+        return FAST_LEAF | prim[0];
     (void)block_make(scene, prim, count, &block); /* fits: checked by leaf_cost */
     block_write(&block, tree->block + first);
     tree->block_words += block_words(&block);
@@ -97,7 +99,7 @@ static uint32_t add_block(struct fast_tree *tree, const uint32_t *prim, uint32_t
 }
 
 static void fill_node(struct fast_tree *tree, const struct wide_tree *wide, uint32_t index,
-                      const struct bvh *bvh, const struct scene *scene)
+                      const struct bvh *bvh, const struct scene *scene, bool items)
 {
     struct fast_node node = {.ref = {0}};
     for (uint32_t i = 0; i < FAST_WIDTH; i++) {
@@ -111,8 +113,9 @@ static void fill_node(struct fast_tree *tree, const struct wide_tree *wide, uint
             node.bound[0][k][i] = code_down(tree, k, child->bounds.lo[k]);
             node.bound[1][k][i] = code_up(tree, k, child->bounds.hi[k]);
         }
-        node.ref[i] = child->count ? add_block(tree, bvh->prim + child->first, child->count, scene)
-                                   : child->first;
+        node.ref[i] = child->first;
+        if (child->count)
+            node.ref[i] = add_leaf(tree, bvh->prim + child->first, child->count, scene, items);
     }
     tree->node[index] = node;
 }
@@ -138,9 +141,9 @@ static void *alloc_pages(uint64_t bytes)
 }
 
 static enum status fill(struct fast_tree *tree, const struct wide_tree *wide, const struct bvh *bvh,
-                        const struct scene *scene, struct reason *reason)
+                        const struct scene *scene, bool items, struct reason *reason)
 {
-    uint64_t words = count_words(wide, bvh, scene);
+    uint64_t words = items ? 0 : count_words(wide, bvh, scene);
     if (wide->stack_need > FAST_STACK)
         return fail(reason, STATUS_LIMIT,
                     "fast: the traversal stack holds %u entries, this tree needs %u; use another "
@@ -159,28 +162,41 @@ static enum status fill(struct fast_tree *tree, const struct wide_tree *wide, co
     tree->node_count = wide->node_count;
     tree->stack_need = wide->stack_need;
     for (uint32_t i = 0; i < wide->node_count; i++)
-        fill_node(tree, wide, i, bvh, scene);
+        fill_node(tree, wide, i, bvh, scene, items);
     tree->in_pairs = fast_bytes(tree) >> 20 >= FAST_PAIRS;
     return STATUS_OK;
+}
+
+static enum status make(const struct bvh *bvh, const struct scene *scene,
+                        const struct wide_rule *rule, struct fast_tree *out, struct reason *reason)
+{
+    struct wide_tree wide;
+    *out = (struct fast_tree){.node = NULL};
+    enum status status = wide_tree_make(bvh, scene, rule, &wide, reason);
+    if (!status && wide.node_count > 0)
+        status = fill(out, &wide, bvh, scene, rule->leaf_most == 1, reason);
+    wide_tree_free(&wide);
+    if (status)
+        fast_free(out);
+    return status;
 }
 
 enum status fast_make(const struct bvh *bvh, const struct scene *scene, struct fast_tree *out,
                       struct reason *reason)
 {
-    struct wide_rule rule = {.width = FAST_WIDTH,
-                             .leaf_most = BLOCK_TRIS,
-                             .node_cost = 1,
-                             .leaf_cost = leaf_cost,
-                             .self = &scene};
-    struct wide_tree wide;
-    *out = (struct fast_tree){.node = NULL};
-    enum status status = wide_tree_make(bvh, scene, &rule, &wide, reason);
-    if (!status && wide.node_count > 0)
-        status = fill(out, &wide, bvh, scene, reason);
-    wide_tree_free(&wide);
-    if (status)
-        fast_free(out);
-    return status;
+    const struct wide_rule rule = {.width = FAST_WIDTH,
+                                   .leaf_most = BLOCK_TRIS,
+                                   .node_cost = 1,
+                                   .leaf_cost = leaf_cost,
+                                   .self = &scene};
+    return make(bvh, scene, &rule, out, reason);
+}
+
+enum status fast_make_items(const struct bvh *bvh, const struct scene *items, struct fast_tree *out,
+                            struct reason *reason)
+{
+    const struct wide_rule rule = {.width = FAST_WIDTH, .leaf_most = 1, .node_cost = 1};
+    return make(bvh, items, &rule, out, reason);
 }
 
 void fast_free(struct fast_tree *tree)

@@ -47,6 +47,12 @@ struct fast_tree {
 enum status fast_make(const struct bvh *bvh, const struct scene *scene, struct fast_tree *out,
                       struct reason *reason) MUST_USE;
 
+/* The same for items that are not triangles, each in a leaf of its own: its reference is FAST_LEAF
+ * and the item's number, below 2^31. There are no blocks.
+ *   items  triangles with the items' bounds, which are of the same numbers */
+enum status fast_make_items(const struct bvh *bvh, const struct scene *items, struct fast_tree *out,
+                            struct reason *reason) MUST_USE;
+
 void fast_free(struct fast_tree *tree);
 
 /* Bytes of nodes and blocks. */
@@ -54,6 +60,9 @@ static inline uint64_t fast_bytes(const struct fast_tree *tree)
 {
     return sizeof(struct fast_node) * (uint64_t)tree->node_count + 4 * tree->block_words;
 }
+
+struct fast_world;
+struct ray_mode;
 
 /* The traversal for one kind of processor. Closest hits are the same in all kernels, except where
  * several triangles are hit at the same t. Any-hit queries may find different hits. */
@@ -63,6 +72,10 @@ struct fast_kernel {
     void (*closest)(const struct fast_tree *tree, const struct ray *ray, size_t count,
                     struct hit *hit);
     void (*any)(const struct fast_tree *tree, const struct ray *ray, size_t count, struct hit *hit);
+    /* Traces rays through a world (ref/fast/fast_world.h); hits and tags as those of
+     * trace_world_ray (ref/trace/trace_world.h). `mode` may be NULL: ray_mode_all() for all. */
+    void (*world)(const struct fast_world *fast, const struct ray *ray, const struct ray_mode *mode,
+                  size_t count, bool any, struct hit *hit, uint32_t *tag);
 };
 
 /* NULL-terminated, fastest first. The last one runs everywhere. */

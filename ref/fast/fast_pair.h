@@ -56,7 +56,7 @@ INLINE bool step(struct walker *w, const struct fast_tree *tree, bool any)
     if (!(at.now & FAST_LEAF)) {
         if (descend(&w->r, tree, any, &w->stack, &at))
             goto go_on;
-    } else if (visit_leaf(&w->r, tree, any, &w->best, &at)) {
+    } else if (visit_leaf(&w->r, tree, any, NULL, NULL, &w->best, &at)) {
         return false;
     }
     if (!pop(&w->r, any, &w->stack, &at))

@@ -77,6 +77,6 @@ static bool runs(void)
            __builtin_cpu_supports("bmi2");
 }
 
-const struct fast_kernel fast_avx2 = {"avx2", runs, closest, any_hit};
+const struct fast_kernel fast_avx2 = {"avx2", runs, closest, any_hit, trace_world};
 
 #endif

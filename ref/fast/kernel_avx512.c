@@ -111,6 +111,6 @@ static bool runs(void)
            __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
 }
 
-const struct fast_kernel fast_avx512 = {"avx512", runs, closest, any_hit};
+const struct fast_kernel fast_avx512 = {"avx512", runs, closest, any_hit, trace_world};
 
 #endif

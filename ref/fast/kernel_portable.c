@@ -115,4 +115,4 @@ static bool runs(void)
     return true;
 }
 
-const struct fast_kernel fast_portable = {"portable", runs, closest, any_hit};
+const struct fast_kernel fast_portable = {"portable", runs, closest, any_hit, trace_world};

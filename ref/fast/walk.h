@@ -12,6 +12,8 @@
 #include "ref/fast/fast.h"
 
 #include "ref/fast/block.h"
+#include "ref/fast/fast_world.h"
+#include "ref/world/candidate.h"
 
 #include <string.h>
 
@@ -189,9 +191,30 @@ INLINE void keep(struct walk_best *best, uint32_t in, float8 t)
     best->t = at[lane];
 }
 
+/* Returns those of the triangles in `in` that count as hits; `inside` is the ray in the instance.
+ * */
+INLINE uint32_t admitted(const struct instance_at *at, const struct ray *inside,
+                         const struct walk_best *hits, const uint32_t *block, uint32_t n,
+                         uint32_t in, float8 t)
+{
+    float all[8];
+    memcpy(all, &t, sizeof all);
+    for (uint32_t rest = in; rest; rest &= rest - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(rest), tag;
+        struct hit hit = {all[i], hits->v[i] / hits->det[i], hits->w[i] / hits->det[i],
+                          block_prim(block, n, i)};
+        if (!candidate_counts(at, inside->dir, &hit, &tag))
+            in &= ~(1u << i);
+    }
+    return in;
+}
+
 /* Tests all triangles of a leaf with the operations of tri_woop; each vertex is translated and
- * sheared once. Returns true if a triangle is hit nearer than the best hit. */
+ * sheared once. Returns true if a triangle is hit nearer than the best hit, of a world one that
+ * counts.
+ *   at   the instance that the ray is in, and `inside` the ray there; NULL: all triangles count */
 INLINE bool test_leaf(const struct walk_ray *r, const struct fast_tree *tree, uint32_t leaf,
+                      const struct instance_at *at, const struct ray *inside,
                       struct walk_best *best)
 {
     const uint32_t *block = tree->block + (leaf & (FAST_LEAF_WORDS - 1));
@@ -217,6 +240,15 @@ INLINE bool test_leaf(const struct walk_ray *r, const struct fast_tree *tree, ui
     in &= not_above(r->tmin, t) & less(t, r->tbest);
     if (in == 0)
         return false;
+    if (at) {
+        struct walk_best hits;
+        memcpy(hits.v, &w1, sizeof hits.v);
+        memcpy(hits.w, &w2, sizeof hits.w);
+        memcpy(hits.det, &det, sizeof hits.det);
+        in = admitted(at, inside, &hits, block, n, in, t);
+        if (in == 0)
+            return false;
+    }
     keep(best, in, t);
     memcpy(best->v, &w1, sizeof best->v);
     memcpy(best->w, &w2, sizeof best->w);
@@ -255,11 +287,12 @@ INLINE bool descend(const struct walk_ray *r, const struct fast_tree *tree, bool
     return true;
 }
 
-/* Returns true if the traversal is finished. */
+/* Returns true if the traversal is finished. `in` and `inside` as test_leaf's. */
 INLINE bool visit_leaf(struct walk_ray *r, const struct fast_tree *tree, bool any,
+                       const struct instance_at *in, const struct ray *inside,
                        struct walk_best *best, const struct walk_place *at)
 {
-    if (!test_leaf(r, tree, at->now, best))
+    if (!test_leaf(r, tree, at->now, in, inside, best))
         return false;
     if (!any)
         narrow(r, best->t);
@@ -279,24 +312,32 @@ INLINE bool pop(const struct walk_ray *r, bool any, const struct walk_stack *sta
     return true;
 }
 
+/* Traverses a tree from its root. */
+INLINE void walk_tree(struct walk_ray *r, const struct fast_tree *tree, bool any,
+                      const struct instance_at *in, const struct ray *inside,
+                      struct walk_best *best)
+{
+    struct walk_stack stack;
+    struct walk_place at = {0, 0};
+    do {
+        while (!(at.now & FAST_LEAF))
+            if (!descend(r, tree, any, &stack, &at))
+                goto missed;
+        if (visit_leaf(r, tree, any, in, inside, best, &at))
+            break;
+    missed:;
+    } while (pop(r, any, &stack, &at));
+}
+
 INLINE void walk(const struct fast_tree *tree, const struct ray *ray, bool any, struct hit *hit)
 {
     struct walk_ray r;
     struct walk_best best = {.block = NULL, .lane = 0};
-    struct walk_stack stack;
-    struct walk_place at = {0, 0};
     if (!prepare(&r, tree, ray)) {
         fast_careful(tree, ray, any, hit);
         return;
     }
-    do {
-        while (!(at.now & FAST_LEAF))
-            if (!descend(&r, tree, any, &stack, &at))
-                goto missed;
-        if (visit_leaf(&r, tree, any, &best, &at))
-            break;
-    missed:;
-    } while (pop(&r, any, &stack, &at));
+    walk_tree(&r, tree, any, NULL, NULL, &best);
     write_hit(&best, hit);
 }
 
@@ -323,3 +364,5 @@ KERNEL_TARGET static void any_hit(const struct fast_tree *tree, const struct ray
 {
     walk_many(tree, ray, count, true, hit);
 }
+
+#include "ref/fast/walk_world.h"

@@ -37,31 +37,58 @@ static bool scene_in_contract(const struct scene *scene, float largest[3])
     return in_contract;
 }
 
-/* The transforms, and whether coordinates are in contract in every mesh and in the world. */
+/* The transform of one instance, and whether its coordinates are in contract in the world.
+ *   largest  of its mesh */
+static enum status make_place(struct judge *judge, uint32_t i, const float largest[3],
+                              struct reason *reason)
+{
+    const struct instance *instance = &judge->world->instance[i];
+    struct reason why = {""};
+    if (twin_place_of(instance, &judge->place[i], &why))
+        return fail(reason, STATUS_LIMIT, "instance %u: %s", i, why.text);
+    for (int k = 0; k < 3; k++) {
+        double reach = fabs((double)instance->m[k][3]);
+        for (int j = 0; j < 3; j++)
+            reach += fabs((double)instance->m[k][j]) * (double)largest[j];
+        judge->in_contract = judge->in_contract && reach <= (double)LARGEST_COORDINATE;
+    }
+    return STATUS_OK;
+}
+
+/* The transforms, and whether coordinates are in contract in every mesh that is placed, and in the
+ * world. */
 static enum status make_places(struct judge *judge, struct reason *reason)
 {
     const struct world *world = judge->world;
-    struct reason why = {""};
+    struct mesh_size {
+        bool known;
+        float largest[3];
+    } *size = alloc_zeroed(world->mesh_count, sizeof *size);
+    enum status status = STATUS_OK;
     judge->place = alloc_zeroed(world->instance_count, sizeof *judge->place);
-    if (!judge->place)
-        return fail(reason, STATUS_MEMORY, "no memory for a judge");
-    for (uint32_t i = 0; i < world->instance_count; i++) {
-        const struct instance *instance = &world->instance[i];
-        float largest[3] = {0.0f, 0.0f, 0.0f};
-        if (instance->mesh == WORLD_NO_MESH || world_scene(world, i)->tri_count == 0)
+    if (!size || !judge->place)
+        status = fail(reason, STATUS_MEMORY, "no memory for a judge");
+    for (uint32_t i = 0; i < world->instance_count && !status; i++) {
+        uint32_t mesh = world->instance[i].mesh;
+        if (mesh == WORLD_NO_MESH || world_scene(world, i)->tri_count == 0)
             continue;
-        if (twin_place_of(instance, &judge->place[i], &why))
-            return fail(reason, STATUS_LIMIT, "instance %u: %s", i, why.text);
-        judge->in_contract =
-            judge->in_contract && scene_in_contract(world_scene(world, i), largest);
-        for (int k = 0; k < 3; k++) {
-            double reach = fabs((double)instance->m[k][3]);
-            for (int j = 0; j < 3; j++)
-                reach += fabs((double)instance->m[k][j]) * (double)largest[j];
-            judge->in_contract = judge->in_contract && reach <= (double)LARGEST_COORDINATE;
-        }
+        struct mesh_size *of = &size[mesh];
+        if (!of->known && !scene_in_contract(world_scene(world, i), of->largest))
+            judge->in_contract = false;
+        of->known = true;
+        status = make_place(judge, i, of->largest, reason);
     }
-    return STATUS_OK;
+    free(size);
+    return status;
+}
+
+/* Boxes of instances, where there are too many triangles to look at each. */
+static enum status make_boxes(struct judge *judge, struct reason *reason)
+{
+    if (!judge->model.any_unnamed || judge->query != QUERY_ANY ||
+        judge->tri_count <= JUDGE_ALL_MOST)
+        return STATUS_OK;
+    return world_boxes_make(judge->world, WORLD_BOXES_OF_CORNERS, &judge->box, reason);
 }
 
 static enum status make_lazy(struct judge *judge, struct reason *reason)
@@ -105,6 +132,8 @@ enum status judge_make(const struct oracle *oracle, const struct model *model, e
         model->watertight && model->formula == TWIN_WOOP && rounding_is_nearest(model->rounding);
     judge->in_contract = judge->world || scene_in_contract(judge->scene, judge->largest);
     enum status status = judge->world ? make_places(judge, reason) : STATUS_OK;
+    if (!status && judge->world)
+        status = make_boxes(judge, reason);
     if (!status)
         status = make_lazy(judge, reason);
     if (status) {
@@ -138,6 +167,7 @@ void judge_free(struct judge *judge)
         return;
     if (judge->lazy)
         free_lazy(judge->lazy);
+    free(judge->box);
     free(judge->place);
     free(judge);
 }

@@ -6,6 +6,7 @@
 #include "ref/judge/ray_triangle.h"
 #include "ref/scene/topology.h"
 #include "ref/twin/twin_placed.h"
+#include "ref/world/world_boxes.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -36,8 +37,13 @@ struct judge {
     float largest[3];    /* |coordinate| per axis of the scene */
     double beyond;       /* worlds: share of an end of the range that an engine's t may lie beyond
                             it, since it compares before it divides (judge_noise.c) */
+    struct box *box;     /* of each instance; NULL: all triangles are looked at */
     struct judge_lazy *lazy;
 };
+
+/* Of worlds of more triangles an any-hit answer without a name is looked for only in instances that
+ * the ray comes near to: see judge_unnamed.c. */
+#define JUDGE_ALL_MOST (1u << 20)
 
 /* Share of its bound by which a twin's near-exact u or v may be off, with room to spare. */
 #define JUDGE_SHARE 0x1p-20

@@ -1,6 +1,7 @@
 /* Any-hit answers that are a hit and name no triangle: where nothing is exactly hit the formula
  * must be able to accept some triangle. All are tested, since rounding may find one that the ray
- * passes far beside: in the plane of a triangle every sign is open. */
+ * passes far beside: in the plane of a triangle every sign is open. Only in large worlds are those
+ * left out whose instance is far. */
 #include "ref/judge/judge_inner.h"
 
 #include <math.h>
@@ -153,19 +154,64 @@ static bool possible_by_distance(const struct judge *judge, const struct ray *ra
 
 /* --- worlds, where no formula is known that answers so ---------------------------------------- */
 
+/* Whether the ray's line passes a box, widened by NEAR of the largest coordinate. The allowances of
+ * ref/judge/judge_distance.c are below that, but for triangles that the line lies in the plane of
+ * and which it passes far beside. No tracer of JUDGE_ALL_MOST triangles tests those, since it has
+ * boxes itself. */
+#define NEAR 0x1p-6
+
+static bool comes_near(const struct ray *ray, const struct box *box)
+{
+    double size = 0, from = -INFINITY, to = INFINITY;
+    if (!(box->lo[0] <= box->hi[0]))
+        return false; /* of an instance that no ray meets */
+    for (int k = 0; k < 3; k++) {
+        double most = fmax(fabs((double)box->lo[k]), fabs((double)box->hi[k]));
+        size = fmax(size, fmax(most, fabs((double)ray->org[k])));
+    }
+    for (int k = 0; k < 3; k++) {
+        double d = (double)ray->dir[k], lo = (double)box->lo[k] - NEAR * size - (double)ray->org[k];
+        double hi = (double)box->hi[k] + NEAR * size - (double)ray->org[k];
+        if (d == 0 && (lo > 0 || hi < 0))
+            return false;
+        if (d == 0)
+            continue;
+        from = fmax(from, fmin(lo / d, hi / d));
+        to = fmin(to, fmax(lo / d, hi / d));
+    }
+    return from <= to;
+}
+
+/* What is found where nothing is exactly hit. */
+struct world_look {
+    bool ill, possible;
+    double least;
+};
+
+static void look_into(const struct judge *judge, const struct ray *ray, uint32_t instance,
+                      struct world_look *look)
+{
+    const uint32_t *first = judge->world->first;
+    for (uint32_t prim = first[instance]; prim < first[instance + 1] && !look->possible; prim++) {
+        if (!judge_may_count(judge, ray, prim))
+            continue;
+        bool takes = judge_takes(judge, ray, prim);
+        look->ill = look->ill || !takes;
+        look->possible = takes && judge_may_be_hit(judge, ray, prim);
+        if (look->possible)
+            look->least = displacement_of(judge, ray, prim);
+    }
+}
+
 /* Where nothing is exactly hit: what may be, one by one. */
 static void judge_in_world(const struct judge *judge, const struct ray *ray, struct judgement *out)
 {
-    bool ill = false, possible = false;
-    double least = INFINITY;
-    for (uint32_t prim = 0; prim < judge->tri_count && !possible; prim++) {
-        if (!judge_may_count(judge, ray, prim))
-            continue;
-        ill = ill || !judge_takes(judge, ray, prim);
-        possible = judge_takes(judge, ray, prim) && judge_may_be_hit(judge, ray, prim);
-        if (possible)
-            least = displacement_of(judge, ray, prim);
-    }
+    struct world_look look = {.least = INFINITY};
+    for (uint32_t i = 0; i < judge->world->instance_count && !look.possible; i++)
+        if (!judge->box || comes_near(ray, &judge->box[i]))
+            look_into(judge, ray, i, &look);
+    bool ill = look.ill, possible = look.possible;
+    double least = look.least;
     if (possible) {
         out->verdict = VERDICT_BOUNDARY;
         out->displacement = isfinite(least) ? least : 0.0;

@@ -3,7 +3,7 @@
 #ifndef TRACE_WALK_H
 #define TRACE_WALK_H
 
-#include "ref/trace/candidate.h"
+#include "ref/world/candidate.h"
 #include "ref/trace/trace.h"
 #include "ref/primitives/test_run.h"
 #include "ref/store.h"

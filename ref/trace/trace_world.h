@@ -19,7 +19,7 @@
  *   culled (world_culls) nor, if it is not opaque (world_is_opaque), passed over by the filter
  *   (filter_passes); otherwise it changes nothing.
  *
- *   Facing is the sign of candidate_side (ref/trace/candidate.h) of the transformed direction; 0
+ *   Facing is the sign of candidate_side (ref/world/candidate.h) of the transformed direction; 0
  *   and NaN, which arise only by rounding, count as positive.
  * The ray ends at the first hit of QUERY_ANY, and so it does of QUERY_CLOSEST with ABI_RAY_FIRST.
  *   out     prim is the number of the placed triangle

@@ -250,8 +250,8 @@ static double need_of(struct judge_fixture *c, struct hit answer)
     return need;
 }
 
-/* In units of the scene, for each query: what is answered by the distance at its t, what is lost by its nearest
- * way out; an any-hit answer that is a hit has lost nothing. */
+/* In units of the scene, for each query: what is answered by the distance at its t, what is lost by
+ * its nearest way out; an any-hit answer that is a hit has lost nothing. */
 static void a_need_is_a_length(void **state)
 {
     (void)state;

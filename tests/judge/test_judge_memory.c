@@ -1,5 +1,6 @@
-/* Memory that runs out while answers are judged: each allocation in turn fails. It is an error wherever it is,
- * what could not be judged is not called right, and the same judge gives the same judgement the next time. */
+/* Memory that runs out while answers are judged: each allocation in turn fails. It is an error
+ * wherever it is, what could not be judged is not called right, and the same judge gives the same
+ * judgement the next time. */
 #include "tests/support/allocations.h"
 
 #include "ref/judge/judge_all.h"

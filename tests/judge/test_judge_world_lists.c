@@ -1,5 +1,6 @@
 /* Lies about worlds in lists of all hits, and of a tracer whose formula is not known. */
 #include "ref/judge/judge_inner.h"
+#include "scenes/scenes.h"
 #include "tests/judge/honest_world.h"
 
 #include <stdio.h>
@@ -236,6 +237,49 @@ static void a_hit_without_a_triangle_must_be_possible(void **state)
     assert_true(phantom > 50 && hidden > 20 && excused > 0);
 }
 
+/* In a world of more triangles than are all looked at, flat grids side by side: a hit one unit in
+ * the last place beside a grid is excused in every instance, and one between two grids in none. */
+static void large_worlds_are_looked_into_near_the_ray(void **state)
+{
+    (void)state;
+    enum { GRIDS = 9, SIDE = 250 };
+    const struct model model = {.formula = TWIN_UNKNOWN, .any_unnamed = true};
+    struct world world = {.mesh_count = 1, .instance_count = GRIDS};
+    struct judged_world w;
+    struct judge *judge;
+    world.mesh = calloc(1, sizeof *world.mesh);
+    world.instance = calloc(GRIDS, sizeof *world.instance);
+    world.mesh[0] =
+        (struct world_mesh){calloc(1, sizeof(struct scene)), calloc(1, sizeof(struct geometry)), 1};
+    assert_int_equal(scene_open("grid:n=250,height=0", 1, world.mesh[0].scene, NULL), STATUS_OK);
+    world.mesh[0].geometry[0] = (struct geometry){0, world.mesh[0].scene->tri_count, true};
+    struct box box = scene_bounds(world.mesh[0].scene);
+    for (int i = 0; i < GRIDS; i++)
+        world.instance[i] = (struct instance){
+            .m = {{1, 0, 0, (float)(2 * SIDE * i)}, {0, 1, 0, 0}, {0, 0, 1, 0}}, .mask = 0xFF};
+    assert_int_equal(world_finish(&world, NULL), STATUS_OK);
+    assert_true(world_tri_count(&world) > JUDGE_ALL_MOST);
+    judged_world_of(world, &w);
+    assert_int_equal(judge_make(w.oracle, &model, QUERY_ANY, &judge, NULL), STATUS_OK);
+    for (int i = 0; i < 2 * GRIDS; i++) {
+        float at = box.hi[0] + (float)(2 * SIDE * (i / 2)),
+              x = i % 2 ? at + 0.25f * SIDE : nextafterf(at, INFINITY);
+        struct lying l = {
+            .w = &w,
+            .judge = judge,
+            .ray = {{x, 0.5f * (box.lo[1] + box.hi[1]) + 0.25f, -1000}, 0, {0, 0, 1}, 1e4f},
+            .mode = ray_mode_all()};
+        const struct hit says_hit = {.prim = 0};
+        l.truth = judged_world_truth(&w, &l.ray, l.mode);
+        assert_int_equal(l.truth.prim, ABI_NO_PRIM);
+        struct judgement j = judged(&l, &says_hit, 0);
+        assert_int_equal(j.verdict, i % 2 ? VERDICT_WRONG : VERDICT_BOUNDARY);
+        assert_int_equal(j.wrong, i % 2 ? WRONG_PHANTOM : WRONG_NOT);
+    }
+    judge_free(judge);
+    judged_world_free(&w);
+}
+
 /* --- contract --------------------------------------------------------------------------------- */
 
 /* One triangle across the x axis, sheared so little that the direction of the ray along that axis
@@ -285,6 +329,7 @@ int main(void)
         cmocka_unit_test(every_kind_of_lie_is_found_in_lists),
         cmocka_unit_test(nothing_of_it_is_excused_of_a_black_box),
         cmocka_unit_test(a_hit_without_a_triangle_must_be_possible),
+        cmocka_unit_test(large_worlds_are_looked_into_near_the_ray),
         cmocka_unit_test(out_of_contract_in_an_instance_is_not_judged),
     };
     return cmocka_run_group_tests_name("judge_world_lists", tests, NULL, NULL) ? 1 : 0;

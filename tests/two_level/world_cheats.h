@@ -6,7 +6,7 @@
 
 #include "ref/engines/cpu_rays.h"
 #include "ref/primitives/test_run.h"
-#include "ref/trace/candidate.h"
+#include "ref/world/candidate.h"
 #include "ref/two_level/packed_world.h"
 #include "ref/world/object_ray.h"
 
