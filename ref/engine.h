@@ -45,6 +45,9 @@ struct world_job {
     const struct box_test *box;
     const struct tri_test *tri;
     enum query query;
+    /* Rays have no flags and are not listed: where the filter passes all, an engine needs to test
+     * no candidate. */
+    bool bare;
 };
 
 /* True if a watertight triangle test stays watertight in the job's tree. That takes two conditions.

@@ -12,9 +12,9 @@
 #include <string.h>
 
 static const struct benchmark *const benchmarks[] = {
-    &bench_layouts, &bench_error,     &bench_spawn, &bench_builders, &bench_oracle,
-    &bench_fuzz,    &bench_frames,    &bench_paper, &bench_special,  &bench_fast,
-    &bench_matrix,  &bench_tightness, NULL};
+    &bench_layouts, &bench_error, &bench_spawn,   &bench_builders, &bench_oracle, &bench_fuzz,
+    &bench_frames,  &bench_paper, &bench_special, &bench_fast,     &bench_matrix, &bench_tightness,
+    &bench_worlds,  NULL};
 
 /* Prints "takes --a --b ..." and breaks the lines before column 80. */
 static void print_takes(const char *takes)
@@ -85,6 +85,8 @@ static const struct option_row all_rows[] = {
      .repeats = true},
     {"count", "N", "rays per trace, 1 or more", OF_COUNT(ray_count, 1, 1u << 28),
      .shown = "the benchmark's own"},
+    {"instances", "N", "of the mesh in a world", OF_COUNT(instances, 1, 1u << 20),
+     .shown = "100000"},
     {"rounds", "N", "measurements of each", OF_COUNT(rounds, 1, BENCH_ROUNDS), .value = "9"},
     {"csv", "FILE", "all rows, for machines; '-': the standard output, alone", OF_DATA(csv_path)},
     {0},

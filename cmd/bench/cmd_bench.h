@@ -27,6 +27,7 @@ struct bench {
     const char *scene[BENCH_SCENES]; /* named by the user, if any */
     size_t scene_count;
     uint64_t ray_count, rounds, seed;                  /* ray_count 0: the benchmark's default */
+    uint64_t instances;                                /* likewise */
     struct list engine, layout, store, tri, box, rays; /* count 0: the benchmark's default */
     struct engine_options engines;
     struct screen_options screen;
@@ -73,7 +74,8 @@ struct benchmark {
 };
 
 extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_builders, bench_oracle,
-    bench_fuzz, bench_frames, bench_paper, bench_special, bench_fast, bench_matrix, bench_tightness;
+    bench_fuzz, bench_frames, bench_paper, bench_special, bench_fast, bench_matrix, bench_tightness,
+    bench_worlds;
 
 /* Merges an exit code into bench->code. A signal's code counts only if nothing else was wrong. */
 void bench_worse(struct bench *bench, int code);

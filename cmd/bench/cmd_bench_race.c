@@ -17,6 +17,32 @@ static struct job job_of(const struct race *race, const struct contestant *c, en
                         .query = query};
 }
 
+static enum status prepare(const struct race *race, const struct contestant *c, enum query query,
+                           struct reason *reason)
+{
+    if (race->world) {
+        const struct world_job job = {.world = race->world,
+                                      .packed = c->engine->needs_packed ? race->packed_world : NULL,
+                                      .box = c->box,
+                                      .tri = c->tri,
+                                      .query = query,
+                                      .bare = true};
+        return c->engine->worlds->prepare_world(c->self, &job, reason);
+    }
+    struct job job = job_of(race, c, query);
+    return c->engine->prepare(c->self, &job, reason);
+}
+
+enum status race_trace(const struct race *race, const struct contestant *who, const struct ray *ray,
+                       size_t count, struct hit *hit, struct trace_report *report,
+                       struct reason *reason)
+{
+    if (race->world)
+        return who->engine->worlds->trace_world(who->self, ray, NULL, count, hit, race->tag, report,
+                                                reason);
+    return who->engine->trace(who->self, ray, count, hit, report, reason);
+}
+
 enum status race_add(struct race *race, const struct contestant *who,
                      const struct engine_options *options, struct reason *reason)
 {
@@ -26,14 +52,15 @@ enum status race_add(struct race *race, const struct contestant *who,
     *c = *who;
     c->bvh = who->bvh ? who->bvh : race->bvh;
     enum status status = STATUS_OK;
-    if (c->layout)
+    if (race->world && !c->engine->worlds)
+        status = fail(reason, STATUS_UNSUPPORTED, "%s traces scenes, not worlds", c->engine->name);
+    if (!status && c->layout)
         status = packed_make_stored(c->layout, c->store ? c->store : tri_stores[0], c->bvh,
                                     race->scene, &c->packed, reason);
     if (status == STATUS_OK)
         status = c->engine->open(options, &c->self, reason);
     if (status == STATUS_OK) {
-        struct job job = job_of(race, c, QUERY_CLOSEST);
-        status = c->engine->prepare(c->self, &job, reason);
+        status = prepare(race, c, QUERY_CLOSEST, reason);
         if (status)
             c->engine->close(c->self);
     }
@@ -47,11 +74,8 @@ enum status race_add(struct race *race, const struct contestant *who,
 enum status race_prepare(struct race *race, enum query query, struct reason *reason)
 {
     enum status status = STATUS_OK;
-    for (size_t i = 0; i < race->count && !status; i++) {
-        struct contestant *c = &race->contestant[i];
-        struct job job = job_of(race, c, query);
-        status = c->engine->prepare(c->self, &job, reason);
-    }
+    for (size_t i = 0; i < race->count && !status; i++)
+        status = prepare(race, &race->contestant[i], query, reason);
     return status;
 }
 
@@ -184,7 +208,7 @@ enum status race_run(struct race *race, const struct ray *ray, size_t count, str
             size_t rays = c->few ? race->few_count : count;
             uint64_t start = core_time_ns();
             enum status status =
-                c->engine->trace(c->self, c->few ? race->few : ray, rays, hit, &report, reason);
+                race_trace(race, c, c->few ? race->few : ray, rays, hit, &report, reason);
             uint64_t ns = race->core_time ? core_time_ns() - start : report.ns;
             if (status)
                 return status;

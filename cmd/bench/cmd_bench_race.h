@@ -30,6 +30,11 @@ struct race {
     const char *label; /* scene and rays, for progress */
     const struct scene *scene;
     const struct bvh *bvh;
+    /* Of a world, in place of scene and bvh: all contestants trace one packed world, and write tags
+     * to `tag`, which has room for all rays. */
+    const struct world *world;
+    const struct packed_world *packed_world;
+    uint32_t *tag;
     /* Default engines and layouts, such as "cpu embree"; NULL: see race_enter. */
     const char *own_engines, *own_layouts;
     bool core_time;        /* measures the calling thread's time, so that other work on the machine
@@ -51,7 +56,7 @@ void race_enter(struct race *race);
 
 /* Adds a copy of `who` (its engine, layout, box, tri, store, bvh and few are read), opens it with
  * `options` and prepares it for closest hits. Errors: STATUS_LIMIT more than CONTESTANTS, or as
- * packed_make; those of engine.open and .prepare. */
+ * packed_make; STATUS_UNSUPPORTED it traces no worlds; those of engine.open and .prepare. */
 enum status race_add(struct race *race, const struct contestant *who,
                      const struct engine_options *options, struct reason *reason) MUST_USE;
 
@@ -63,6 +68,11 @@ enum status race_prepare(struct race *race, enum query query, struct reason *rea
  * `hit` is scratch space. Errors: those of engine.trace. */
 enum status race_run(struct race *race, const struct ray *ray, size_t count, struct hit *hit,
                      struct reason *reason) MUST_USE;
+
+/* Traces `count` rays with one contestant. Errors: those of engine.trace. */
+enum status race_trace(const struct race *race, const struct contestant *who, const struct ray *ray,
+                       size_t count, struct hit *hit, struct trace_report *report,
+                       struct reason *reason) MUST_USE;
 
 /* Closes all contestants. */
 void race_leave(struct race *race);

@@ -208,7 +208,7 @@ enum status world_runner_prepare_brute(struct world_runner *runner, const struct
                                                    [ABI_SPEC_TRI] = job->tri->id,
                                                    [ABI_SPEC_QUERY] = (uint32_t)job->query,
                                                    [ABI_SPEC_STACK] = 16};
-    const struct world_job whole = {job->world, NULL, job->box, job->tri, job->query};
+    const struct world_job whole = {.world = job->world, .tri = job->tri, .query = job->query};
     start_job(runner, job);
     enum status status = take_pipeline(runner, shader_find("world_brute"), constant, false, reason);
     if (!status)

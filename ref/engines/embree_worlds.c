@@ -6,6 +6,7 @@
 
 #if HAVE_EMBREE
 
+#include "ref/engines/embree_facing.h"
 #include "ref/engines/embree_inner.h"
 #include "ref/world/world_boxes.h"
 
@@ -31,6 +32,7 @@ struct embree_world {
     RTCScene *mesh; /* mesh_count of them; NULL: no triangles */
     uint32_t mesh_count;
     struct embree_class class[CLASSES];
+    bool bare; /* no candidate is tested */
 };
 
 void embree_world_free(struct embree_world *world)
@@ -147,19 +149,9 @@ static bool place_of(const struct world *world, const struct RTCHit *hit, struct
     return true;
 }
 
-/* True if the front is seen: Ng is (v1 - v0) x (v2 - v0), and the direction that of the space of
- * the mesh. */
-static bool sees_front(const struct instance *instance, const struct RTCRay *ray,
-                       const struct RTCHit *hit)
-{
-    double side = (double)ray->dir_x * (double)hit->Ng_x + (double)ray->dir_y * (double)hit->Ng_y +
-                  (double)ray->dir_z * (double)hit->Ng_z;
-    return world_is_front(instance, side < 0.0 ? -1 : 1);
-}
-
 #define PHANTOM 0xFFFFFFFEu /* a triangle that no world has */
 
-/* The hit in our terms. The filter left which side is seen in Ng_x. */
+/* The hit in our terms. Ng_x says which side is seen: 1 the front, -1 the back. */
 static void take_hit(const struct world *world, const struct RTCHit *from, float t, struct hit *hit,
                      uint32_t *tag)
 {
@@ -228,8 +220,10 @@ static void add_geometry(const struct embree *embree, RTCScene to, const struct 
                          3 * sizeof(unsigned) * (size_t)geometry->first, 3 * sizeof(unsigned),
                          geometry->count);
     rtcSetGeometryMask(mesh, 0xFFFFFFFFu); /* masks of rays apply to it, too */
-    rtcSetGeometryIntersectFilterFunction(mesh, filter_candidate);
-    rtcSetGeometryOccludedFilterFunction(mesh, filter_candidate);
+    if (!embree->world->bare) {
+        rtcSetGeometryIntersectFilterFunction(mesh, filter_candidate);
+        rtcSetGeometryOccludedFilterFunction(mesh, filter_candidate);
+    }
     rtcCommitGeometry(mesh);
     rtcAttachGeometryByID(to, mesh, number);
     rtcReleaseGeometry(mesh);
@@ -291,6 +285,7 @@ static enum status prepare_world(void *self, const struct world_job *job, struct
     if (!world)
         return fail(reason, STATUS_MEMORY, "no memory for a world");
     world->world = from;
+    world->bare = job->bare && from->filter.kind == FILTER_ALL;
     world->mesh_count = from->mesh_count;
     world->mesh = alloc_zeroed(from->mesh_count, sizeof *world->mesh);
     enum status status = STATUS_OK;
@@ -329,8 +324,16 @@ static void trace_one(const struct embree *embree, const struct ray *ray, struct
         return;
     }
     embree_intersect(embree->world->top, &walk.context, &query);
-    if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID)
-        take_hit(embree->world->world, &query.hit, query.ray.tfar, hit, tag);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        return;
+    const struct world *world = embree->world->world;
+    struct place place;
+    if (embree->world->bare && place_of(world, &query.hit, &place)) {
+        bool front =
+            sees_front_from_world(&world->instance[place.instance], &query.ray, &query.hit);
+        query.hit.Ng_x = front ? 1.0f : -1.0f;
+    }
+    take_hit(world, &query.hit, query.ray.tfar, hit, tag);
 }
 
 static uint32_t list_one(const struct embree *embree, const struct ray *ray, struct ray_mode mode,
@@ -368,6 +371,8 @@ static enum status trace_world_all(void *self, const struct ray *ray, const stru
                                    uint32_t *tag, uint32_t *hit_count, struct reason *reason)
 {
     struct embree *embree = self;
+    if (embree->world->bare)
+        return fail(reason, STATUS_UNSUPPORTED, "Embree: hits of a bare world cannot be listed");
 #pragma omp parallel for schedule(dynamic, 64) num_threads(embree->threads) if (ray_count > 64)
     for (long long i = 0; i < (long long)ray_count; i++) {
         size_t first = (size_t)i * capacity;

@@ -70,6 +70,7 @@ screen bench-frames bench frames --scene sphere:n=6 --engine cpu --layout f32,rf
 screen bench-special bench special --size 16x12 --frames 4 --out "$dir/special"
 screen bench-oracle bench oracle --scene sphere:n=6 --count 200 --rounds 1
 screen bench-fast bench fast --scene sphere:n=6 --count 200 --rounds 1 --threads 1
+screen bench-worlds bench worlds --scene sphere:n=6 --count 200 --rounds 1 --instances 50 --threads 1
 screen bench-fuzz bench fuzz --count 20 --rounds 1 --engine cpu --layout f32
 screen bench-paper bench paper --size 16x12 --frames 2 --scene rtrs --out "$dir/paper"
 

@@ -3,7 +3,13 @@
 #include "tests/support/world_judged.h"
 #include "tests/support/world_more_laws.h"
 
+#include "ref/base/rng.h"
+#include "ref/world/world_boxes.h"
+#include "scenes/worlds.h"
+
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #define RAYS 400
 
@@ -206,6 +212,60 @@ static void no_generator_has_what_rounding_does_not_explain(void **state)
     }
 }
 
+/* Without filter functions the answers are the same; what needs them has them. */
+static void bare_worlds_have_the_same_answers(void **state)
+{
+    (void)state;
+    static const char *const specs[] = {"placed-mirrored", "placed-turned", "nest:count=5",
+                                        "mixed"};
+    for (size_t which = 0; which < ARRAY_COUNT(names); which++)
+        for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
+            struct laws laws = open_named(which);
+            struct world world;
+            static struct ray ray[RAYS];
+            struct hit hit[2][RAYS];
+            uint32_t tag[2][RAYS], count, hits = 0;
+            struct box *box, all = box_empty();
+            struct trace_report report;
+            struct reason reason = {""};
+            if (world_open(specs[s], 1, &world, &reason))
+                fail_msg("%s", reason.text);
+            assert_int_equal(world_boxes_make(&world, WORLD_BOXES_AUTO, &box, NULL), STATUS_OK);
+            for (uint32_t i = 0; i < world.instance_count; i++)
+                if (world_is_active(&world, i))
+                    box_add_box(&all, &box[i]);
+            for (uint32_t i = 0; i < RAYS; i++) {
+                struct rng rng = rng_make(s, i);
+                ray[i] = (struct ray){.tmax = INFINITY};
+                for (int k = 0; k < 3; k++) {
+                    ray[i].org[k] = rng_range(&rng, 2 * all.lo[k], 2 * all.hi[k]);
+                    ray[i].dir[k] = rng_range(&rng, all.lo[k], all.hi[k]) - ray[i].org[k];
+                }
+            }
+            for (int bare = 0; bare < 2; bare++) {
+                const struct world_job job = {
+                    .world = &world, .box = box_tests[0], .query = QUERY_CLOSEST, .bare = bare};
+                assert_int_equal(laws.engine->worlds->prepare_world(laws.self, &job, &reason),
+                                 STATUS_OK);
+                assert_int_equal(laws.engine->worlds->trace_world(laws.self, ray, NULL, RAYS,
+                                                                  hit[bare], tag[bare], &report,
+                                                                  &reason),
+                                 STATUS_OK);
+            }
+            assert_memory_equal(hit[0], hit[1], sizeof hit[0]);
+            assert_memory_equal(tag[0], tag[1], sizeof tag[0]);
+            for (uint32_t i = 0; i < RAYS; i++)
+                hits += hit[0][i].prim != ABI_NO_PRIM;
+            assert_true(hits > RAYS / 16);
+            assert_int_equal(laws.engine->worlds->trace_world_all(laws.self, ray, NULL, 1, 1,
+                                                                  hit[0], tag[0], &count, &reason),
+                             world.filter.kind == FILTER_ALL ? STATUS_UNSUPPORTED : STATUS_OK);
+            free(box);
+            laws.engine->close(laws.self);
+            world_free(&world);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -220,6 +280,7 @@ int main(void)
         cmocka_unit_test(bad_rays_are_misses),
         cmocka_unit_test(a_ray_too_long_for_one_instance_meets_the_others),
         cmocka_unit_test(near_singular_transforms_are_refused),
+        cmocka_unit_test(bare_worlds_have_the_same_answers),
         cmocka_unit_test(no_generator_has_what_rounding_does_not_explain),
     };
     return cmocka_run_group_tests_name("embree_world", tests, NULL, NULL);

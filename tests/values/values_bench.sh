@@ -124,6 +124,11 @@ play_frames() {
         --benchmark-out "$dir/frames" && cp "$dir/frames.json" "$dir/json" && values bench_frames 50 "$dir/text" "$dir/frames.csv"
 }
 play_fast() { for rounds in 1 2; do bench fast 200 "$rounds" --scene sphere:n=6 --count 200; done; }
+play_worlds() {
+    for rounds in 1 2; do
+        known='mesh=288 count=2200' bench worlds 120 "$rounds" --scene sphere:n=6 --count 2200 --instances 50
+    done
+}
 play_matrix() {
     for rounds in 1 2; do
         bench matrix 200 "$rounds" --scene sphere:n=5 --count 160 --threads 1 --engine cpu,fast --layout f32,rf16,half4
@@ -145,7 +150,7 @@ play_tightness() {
     done
 }
 
-for part in ${*:-layouts error spawn builders oracle fuzz frames fast matrix tightness}; do
+for part in ${*:-layouts error spawn builders oracle fuzz frames fast worlds matrix tightness}; do
     rm -f "$dir/other.flat"
     "play_$part"
     all_seen "bench_$part"
