@@ -93,8 +93,8 @@ static const struct option_set set = {
              "scene, 3 an engine did not finish, 4 no memory, or counts of --show that disagree, "
              "77 the engine cannot run here, 128 + the signal that ended it (--json and --paths "
              "are then of the whole pictures, unless the one being drawn took too long)",
-    .example = "render utah-teapot.obj -w 384 -h 288 --out teapot.png\n"
-               "render --profile rtrs --handler-bvh-rf --engine vulkan --frames 40",
+    .example = "render sphere -w 384 -h 288 --out sphere.png\n"
+               "render --profile rtrs --handler-bvh-rf --engine vulkan --frames 4",
 };
 
 /* The buffers that pictures are drawn into. */

@@ -64,7 +64,7 @@ static const struct option_set set = {
     .group = {GROUP(rows), GROUP_AT(build_rows, build)},
     .codes = "0 written, or verified; 1 a tree, but with too small boxes, or triangles in no leaf "
              "or in several; 2 bad input, no tree, or RTRS never ends here; 4 no memory",
-    .example = "precompute --scene default.json --out default.bvh.json --item-count 2",
+    .example = "precompute --scene sphere:n=8 --out sphere.bvh.json --item-count 2",
 };
 
 /* Writes the tree as JSON, or packed if `packed` is not NULL. The output file appears only once it
