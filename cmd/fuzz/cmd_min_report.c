@@ -62,7 +62,7 @@ void min_print(const struct min_row *row)
         return;
     }
     print_size("after", &row->stats.after, row->bytes_after);
-    screen_line(11, "  asked    %s in %s (%s), smaller: %llu; %s\n",
+    screen_line(11, "  asked    %s in %s (%s), %llu smaller; %s\n",
                 COUNTED(row->stats.tried, "trial"), COUNTED(row->stats.rounds, "round"),
                 COUNTED(row->stats.asks, "ask"), (unsigned long long)row->stats.accepted,
                 end_text(row->stats.end));
