@@ -77,7 +77,7 @@ struct layout {
     /* Packs the whole tree: rounds boxes outward, checks the layout's limits. Sets every member of
      * *out but layout, tri_count, split and stack_need, which packed_make sets; `bvh` may not be
      * empty. Errors: STATUS_LIMIT with the limit, the scene's number and what would fit instead (or
-     * "RTRS panics: F8"); STATUS_MEMORY. */
+     * "RTRS panics"); STATUS_MEMORY. */
     enum status (*pack)(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
                         struct packed *out, struct reason *reason);
     /* Returns how the reproduced program fails on this tree, if it does; then pack() returns

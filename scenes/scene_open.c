@@ -49,9 +49,11 @@ static enum status unknown_scene(const char *spec, struct reason *reason)
     }
     for (size_t i = 0; world_generators[i]; i++)
         nearest_try(&nearest, world_generators[i]->name);
-    return fail(reason, STATUS_INPUT,
-                "unknown scene '%.80s': no file, and no generator; those are %s%s", spec, known,
-                nearest_hint(&nearest, hint));
+    return fail(
+        reason, STATUS_INPUT,
+        "unknown scene '%.80s': no file, and no generator; those are %s (of worlds: raydiff "
+        "scene list)%s",
+        spec, known, nearest_hint(&nearest, hint));
 }
 
 enum status opening_read(const char *path, scene_read_fn **read, char **bytes, size_t *size,
@@ -72,6 +74,8 @@ enum status opening_read(const char *path, scene_read_fn **read, char **bytes, s
                     "(of raydiff), .gltf or .glb, each also .gz",
                     file_label(path));
     enum status status = file_read(path, bytes, size, reason);
+    if (status && reason && strstr(path, "scenes/fetched/") && stat(path, &about) != 0)
+        text_append(reason->text, sizeof reason->text, "; make scenes fetches the meshes there");
     if (!status && !(format->read == read_rtrs && is_world(*bytes, *size)))
         *read = format->read;
     return status;

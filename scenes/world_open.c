@@ -2,6 +2,7 @@
 #include "ref/files/file.h"
 #include "scenes/opening.h"
 #include "scenes/spec.h"
+#include "ref/base/text.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -168,10 +169,9 @@ bool world_is_plain(const struct world *world)
 
 const char *world_show(const struct world *world, char text[WORLD_SHOWN])
 {
-    snprintf(text, WORLD_SHOWN, "%u mesh%s, %u instance%s, %u placed triangle%s", world->mesh_count,
-             world->mesh_count == 1 ? "" : "es", world->instance_count,
-             world->instance_count == 1 ? "" : "s", world_tri_count(world),
-             world_tri_count(world) == 1 ? "" : "s");
+    snprintf(text, WORLD_SHOWN, "%s, %s, %s", COUNTED(world->mesh_count, "mesh"),
+             COUNTED(world->instance_count, "instance"),
+             COUNTED(world_tri_count(world), "placed triangle"));
     return text;
 }
 

@@ -4,6 +4,7 @@
 #include "ref/engine.h"
 #include "ref/layout.h"
 #include "ref/primitives/primitives.h"
+#include "ref/base/text.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -220,8 +221,8 @@ static void describe_error(struct row_plot_page *page, struct plot_figure *figur
                                                    "per million rays, <3/N: arrow",
                                                    "|t - exact t| |d| / (u M)"};
     const json_t *first = page->first;
-    snprintf(page->title, sizeof page->title, "%.90s: %zu triangles, %zu %.40s rays",
-             value_text(first, "scene"), value_count(first, "triangles"),
+    snprintf(page->title, sizeof page->title, "%.90s: %s, %zu %.40s rays",
+             value_text(first, "scene"), COUNTED(value_count(first, "triangles"), "triangle"),
              value_count(first, "count"), value_text(first, "rays"));
     snprintf(page->subtitle, sizeof page->subtitle,
              "right is faster, down is more exact; bars: least to most of the rounds%s%.80s",
@@ -290,8 +291,8 @@ static void describe_size(struct row_plot_page *page, struct plot_figure *figure
                           const char *driver)
 {
     (void)driver;
-    snprintf(page->title, sizeof page->title, "%.90s: %zu triangles",
-             value_text(page->first, "scene"), value_count(page->first, "triangles"));
+    snprintf(page->title, sizeof page->title, "%.90s: %s", value_text(page->first, "scene"),
+             COUNTED(value_count(page->first, "triangles"), "triangle"));
     figure->subtitle = page->kind->memory
                            ? "right is faster, down is smaller; all that the engine holds on the "
                              "device or in memory, scene and rays of a dispatch included"
@@ -356,8 +357,8 @@ static void draw_matrix(const json_t *row, struct row_plot_page *page, struct pl
     static const char *const engine[] = {"embree", "fast", "cpu", "vulkan"};
     char title[120];
     bool made;
-    snprintf(title, sizeof title, "%.60s, %zu triangles", value_text(row, "scene"),
-             value_count(row, "triangles"));
+    snprintf(title, sizeof title, "%.60s, %s", value_text(row, "scene"),
+             COUNTED(value_count(row, "triangles"), "triangle"));
     size_t p = panel_of(title, "speed, geometric mean of ratios",
                         "bytes per triangle, all that is read", page, figure);
     if (p == PLOT_PANELS)

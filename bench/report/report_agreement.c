@@ -1,5 +1,6 @@
 /* Section 2: agreement of engines, scene by scene. */
 #include "bench/report/report_inner.h"
+#include "ref/base/text.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -59,16 +60,17 @@ static void put_key(struct html *html)
 static void put_facts(struct html *html, const json_t *scene, const struct check_rows *rows)
 {
     html_begin(html, "p", "class", "dim", NULL);
-    html_format(html, "%zu triangles, %zu vertices; %zu rays of set %s",
-                value_count(scene, "triangles"), value_count(scene, "vertices"),
-                value_count(scene, "count"), value_text(scene, "rays"));
+    html_format(html, "%s, %s; %s of set %s", COUNTED(value_count(scene, "triangles"), "triangle"),
+                COUNTED(value_count(scene, "vertices"), "vertex"),
+                COUNTED(value_count(scene, "count"), "ray"), value_text(scene, "rays"));
     for (size_t i = 0; i < rows->count; i++) {
         const json_t *tree = json_object_get(rows->row[i], "tree");
         if (!value_text(rows->row[i], "layout")[0] || value_count(tree, "nodes") == 0)
             continue;
-        html_format(html, "; tree by builder %s: %zu nodes, %zu leaves, depth %zu",
-                    value_text(rows->row[i], "builder"), value_count(tree, "nodes"),
-                    value_count(tree, "leaves"), value_count(tree, "depth"));
+        html_format(html, "; tree by builder %s: %s, %s, depth %zu",
+                    value_text(rows->row[i], "builder"),
+                    COUNTED(value_count(tree, "nodes"), "node"),
+                    COUNTED(value_count(tree, "leaves"), "leaf"), value_count(tree, "depth"));
         break;
     }
     html_end(html, "p");

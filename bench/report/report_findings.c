@@ -1,6 +1,7 @@
 /* Section 5: faults. Findings of the fuzzer, replayed and explained, and the mismatches found by
  * check. */
 #include "bench/report/report_inner.h"
+#include "ref/base/text.h"
 
 #include <string.h>
 
@@ -29,11 +30,10 @@ static void put_facts(struct html *html, const struct report_part *part)
     const json_t *file = json_array_get(json_object_get(part->json, "files"), 0);
     html_begin(html, "p", "class", "dim", NULL);
     if (part->times > 0)
-        html_format(html, "found %llu time%s; ", (unsigned long long)part->times,
-                    part->times == 1 ? "" : "s");
-    html_format(html,
-                "smallest: %zu triangles, %zu rays; played again: ", value_count(file, "triangles"),
-                value_count(file, "rays"));
+        html_format(html, "found %s; ", COUNTED(part->times, "time"));
+    html_format(html, "smallest: %s, %s; played again: ",
+                COUNTED(value_count(file, "triangles"), "triangle"),
+                COUNTED(value_count(file, "rays"), "ray"));
     html_element(html, "b", NULL, value_bool(file, "fails") ? "still fails" : "does not fail");
     if (report_part_known(part))
         html_format(html, "; known: %s", part->known);

@@ -140,7 +140,7 @@ static const struct option_set set = {
     .codes = "0 measured, 1 an answer was not allowed or a run proved nothing, 2 bad input, 3 "
              "engine failed, 77 a named engine cannot run here; 128 + the signal that ended a run "
              "of frames: its files hold the frames measured until then",
-    .example = "bench layouts --scene 'sphere:n=50;scenes/fetched/bunny.obj'",
+    .example = "bench layouts --scene 'sphere:n=20;soup:n=1000' --count 2000",
     .more = print_benchmarks,
 };
 

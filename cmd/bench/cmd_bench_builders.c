@@ -4,6 +4,7 @@
 #include "ref/base/command.h"
 #include "ref/tree/tree_quality.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 
 /* End-point overlap is estimated for scenes with more triangles. */
 #define OVERLAP_MOST 50000u
@@ -129,7 +130,7 @@ static enum status build_all(struct bench *bench, const char *spec, const struct
         {"depth", .rank = 1},      {.title = "nodes"},   {.title = "fill"},
         {"largest", .rank = 2},    {"loose", .rank = 3}};
     struct row_grid grid = {.column = columns, .column_count = ARRAY_COUNT(columns)};
-    printf("%s: %u triangles%s\n", spec, scene->tri_count,
+    printf("%s: %s%s\n", spec, COUNTED(scene->tri_count, "triangle"),
            scene->tri_count > OVERLAP_MOST ? "; overlap is estimated" : "");
     if (bench->screen_is.wide)
         puts("  builder                  threads    ns/tri (least-most)       SAH  overlap  depth  "

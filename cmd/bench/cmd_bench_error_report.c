@@ -4,6 +4,7 @@
 #include "bench/chart/row_plot.h"
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 
 #include <math.h>
 #include <string.h>
@@ -164,16 +165,14 @@ void error_print(struct bench *bench, const struct error_page *page)
 {
     char name[BENCH_TREE_NAME];
     putchar('\n');
-    screen_text(
-        &bench->screen_is,
-        "%s: %u triangles; %zu %s rays, seed %llu, of which exactly %zu hit; %s; %llu round%s "
-        "interleaved\n",
-        page->scene, page->tri_count, page->ray_count, page->rays, (unsigned long long)bench->seed,
-        page->exact_hits, bench_tree_name(bench, name), (unsigned long long)bench->rounds,
-        plural(bench->rounds));
+    screen_text(&bench->screen_is,
+                "%s: %s; %zu %s %s, seed %llu, of which exactly %zu hit; %s; %s interleaved\n",
+                page->scene, COUNTED(page->tri_count, "triangle"), page->ray_count, page->rays,
+                page->ray_count == 1 ? "ray" : "rays", (unsigned long long)bench->seed,
+                page->exact_hits, bench_tree_name(bench, name), COUNTED(bench->rounds, "round"));
     if (page->leak_rays[LEAK_VERTEX])
-        printf("closed: %zu rays from inside aimed at edges, %zu at vertices\n",
-               page->leak_rays[LEAK_EDGE], page->leak_rays[LEAK_VERTEX]);
+        printf("closed: %s from inside aimed at edges, %zu at vertices\n",
+               COUNTED(page->leak_rays[LEAK_EDGE], "ray"), page->leak_rays[LEAK_VERTEX]);
     else
         screen_text(&bench->screen_is, "no leaks counted: %s\n", page->no_leaks.text);
     if (bench->screen_is.wide) {

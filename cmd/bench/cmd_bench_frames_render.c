@@ -4,6 +4,7 @@
 #include "fuzz/findings/versions.h"
 #include "ref/base/command.h"
 #include "cmd/render/cmd_render.h"
+#include "ref/base/text.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -77,8 +78,9 @@ static enum status prepare(const struct render_settings *settings, struct benchm
     if (status)
         return status;
     b->run.contestant[0].rays_alone = settings->waves || !settings->engine->renderer;
-    snprintf(b->title, sizeof b->title, "%.60s: %u triangles, %u x %u pixels, %u bounces",
-             b->stage.name, b->stage.tri_count, job->width, job->height, job->look.bounces);
+    snprintf(b->title, sizeof b->title, "%.60s: %s, %u x %u pixels, %s", b->stage.name,
+             COUNTED(b->stage.tri_count, "triangle"), job->width, job->height,
+             COUNTED(job->look.bounces, "bounce"));
     fuzz_versions(&settings->engine, 1, &settings->engine_options, b->versions, sizeof b->versions);
     b->base = settings->benchmark.base;
     b->about = (struct frames_about){

@@ -4,6 +4,7 @@
 #include "ref/base/command.h"
 #include "cmd/common/cmd_grid.h"
 #include "cmd/common/cmd_process.h"
+#include "ref/base/text.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -109,10 +110,9 @@ static void print_run(const struct frames_run *run, const struct frames_about *a
                                             {"clock", .left = true}};
     struct row_grid grid = {.column = columns, .column_count = ARRAY_COUNT(columns)};
     screen_text(screen, "%s\n", about->title);
-    screen_text(screen, "%u frames over %u turn%s%s; %u frames to warm up, dropped%s\n", run->done,
-                run->settings.turns, run->settings.turns == 1 ? "" : "s",
-                run->count > 1 ? ", handlers by turns" : "", run->dropped,
-                run->stopped ? "; stopped by a signal" : "");
+    screen_text(screen, "%s over %s%s; %s to warm up, dropped%s\n", COUNTED(run->done, "frame"),
+                COUNTED(run->settings.turns, "turn"), run->count > 1 ? ", handlers by turns" : "",
+                COUNTED(run->dropped, "frame"), run->stopped ? "; stopped by a signal" : "");
     printf("ms per frame%s\n", about->base < run->count
                                    ? "; ratios: of a frame's time to that of the first handler"
                                    : "");
@@ -185,8 +185,9 @@ int frames_command(const char *command, const struct painter_plan *plan, size_t 
     char title[160];
     if (!session)
         return EXIT_INTERNAL;
-    snprintf(title, sizeof title, "%.60s: %u triangles, %u x %u pixels, %u bounces", scene_name,
-             scene->tri_count, plan->width, plan->height, plan->look.bounces);
+    snprintf(title, sizeof title, "%.60s: %s, %u x %u pixels, %s", scene_name,
+             COUNTED(scene->tri_count, "triangle"), plan->width, plan->height,
+             COUNTED(plan->look.bounces, "bounce"));
     session->progress = &progress;
     session->label = scene_name;
     session->base = base;

@@ -5,6 +5,7 @@
 #include "cmd/bench/cmd_bench.h"
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -82,16 +83,14 @@ static void report_setting(struct bench *bench, const struct fuzz_field *field,
     double core = spread_of(setting->core, rounds).median;
     double triangles = (double)setting->triangles / (double)setting->all;
     const struct screen *screen = &bench->screen_is;
-    screen_text(screen,
-                "%zu worker%s: %.0f (%.0f-%.0f) trials/s, %.3f (%.3f-%.3f) million judged rays/s\n",
-                setting->workers, setting->workers == 1 ? "" : "s", trials.median, trials.least,
-                trials.most, judged.median * 1e-6, judged.least * 1e-6, judged.most * 1e-6);
+    screen_text(screen, "%s: %.0f (%.0f-%.0f) trials/s, %.3f (%.3f-%.3f) million judged rays/s\n",
+                COUNTED(setting->workers, "worker"), trials.median, trials.least, trials.most,
+                judged.median * 1e-6, judged.least * 1e-6, judged.most * 1e-6);
     printf("  harness %.1f %% (%.1f-%.1f) of the time, %.2f of the engines'\n"
            "  %.0f us of core time a trial\n",
            share.median * 100, share.least * 100, share.most * 100, ratio, core);
-    screen_text(screen, "  %llu trials of %.1f triangles, %llu answers at fault, %llu refusals\n",
-                (unsigned long long)setting->all, triangles, (unsigned long long)setting->wrong,
-                (unsigned long long)setting->refused);
+    screen_text(screen, "  %s of %.1f triangles, %s at fault, %s\n", COUNTED(setting->all, "trial"),
+                triangles, COUNTED(setting->wrong, "answer"), COUNTED(setting->refused, "refusal"));
     json_t *row = json_record(
         "workers=%zu trials=%zu trials_per_s=%g trials_per_s_least=%g "
         "trials_per_s_most=%g judged_rays_per_s=%g harness_share=%g "

@@ -5,6 +5,7 @@
 #include "ref/trace/trace.h"
 #include "scenes/rays/rays.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -106,19 +107,21 @@ static void add_contestant(struct layouts_field *field, size_t i, const struct s
 {
     const struct row *row = &field->row[i];
     struct contestant *c = &field->race.contestant[i];
-    const bool wrong = row->differences > 0;
+    const bool wrong = row->differences > 0, vacuous = row->status == ROW_VACUOUS;
     double tris = field->scene->tri_count ? (double)field->scene->tri_count : 1.0;
     char nodes[32] = "-", all[32] = "-";
     if (c->layout) {
         snprintf(nodes, sizeof nodes, "%.1f", (double)row->node_bytes / tris);
         snprintf(all, sizeof all, "%.1f", (double)(row->node_bytes + row->item_bytes) / tris);
     }
-    grid_add(field->grid, wrong ? PAINT_BAD : PAINT_GOOD,
+    grid_add(field->grid, wrong || vacuous ? PAINT_BAD : PAINT_GOOD,
              "%s\t%s\t%s\t%s\t%zu\t%zu\t%s\t%.1f\t%.3f\t%.2f\t%s\t%.3f-%.3f\t%s",
-             wrong ? "WRONG" : "agrees", c->layout ? c->layout->name : "-", c->engine->name,
-             field->rays, row->differences, allowed, nodes, (double)c->memory_bytes / tris,
-             speed->median, ratio->median, race_base_name(&field->race, c), speed->least,
-             speed->most, all);
+             wrong     ? "WRONG"
+             : vacuous ? "vacuous"
+                       : "agrees",
+             c->layout ? c->layout->name : "-", c->engine->name, field->rays, row->differences,
+             allowed, nodes, (double)c->memory_bytes / tris, speed->median, ratio->median,
+             race_base_name(&field->race, c), speed->least, speed->most, all);
 }
 
 static void print_contestant(struct layouts_field *field, size_t i)
@@ -203,11 +206,10 @@ static enum status play_scene(struct bench *bench, const char *spec, const struc
     if (status)
         return status;
     putchar('\n');
-    screen_text(&bench->screen_is,
-                "%s: %u triangles; %s, box %s, triangle %s; %llu rays, %llu round%s interleaved\n",
-                spec, scene->tri_count, bench_tree_name(bench, name), box_tests[0]->name,
-                tri_tests[0]->name, (unsigned long long)bench_rays_count(bench, OWN_RAYS),
-                (unsigned long long)bench->rounds, plural(bench->rounds));
+    screen_text(&bench->screen_is, "%s: %s; %s, box %s, triangle %s; %s, %s interleaved\n", spec,
+                COUNTED(scene->tri_count, "triangle"), bench_tree_name(bench, name),
+                box_tests[0]->name, tri_tests[0]->name,
+                COUNTED(bench_rays_count(bench, OWN_RAYS), "ray"), COUNTED(bench->rounds, "round"));
     if (bench->screen_is.wide)
         puts(
             "rays     engine        nodes Mray/s (least-most)   ratio (least-most)           nodeB "
@@ -231,7 +233,7 @@ static enum status play_scene(struct bench *bench, const char *spec, const struc
 const struct benchmark bench_layouts = {
     .name = "layouts",
     .shown = "no answer is WRONG",
-    .refuted = "an answer is WRONG",
+    .refuted = "an answer is WRONG, or no ray hits anything",
     .summary = "engines and layouts: speed, bytes, memory, errors on the same tree",
     .takes = "scene count rounds csv json seed bvh" BENCH_MACHINE BENCH_SCREEN,
     .scenes = "sphere:n=50;terrain:k=6;scenes/fetched/dragon-11k.ply.gz",

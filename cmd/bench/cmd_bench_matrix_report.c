@@ -99,10 +99,9 @@ static void print_speeds(const struct matrix *m)
 {
     unsigned threads = m->row_count ? m->row[0].threads : 1;
     putchar('\n');
-    screen_text(&m->bench->screen_is,
-                "%s: %u triangles, %zu rays of each kind, %llu round%s interleaved, %u thread%s\n",
-                m->spec, m->scene->tri_count, m->count, (unsigned long long)m->bench->rounds,
-                plural(m->bench->rounds), threads, plural(threads));
+    screen_text(&m->bench->screen_is, "%s: %s, %s of each kind, %s interleaved, %s\n", m->spec,
+                COUNTED(m->scene->tri_count, "triangle"), COUNTED(m->count, "ray"),
+                COUNTED(m->bench->rounds, "round"), COUNTED(threads, "thread"));
     if (!m->bench->screen_is.wide)
         return;
     printf("  %-30s", "speed, least-most");
@@ -207,8 +206,8 @@ static void print_table(const struct matrix *m, bool full)
                  r->mrays[KIND_PRIM].median);
     }
     if (m->row_count && full)
-        screen_text(screen, "lost of %zu rays, leaks of %zu; speeds are ratios to the first\n",
-                    m->row[0].asked, m->row[0].leak_rays);
+        screen_text(screen, "lost of %s, leaks of %zu; speeds are ratios to the first\n",
+                    COUNTED(m->row[0].asked, "ray"), m->row[0].leak_rays);
     grid_print(&grid, screen);
 }
 

@@ -7,6 +7,7 @@
 #include "ref/oracle/internal.h"
 #include "scenes/rays/rays.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -166,8 +167,8 @@ static void print_times(struct bench *bench, const struct measured *it, struct t
     double each[KERNELS] = {0};
     uint32_t tris = it->oracle->scene->tri_count;
     const struct screen *screen = &bench->screen_is;
-    screen_record(screen, PAINT_PLAIN, "%s: %u triangles, %zu rays; the filter on %zu of them\n",
-                  it->spec, tris, it->count, it->filtered);
+    screen_record(screen, PAINT_PLAIN, "%s: %s, %s; the filter on %zu of them\n", it->spec,
+                  COUNTED(tris, "triangle"), COUNTED(it->count, "ray"), it->filtered);
     printf("  %-9s %7.3f (%.3f-%.3f) ns per pair\n", "scalar", scalar.median, scalar.least,
            scalar.most);
     for (int k = 0; k < KERNELS && early_kernels[k].name; k++) {
@@ -181,8 +182,8 @@ static void print_times(struct bench *bench, const struct measured *it, struct t
                spread.least, spread.most, chosen ? ", chosen" : "");
     }
     printf("  chosen / scalar %.3f (%.3f-%.3f)\n", ratio.median, ratio.least, ratio.most);
-    screen_text(screen, "  left to integers of %llu pairs: %llu, scalar %llu\n",
-                (unsigned long long)it->vector.pairs, (unsigned long long)it->vector.undecided,
+    screen_text(screen, "  left to integers of %s: %llu, scalar %llu\n",
+                COUNTED(it->vector.pairs, "pair"), (unsigned long long)it->vector.undecided,
                 (unsigned long long)it->scalar.undecided);
     printf("  exact nearest hits: brute %.3f s (%.3f-%.3f) on %d threads,\n"
            "                      tree %.3f us per ray\n",
@@ -214,9 +215,9 @@ static enum status measure(struct bench *bench, struct measured *it, struct reas
     if (wrong == 0 && it->vector.inside == it->scalar.inside)
         return STATUS_OK;
     screen_text(&bench->screen_is,
-                "  %zu answers differ between brute force and tree; the filters found %llu and "
+                "  %s differ between brute force and tree; the filters found %llu and "
                 "%llu inside\n",
-                wrong, (unsigned long long)it->vector.inside,
+                COUNTED(wrong, "answer"), (unsigned long long)it->vector.inside,
                 (unsigned long long)it->scalar.inside);
     bench_worse(bench, EXIT_MISMATCH);
     return STATUS_OK;

@@ -4,6 +4,7 @@
 #include "cmd/common/cmd_grid.h"
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 
 #include <stdio.h>
 
@@ -69,11 +70,11 @@ static enum status print_figure(struct bench *bench, const struct paper_scene *s
     print_mesh(scene, &bench->screen_is);
     puts("                                       bytes     paper of geometry with vertices");
     print_line("geometry, 16 n + 40", geometry, figure->geometry, geometry, uploaded);
-    snprintf(name, sizeof name, "direct, leaf %u: %u nodes of %u", direct.leaf,
-             direct.stats.node_count, PAPER_DIRECT_BYTES);
+    snprintf(name, sizeof name, "direct, leaf %u: %s of %u", direct.leaf,
+             COUNTED(direct.stats.node_count, "node"), PAPER_DIRECT_BYTES);
     print_line(name, direct.direct, figure->direct, geometry, uploaded);
-    snprintf(name, sizeof name, "RF, leaf %u: %u records of %u", rf.leaf,
-             3 * rf.stats.leaf_count - 1, PAPER_RF_BYTES);
+    snprintf(name, sizeof name, "RF, leaf %u: %s of %u", rf.leaf,
+             COUNTED(3 * rf.stats.leaf_count - 1, "record"), PAPER_RF_BYTES);
     print_line(name, rf.rf, figure->rf, geometry, uploaded);
     add_figure_row(bench, scene, geometry, uploaded, &direct, &rf);
     if (!scene->same)

@@ -6,6 +6,7 @@
 #include "cmd/common/cmd_grid.h"
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -112,10 +113,10 @@ static void print_head(const struct paper_table *table)
     const struct paper_figure *figure = table->scene->figure;
     puts("");
     screen_text(screen,
-                "%s, %u x %u pixels, 4 bounces, workgroups of 16 x 16: %u frames over %u turn%s, "
+                "%s, %u x %u pixels, 4 bounces, workgroups of 16 x 16: %s over %s, "
                 "all lines by turns%s\n",
-                table->scene->spec, table->width, table->height, run->done, run->settings.turns,
-                run->settings.turns == 1 ? "" : "s", run->stopped ? "; stopped by a signal" : "");
+                table->scene->spec, table->width, table->height, COUNTED(run->done, "frame"),
+                COUNTED(run->settings.turns, "turn"), run->stopped ? "; stopped by a signal" : "");
     screen_text(screen,
                 "vulkan: one ray of each path per invocation and dispatch, the arithmetic "
                 "unchanged, but where whole paths are named; a ray that was cut short would have "
@@ -136,7 +137,7 @@ static const char *const headings[LINE_COUNT] = {
     [LINE_DIRECT] = " published shader",
     [LINE_DIRECT_WHOLE] = " published shader, whole paths in one dispatch, unmodified",
     [LINE_DIRECT_CULLS] = " published shader, its box test alone replaced by one that culls: the "
-                          "pictures break (F2, F3)",
+                          "pictures break (faults F2 and F3, docs/rtrs-faults.md)",
     [LINE_F32_2] = " repaired: builder median, box test robust, triangle test mt",
     [LINE_F32_2_WHOLE] = " repaired, whole paths in one dispatch",
 };

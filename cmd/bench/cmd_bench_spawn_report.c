@@ -1,6 +1,7 @@
 /* Output of raydiff bench spawn: tables, and rows for machines. */
 #include "cmd/bench/cmd_bench_spawn.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 
 #include <string.h>
 
@@ -109,10 +110,11 @@ void spawn_print(struct bench *bench, const struct spawn_block *block)
     putchar('\n');
     screen_text(
         &bench->screen_is,
-        "%s, scale %g, far %g: %u triangles; %zu %s rays, seed %llu, %zu hits; up to %zu have "
-        "a surface nearer than they are moved (%zu undecided)\n",
-        block->scene, block->scale, block->far, block->tri_count, block->ray_count, block->rays,
-        (unsigned long long)bench->seed, block->hit_count, near, block->undecided);
+        "%s, scale %g, far %g: %s; %zu %s %s, seed %llu, %s; a surface nearer than they are moved: "
+        "up to %zu (%zu undecided)\n",
+        block->scene, block->scale, block->far, COUNTED(block->tri_count, "triangle"),
+        block->ray_count, block->rays, block->ray_count == 1 ? "ray" : "rays",
+        (unsigned long long)bench->seed, COUNTED(block->hit_count, "hit"), near, block->undecided);
     if (bench->screen_is.wide)
         print_wide(block);
     else

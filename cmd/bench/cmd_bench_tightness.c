@@ -4,6 +4,7 @@
 
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 
 #include <stdlib.h>
 
@@ -151,7 +152,8 @@ static enum status play(struct tightness_field *field, struct reason *reason)
         status = draw_all(field, reason);
     if (status)
         return status;
-    printf("%s: %u triangles, %zu pairs\n", field->spec, field->scene->tri_count, field->count);
+    printf("%s: %s, %s\n", field->spec, COUNTED(field->scene->tri_count, "triangle"),
+           COUNTED(field->count, "pair"));
     field->grid.column = columns;
     field->grid.column_count = ARRAY_COUNT(columns);
     if (field->bench->screen_is.wide)

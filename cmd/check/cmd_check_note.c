@@ -1,5 +1,6 @@
 /* What a row of raydiff check has besides its columns. */
 #include "cmd/check/cmd_check.h"
+#include "ref/base/text.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -42,7 +43,7 @@ static void add_lists(struct row_text *note, const struct row *row)
 {
     if (row->options.query != QUERY_ALL)
         return;
-    add(note, "%s %zu triangles listed", note->at ? ";" : "", row->lists.triangles);
+    add(note, "%s %s listed", note->at ? ";" : "", COUNTED(row->lists.triangles, "triangle"));
     if (row->of_world) /* its meshes promise nothing together */
         return;
     add(note, ", %zu double hits,", row->lists.doubles);

@@ -82,5 +82,5 @@ const struct option_set check_set = {
         "2, a named engine that cannot run with 77. A run that could play nothing, or nothing of "
         "a named storage, exits with 2.",
     .codes = "0 agree, 1 mismatch or vacuous, 2 bad input, 3 engine failed, 77 skipped",
-    .example = "check scenes/fetched/bunny.obj --layout f32,rf16 --rays vertices",
+    .example = "check sphere:n=20 --layout f32,rf16 --engine cpu,embree --rays vertices",
 };

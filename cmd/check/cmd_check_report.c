@@ -4,6 +4,7 @@
 #include "cmd/common/cmd_finding.h"
 #include "ref/base/command.h"
 #include "ref/store.h"
+#include "ref/base/text.h"
 
 #include <string.h>
 
@@ -231,9 +232,8 @@ static void print_agreement(const struct check_scene *scene, const struct screen
                     sum.exact_rays);
     print_verdicts(&sum, screen);
     if (sum.counted)
-        screen_text(screen,
-                    "  members as published are wrong in %zu answers: counted, not judged\n",
-                    sum.counted);
+        screen_text(screen, "  members as published are wrong in %s: counted, not judged\n",
+                    COUNTED(sum.counted, "answer"));
 }
 
 /* Name of the member that refused, was skipped or failed. */
@@ -279,9 +279,8 @@ static void print_tree(const struct row *row)
         printf("tree: %s", row->options.tree->name);
     else
         printf("tree: %s, leaf %u", row->options.builder->name, row->options.build.leaf);
-    printf(": %u node%s, %u lea%s, depth %u, largest leaf %u\n", row->stats.node_count,
-           plural(row->stats.node_count), row->stats.leaf_count,
-           row->stats.leaf_count == 1 ? "f" : "ves", row->stats.depth, row->stats.largest_leaf);
+    printf(": %s, %s, depth %u, largest leaf %u\n", COUNTED(row->stats.node_count, "node"),
+           COUNTED(row->stats.leaf_count, "leaf"), row->stats.depth, row->stats.largest_leaf);
 }
 
 void check_print(const struct check_scene *scene, const struct screen *screen)
@@ -289,14 +288,13 @@ void check_print(const struct check_scene *scene, const struct screen *screen)
     const struct row *first = scene->row_count ? &scene->row[0] : NULL;
     char instances[32] = "", modes[32] = "";
     if (scene->modes) {
-        snprintf(instances, sizeof instances, "%u instance%s, ", scene->instance_count,
-                 plural(scene->instance_count));
-        snprintf(modes, sizeof modes, ", modes %s", scene->modes);
+        snprintf(instances, sizeof instances, "%s, ", COUNTED(scene->instance_count, "instance"));
+        snprintf(modes, sizeof modes, ", masks and flags %s", scene->modes);
     }
-    printf("%s: %s%u triangle%s, %u vert%s; %zu ray%s, set %s%s, seed %llu\n", scene->spec,
-           instances, scene->tri_count, plural(scene->tri_count), scene->vertex_count,
-           scene->vertex_count == 1 ? "ex" : "ices", scene->ray_count, plural(scene->ray_count),
-           scene->rays, modes, (unsigned long long)scene->seed);
+    screen_record(screen, PAINT_PLAIN, "%s: %s%s, %s; %s, set %s%s, seed %llu\n", scene->spec,
+                  instances, COUNTED(scene->tri_count, "triangle"),
+                  COUNTED(scene->vertex_count, "vertex"), COUNTED(scene->ray_count, "ray"),
+                  scene->rays, modes, (unsigned long long)scene->seed);
     for (size_t i = 0; i < scene->row_count; i++)
         if (scene->row[i].status == ROW_OK && scene->row[i].layout) {
             first = &scene->row[i];

@@ -262,13 +262,14 @@ static enum status add_engine(enum table table, const char *flag, const char *te
         return STATUS_OK;
     snprintf(name, sizeof name, "%.*s", (int)(length < PIPE_NAME_MOST ? length : PIPE_NAME_MOST),
              text);
-    const char *comma = strrchr(name, ',');
-    if (begins_with(name, PIPE_PREFIX) && comma && !strchr(name, ' ') && engine_find(comma + 1))
+    const bool is_pipe = begins_with(name, PIPE_PREFIX);
+    const char *comma = is_pipe ? pipe_engines_behind(name) : NULL;
+    if (comma)
         status = fail(&why, STATUS_INPUT,
                       "'%.100s': a pipe takes all that follows as its command: name it last, as "
-                      "%.30s,%.*s",
-                      name, comma + 1, (int)(comma - name), name);
-    else if (begins_with(name, PIPE_PREFIX))
+                      "'%.60s,%.*s', or quote the comma of the command",
+                      name, comma + 1, (int)(comma - name < 90 ? comma - name : 90), name);
+    else if (is_pipe)
         status = pipe_engine(name, &engine, &why);
     else if (begins_with(name, RECORDED_PREFIX))
         status = recorded_find(name, &engine, &why);

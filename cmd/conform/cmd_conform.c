@@ -6,6 +6,7 @@
 #include "cmd/conform/cmd_conform_hard.h"
 #include "cmd/conform/cmd_conform_report.h"
 #include "cmd/conform/cmd_conform_suite.h"
+#include "ref/base/text.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -157,11 +158,11 @@ static void print_pairs(const struct conform_options *o, const struct conform_re
     static const char only[] = "of them only in trials that were refused or skipped";
     const char *before = unmet ? ": " : "";
     if (o->tap)
-        fprintf(stderr, "%zu pairs of members met, %zu %s%s%s\n", pairs, unmet, only, before,
-                example);
+        fprintf(stderr, "%s of members met, %zu %s%s%s\n", COUNTED(pairs, "pair"), unmet, only,
+                before, example);
     else
-        screen_record(&report->screen, PAINT_PLAIN, "%zu pairs of members met, %zu %s%s%s\n", pairs,
-                      unmet, only, before, example);
+        screen_record(&report->screen, PAINT_PLAIN, "%s of members met, %zu %s%s%s\n",
+                      COUNTED(pairs, "pair"), unmet, only, before, example);
 }
 
 /* Pairs that met only in trials that did not run get another trial, with the other members that run

@@ -6,6 +6,7 @@
 #include "cmd/conform/cmd_conform_report.h"
 #include "tests/hard/causes.h"
 #include "tests/hard/members.h"
+#include "ref/base/text.h"
 
 #include <fnmatch.h>
 #include <stdlib.h>
@@ -362,8 +363,9 @@ static void list_suite(const struct hard_suite *suite)
         of_layouts += is_met(suite, layouts_all[l], NULL);
     for (b = 0; builders_all[b]; b++)
         of_builders += is_met(suite, NULL, builders_all[b]);
-    fprintf(stderr, "%zu trials of %zu hard cases: %zu of %zu layouts, %zu of %zu builders\n",
-            suite->count, cases, of_layouts, l, of_builders, b);
+    fprintf(stderr, "%s of %s: %zu of %zu layouts, %zu of %zu builders\n",
+            COUNTED(suite->count, "trial"), COUNTED(cases, "hard case"), of_layouts, l, of_builders,
+            b);
 }
 
 int conform_hard(const struct conform_options *o, const struct list named[TABLE_COUNT])

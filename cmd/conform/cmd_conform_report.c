@@ -147,7 +147,7 @@ static enum matrix_outcome decide(enum status status, const struct row *row,
         return !status && row->status == ROW_SKIPPED && !required ? OUTCOME_SKIPPED
                                                                   : OUTCOME_FAILED;
     }
-    snprintf(why, why_bytes, "%zu rays, %zu hits;", row->rays, row->hits);
+    snprintf(why, why_bytes, "%s, %s;", COUNTED(row->rays, "ray"), COUNTED(row->hits, "hit"));
     for (enum verdict v = 0; v < VERDICT_COUNT; v++)
         text_append(why, why_bytes, " %s %zu", verdict_name(v), row->count[v]);
     text_append(why, why_bytes, "%s; err/E %.2f; bits %zu",
@@ -281,7 +281,7 @@ static void print_sums(const struct conform_report *report)
 {
     const struct screen *screen = &report->screen;
     char line[512];
-    snprintf(line, sizeof line, "%zu rays judged:", report->rays);
+    snprintf(line, sizeof line, "%s judged:", COUNTED(report->rays, "ray"));
     for (enum verdict v = 0; v < VERDICT_COUNT; v++)
         text_append(line, sizeof line, " %s %zu", verdict_name(v), report->count[v]);
     if (report->published)
@@ -289,13 +289,13 @@ static void print_sums(const struct conform_report *report)
     screen_record(screen, PAINT_PLAIN, "%s\n", line);
     if (report->vacuous)
         screen_record(screen, PAINT_PLAIN,
-                      "%zu trial%s failed for want of hits alone: --count is too small\n",
-                      report->vacuous, plural(report->vacuous));
+                      "%s failed for want of hits alone: --count is too small\n",
+                      COUNTED(report->vacuous, "trial"));
     if (report->excused)
         screen_record(screen, PAINT_PLAIN,
-                      "%zu rays more in trials that are waived or show a known defect\n",
-                      report->excused);
-    printf("%zu trials in %.1f s, %zu waived", report->done - report->turnout.count,
+                      "%s more in trials that are waived or show a known defect\n",
+                      COUNTED(report->excused, "ray"));
+    printf("%s in %.1f s, %zu waived", COUNTED(report->done - report->turnout.count, "trial"),
            (double)(time_ns() - report->start_ns) * 1e-9, report->outcomes[OUTCOME_WAIVED]);
     if (report->outcomes[OUTCOME_KNOWN])
         printf(", %zu show a known defect", report->outcomes[OUTCOME_KNOWN]);

@@ -77,7 +77,7 @@ static const struct option_set set = {
     .codes = "0 as it should be, 1 a difference that is not, or no path hits, 2 bad input, 3 an "
              "engine did not finish, 4 no memory, 77 a named engine cannot run here",
     .example = "diff rtrs --engine cpu,vulkan,embree -w 96 -h 72\n"
-               "diff rtrs --engine cpu,embree -w 96 -h 72 --pixel 40,30",
+               "diff rtrs --engine cpu,embree -w 96 -h 72 --pixel 40,24",
 };
 
 void diff_explain(const struct diff_run *run, const struct diff_member *member, bool shadow,

@@ -35,7 +35,9 @@ static const struct option_set set = {
              "any gamma: how many differ, by how much, where.",
     .group = {GROUP(rows)},
     .codes = "0 equal (see --max), 1 different, 2 bad input, 4 no memory",
-    .example = "diff cpu.png vulkan.png --out heat.png",
+    .example = "render rtrs --engine cpu --out cpu.png\n"
+               "render rtrs --engine embree --out embree.png\n"
+               "diff cpu.png embree.png --out heat.png",
 };
 
 static enum status compare(struct images_job *job, struct reason *reason)

@@ -4,6 +4,7 @@
 #include "cmd/diff/cmd_diff.h"
 #include "scenes/render/diff_values.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 
 #include <stdio.h>
 
@@ -291,8 +292,9 @@ static void print_end(struct page *page, size_t i)
     const struct diff_run *run = page->run;
     const struct diff_member *member = &run->member[i], *reference = &run->member[run->reference];
     uint32_t value = member->walk.frame.pixel[0];
-    printf("%s: %u segments, value %u %u %u", member->engine->name, member->walk.length[0],
-           value & 255u, value >> 8 & 255u, value >> 16 & 255u);
+    printf("%s: %s, value %u %u %u", member->engine->name,
+           COUNTED(member->walk.length[0], "segment"), value & 255u, value >> 8 & 255u,
+           value >> 16 & 255u);
     struct first_bit first = walk_first_bit(&reference->walk, &member->walk, 0);
     if (member != reference && !first.differs)
         printf(", to the bit as %s", reference->engine->name);

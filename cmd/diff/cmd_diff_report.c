@@ -12,10 +12,10 @@ void diff_print_subject(const struct diff_run *run)
 {
     const struct render_settings *settings = &run->options->settings;
     const struct frame_job *job = &run->stage.job;
-    printf("%s: %u triangles; %u x %u pixels, profile %s, %u bounces, %u light%s\n",
-           settings->scene, run->stage.scene.tri_count, job->width, job->height,
-           job->look.profile == PROFILE_RTRS ? "rtrs" : "repaired", job->look.bounces,
-           job->light_count, plural(job->light_count));
+    printf("%s: %s; %u x %u pixels, profile %s, %s, %s\n", settings->scene,
+           COUNTED(run->stage.scene.tri_count, "triangle"), job->width, job->height,
+           job->look.profile == PROFILE_RTRS ? "rtrs" : "repaired",
+           COUNTED(job->look.bounces, "bounce"), COUNTED(job->light_count, "light"));
     if (run->stage.packed.layout)
         printf("tree: %s %s, layout %s, box test %s", settings->bvh ? "file" : "builder",
                settings->bvh ? settings->bvh : settings->builder->name,

@@ -78,9 +78,30 @@ static void ask_driver(const char *name, const struct engine_options *options,
     (void)vk_close(vk, NULL);
 }
 
-static void print_driver(const struct doctor_driver *d)
+/* Whether both names lead to the same driver, whose card says the same. */
+static bool is_same(const struct doctor_driver *a, const struct doctor_driver *b)
+{
+    char text[2][4096];
+    if (a->status || b->status || strcmp(a->version, b->version) != 0 ||
+        strcmp(a->card.limits.device, b->card.limits.device) != 0 ||
+        strcmp(a->card.limits.driver, b->card.limits.driver) != 0)
+        return false;
+    card_text(&a->card, text[0], sizeof text[0]);
+    card_text(&b->card, text[1], sizeof text[1]);
+    return strcmp(text[0], text[1]) == 0;
+}
+
+/* `d` is one of the drivers from `first` on; each card is printed once, whatever its names. */
+static void print_driver(const struct doctor_driver *first, const struct doctor_driver *d)
 {
     char text[4096];
+    const struct doctor_driver *same = first;
+    while (same < d && !is_same(same, d))
+        same++;
+    if (same < d) {
+        printf("driver %-12s as %s\n", d->name, same->name);
+        return;
+    }
     if (d->status) {
         printf("driver %-12s SKIPPED\n", d->name);
         screen_line(9, "    why: %s\n", d->reason.text);
@@ -148,7 +169,7 @@ static int examine(const struct arguments *arguments, struct doctor *doctor)
     const char *const *names = asked[0] ? asked : driver_names;
     for (size_t i = 0; names[i] && i < DOCTOR_MOST; i++, doctor->driver_count++) {
         ask_driver(names[i], &arguments->engine, &doctor->driver[i]);
-        print_driver(&doctor->driver[i]);
+        print_driver(doctor->driver, &doctor->driver[i]);
         drivers += doctor->driver[i].status == STATUS_OK;
     }
     screen_line(4, "conclusion: %zu of %zu engines run, %zu of %zu Vulkan drivers are here\n",

@@ -95,6 +95,7 @@ struct explaining {
     struct packed packed;
     struct pool pool;
     struct explain_decode decode;
+    char conclusion[EXPLAIN_CONCLUSION_MOST];
     struct fuzz_player *player; /* plays the file's trial at another scale; opened on first use */
     struct ray *ray;
     size_t ray_count; /* 1 with --ray */
@@ -214,6 +215,8 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
         if (o->html || o->svg)
             screen_text(&screen, "%s is not written: there is nothing to draw\n",
                         o->html ? o->html : o->svg);
+        snprintf(e->conclusion, sizeof e->conclusion, "no answer is wrong%s%s",
+                 o->has_cause ? " with cause " : "", o->has_cause ? cause_name(o->cause) : "");
         return explain_write_none(o, e->ray_count, &e->decode, *code, reason);
     }
     char again[EXPLAIN_COMMAND_MOST];
@@ -231,6 +234,7 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
                               : explain_is_wrong(&ray) ? EXIT_MISMATCH
                                                        : EXIT_AGREE);
     explain_print(&page);
+    explain_conclude(&ray, e->conclusion);
     if (o->html)
         status = explain_write_html(o->html, &page, reason);
     if (!status && o->svg)
@@ -277,8 +281,10 @@ static enum status explain(struct explaining *e, int *code, struct reason *reaso
     *code = explain_decode_code(&e->decode);
     if (!status)
         status = explain_one(e, &judged, code, reason);
-    if (!status)
+    if (!status) {
         explain_decode_print(&e->decode, &screen);
+        explain_print_conclusion(e->conclusion, &e->decode, &screen);
+    }
     judged_free(&judged);
     return status;
 }

@@ -4,6 +4,7 @@
 #include "ref/outside/plugin_shader.h"
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 
 #include <stdio.h>
 
@@ -38,8 +39,8 @@ void explain_decode_print(const struct explain_decode *decode, const struct scre
         return;
     }
     if (decoded->differ == 0) {
-        screen_text(screen, "decode    C and GLSL decode the same of %u records, %u slots\n",
-                    decoded->records, decoded->slots);
+        screen_text(screen, "decode    C and GLSL decode the same of %s, %s\n",
+                    COUNTED(decoded->records, "record"), COUNTED(decoded->slots, "slot"));
         return;
     }
     screen_text(screen, "decode    DIFFERS: %s\n", decoded->first);

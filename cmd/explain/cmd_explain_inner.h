@@ -48,6 +48,16 @@ int explain_decode_code(const struct explain_decode *decode);
 /* Prints the result if `asked`. */
 void explain_decode_print(const struct explain_decode *decode, const struct screen *screen);
 
+#define EXPLAIN_CONCLUSION_MOST 400u /* bytes, the end included */
+
+/* Writes in one sentence what was answered to the ray, and the cause if that is wrong. */
+void explain_conclude(const struct judged_ray *ray, char text[EXPLAIN_CONCLUSION_MOST]);
+
+/* Prints the last line of a run: the text, and the result of explain_decode if `asked`, first if
+ * C and GLSL differ, since that is the cause of the rest. */
+void explain_print_conclusion(const char *text, const struct explain_decode *decode,
+                              const struct screen *screen);
+
 /* Prints the node where a traversal ended: words, bounds, slabs; in 80 columns, unless `wide`. */
 void explain_node_print(FILE *out, const struct explain_step *step, bool wide);
 

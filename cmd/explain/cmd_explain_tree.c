@@ -84,6 +84,17 @@ static void print_page(const struct explain_options *o, const struct fuzz_trial 
     printf("again     %s\n", again);
 }
 
+static void print_conclusion(const struct fuzz_finding *finding,
+                             const struct explain_decode *decode, const struct screen *screen)
+{
+    const enum cause cause = finding->signature.cause;
+    char text[EXPLAIN_CONCLUSION_MOST] = "the bytes are the tree that was built";
+    if (finding->signature.kind != FUZZ_KIND_COUNT)
+        snprintf(text, sizeof text, "WRONG: the tree, by %s: %s", cause_name(cause),
+                 cause_text(cause));
+    explain_print_conclusion(text, decode, screen);
+}
+
 enum status explain_tree_finding(const struct explain_options *o, const struct finding_file *file,
                                  int *code, struct reason *reason)
 {
@@ -102,5 +113,6 @@ enum status explain_tree_finding(const struct explain_options *o, const struct f
     const struct screen screen = screen_make(&o->screen);
     print_page(o, &file->trial, &finding, again, &screen);
     explain_decode_print(&decode, &screen);
+    print_conclusion(&finding, &decode, &screen);
     return o->json ? write_json(o, &finding, &decode, again, *code, reason) : STATUS_OK;
 }

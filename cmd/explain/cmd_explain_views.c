@@ -18,8 +18,10 @@ const char picture_style[] =
     ".bytes{fill:#c4262e;fill-opacity:.1;stroke:#c4262e;stroke-width:1.5}\n"
     ".ray{fill:none;stroke:#0b3d91;stroke-width:2.5}.hit{fill:#0b3d91}\n";
 
-/* Half of what a cube of half edge 1 is wide when it stands on a corner. */
-#define REACH 1.45
+/* How far a corner of a cube of half edge 1 lies from its middle: nothing is cut off, however it is
+ * turned. */
+#define REACH  1.7320508075688772
+#define MARGIN 5u /* pixels around the cube, for the width of lines and the point of the hit */
 
 static double along(const double row[3], const double corner[3])
 {
@@ -40,7 +42,7 @@ static int by_depth(const void *a, const void *b)
 static void write_shape(FILE *out, const struct picture_view *view, const struct shape *shape,
                         unsigned size)
 {
-    double scale = 0.5 * size / REACH, middle = 0.5 * size;
+    double scale = (0.5 * size - MARGIN) / REACH, middle = 0.5 * size;
     const char *class = shape_role_name(shape->role);
     if (shape->role == SHAPE_HIT) {
         fprintf(out, "<circle class=\"%s\" cx=\"%.1f\" cy=\"%.1f\" r=\"4\"/>\n", class,

@@ -8,7 +8,7 @@ for (const figure of document.querySelectorAll('figure.view')) {
   let turn = view.turn, zoom = 1, from = null;
   const along = (row, p) => row[0] * p[0] + row[1] * p[1] + row[2] * p[2];
   const draw = () => {
-    const scale = 0.5 * size / 1.45 * zoom, middle = size / 2;
+    const scale = (0.5 * size - 5) / Math.sqrt(3) * zoom, middle = size / 2;
     const at = p => (middle + scale * along(turn[0], p)).toFixed(1) + ',' + (middle - scale * along(turn[1], p)).toFixed(1);
     const depth = s => s.role === 'hit' ? 12 : s.role === 'ray' ? 11 :
       s.corners.reduce((sum, p) => sum + along(turn[2], p), 0) / s.corners.length;

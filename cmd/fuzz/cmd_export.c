@@ -42,7 +42,7 @@ static const struct option_set set = {
              "with which tolerance.",
     .group = {GROUP(rows), GROUP_AT(engine_rows, options.engines)},
     .codes = "0 written, 2 bad input, or nothing that can run outside raydiff",
-    .example = "export fuzz/corpus/eighth-slot.trial --engine vulkan --to x.c\n"
+    .example = "export fuzz/corpus/sentinel.trial --engine vulkan --to x.c\n"
                "         cc x.c -lvulkan -o x && ./x",
 };
 

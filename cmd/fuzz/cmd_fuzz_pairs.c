@@ -3,6 +3,7 @@
 #include "cmd/common/cmd_screen.h"
 
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 
 #include <stdio.h>
 
@@ -78,14 +79,13 @@ void fuzz_pairs_print(const struct fuzz_command *c, const struct campaign_view *
          i < RAREST_SHOWN && pair_coverage_rarest(c->pair_coverage, i, name, &count); i++)
         screen_line(11, "           %s %llu\n", name, (unsigned long long)count);
     if (view->refitted + view->rebuilt > 0)
-        screen_line(11, "moved      %llu trees refitted, %llu rebuilt\n",
-                    (unsigned long long)view->refitted, (unsigned long long)view->rebuilt);
+        screen_line(11, "moved      %s refitted, %llu rebuilt\n", COUNTED(view->refitted, "tree"),
+                    (unsigned long long)view->rebuilt);
     if (c->pairs > 0 && sum.possible == 0)
         screen_line(11, "short      --pairs: the engines share no member that could form a pair\n");
     if (c->pairs > 0 && sum.below > 0)
-        screen_line(11,
-                    "short      %u pairs met in fewer than %llu trials: run again to continue\n",
-                    sum.below, (unsigned long long)c->pairs);
+        screen_line(11, "short      %s met in fewer than %llu trials: run again to continue\n",
+                    COUNTED(sum.below, "pair"), (unsigned long long)c->pairs);
 }
 
 struct json_t *fuzz_pairs_json(const struct fuzz_command *c, const struct campaign_view *view)

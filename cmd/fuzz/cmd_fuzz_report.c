@@ -227,9 +227,8 @@ static void print_turnout(const struct campaign_view *view)
         char lost[MATCH_EDGES_TEXT];
         char line[1024];
         fuzz_contestant_name(view, i, name);
-        snprintf(line, sizeof line, "%-10s %s answered %llu trials, refused %llu",
-                 i ? "" : "contestant", name, (unsigned long long)turnout->played,
-                 (unsigned long long)turnout->declined);
+        snprintf(line, sizeof line, "%-10s %s answered %s, refused %llu", i ? "" : "contestant",
+                 name, COUNTED(turnout->played, "trial"), (unsigned long long)turnout->declined);
         if (view->refused[i] > 0 && view->options->rules.field.who[i].layout)
             text_append(line, sizeof line, "; its layout refused %llu of this run",
                         (unsigned long long)view->refused[i]);
@@ -265,15 +264,14 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
     if (c->left_out[0])
         screen_line(11, "left out   %s\n", c->left_out);
     print_trials(view);
-    printf("judged     %llu rays (%.0f/s); harness %.0f %% of the time\n",
-           (unsigned long long)view->judged, rate(view->judged, view->play_ns),
-           100 * campaign_harness_share(view, NULL));
+    printf("judged     %s (%.0f/s); harness %.0f %% of the time\n", COUNTED(view->judged, "ray"),
+           rate(view->judged, view->play_ns), 100 * campaign_harness_share(view, NULL));
     printf("coverage   %u of %u states\n", coverage_count(view->coverage), coverage_known());
     fuzz_pairs_print(c, view);
     if (view->restarts > 0)
         screen_line(11, "restarts   %u; the last: %s\n", view->restarts, view->said);
     if (view->renewed > 0)
-        printf("renewed    %u workers that held half of --memory\n", view->renewed);
+        printf("renewed    %s that held half of --memory\n", COUNTED(view->renewed, "worker"));
     if (flaky > 0)
         printf("flaky      %zu: did not recur in %u plays alone\n", flaky, CAMPAIGN_AGAIN);
     if (left > 0 && news > 0 && !view->unplayed && !view->unshrunk) {

@@ -61,7 +61,9 @@ static const struct option_set judge_set = {
               GROUP_AT(watertight_rows, demands), GROUP_AT(screen_rows, screen)},
     .notes = NOTES,
     .codes = CODES,
-    .example = "judge bunny.obj rays.txt hits.txt",
+    .example = "gen sphere:n=4 --decimal --count 100 >rays.txt\n"
+               "         awk -f fuzz/samples/tracer.awk rays.txt >hits.txt\n"
+               "judge sphere:n=4 rays.txt hits.txt",
 };
 
 static const struct option_set verify_set = {

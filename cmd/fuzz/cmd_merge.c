@@ -32,7 +32,9 @@ static const struct option_set set = {
              "what one run gives.",
     .group = {GROUP(rows)},
     .codes = "0 done, 2 bad input, 4 internal error",
-    .example = "merge --to all shard1 shard2 shard3",
+    .example = "fuzz --trials 200 --shard 1/2 --dir shard1\n"
+               "fuzz --trials 200 --shard 2/2 --dir shard2\n"
+               "merge --to all shard1 shard2",
 };
 
 static uint64_t total(const struct findings *findings)

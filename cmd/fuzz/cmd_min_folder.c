@@ -3,6 +3,7 @@
 
 #include "fuzz/findings/findings.h"
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -104,7 +105,7 @@ int min_folder(const struct min_options *options, const char *folder)
         smaller += row[i].written[0] != '\0';
     }
     if (row)
-        printf("%s: %zu findings, %zu of them smaller now\n", folder, count, smaller);
+        printf("%s: %s, %zu of them smaller now\n", folder, COUNTED(count, "finding"), smaller);
     findings_close(findings);
     if (row && options->json) {
         status = min_write_json(options->json, row, count, code, &reason);

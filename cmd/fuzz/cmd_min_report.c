@@ -7,6 +7,7 @@
 #include "cmd/common/cmd_screen.h"
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 
 #include <jansson.h>
 #include <stdio.h>
@@ -61,9 +62,9 @@ void min_print(const struct min_row *row)
         return;
     }
     print_size("after", &row->stats.after, row->bytes_after);
-    screen_line(11, "  asked    %llu trials in %u round%s (%llu asks), %llu were smaller; %s\n",
-                (unsigned long long)row->stats.tried, row->stats.rounds, plural(row->stats.rounds),
-                (unsigned long long)row->stats.asks, (unsigned long long)row->stats.accepted,
+    screen_line(11, "  asked    %s in %s (%s), %llu smaller; %s\n",
+                COUNTED(row->stats.tried, "trial"), COUNTED(row->stats.rounds, "round"),
+                COUNTED(row->stats.asks, "ask"), (unsigned long long)row->stats.accepted,
                 end_text(row->stats.end));
     replay_finding_line(&row->smaller.trial, &row->stats.finding, text, sizeof text);
     if (text[0])

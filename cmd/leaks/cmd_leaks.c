@@ -66,7 +66,7 @@ static const struct option_set set = {
     .codes =
         "0 kept, 1 broken or vacuous, 2 bad input, an open mesh, a named layout that refuses the "
         "scene, or nothing but layouts that do, 3 engine failed, 77 skipped",
-    .example = "leaks sphere scenes/fetched/bunny.obj --tri woop --count 1e6",
+    .example = "leaks sphere:n=20 --layout f32 --engine cpu,embree --tri woop",
 };
 
 static int leaks_all(const struct leaks_options *o, char *const *spec, size_t count)

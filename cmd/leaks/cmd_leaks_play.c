@@ -278,8 +278,9 @@ static void look_whether_vacuous(struct leak_scene *result)
 {
     const struct inside *inside = &result->inside;
     if (result->ray_count < LEAKS_LEAST)
-        snprintf(result->vacuous, sizeof result->vacuous,
-                 "%zu rays are aimed, at least %d are needed", result->ray_count, LEAKS_LEAST);
+        snprintf(result->vacuous, sizeof result->vacuous, "%s %s aimed, at least %d are needed",
+                 COUNTED(result->ray_count, "ray"), result->ray_count == 1 ? "is" : "are",
+                 LEAKS_LEAST);
     else if (2 * inside->near < inside->sampled)
         snprintf(result->vacuous, sizeof result->vacuous,
                  "of %zu aimed rays looked at only %zu come near an edge", inside->sampled,

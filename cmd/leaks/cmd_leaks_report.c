@@ -67,10 +67,11 @@ void leaks_print(const struct leak_scene *scene, const struct screen *screen)
     const struct leak_profile *profile = scene->profile;
     screen_text(
         screen,
-        "%s: %u triangles, %u points, %u edges, closed; %zu rays from %zu points inside, seed "
-        "%llu; %.1f %% of them aimed without rounding\n",
-        scene->spec, scene->tri_count, scene->point_count, scene->edge_count, scene->ray_count,
-        inside->origins, (unsigned long long)scene->seed,
+        "%s: %s, %s, %s, closed; %s from %s inside, seed %llu; %.1f %% of them aimed without "
+        "rounding\n",
+        scene->spec, COUNTED(scene->tri_count, "triangle"), COUNTED(scene->point_count, "point"),
+        COUNTED(scene->edge_count, "edge"), COUNTED(scene->ray_count, "ray"),
+        COUNTED(inside->origins, "point"), (unsigned long long)scene->seed,
         100.0 * (double)inside->exact / (double)scene->ray_count);
     screen_text(screen, "profile %s: %s\n", profile->name, profile->summary);
     if (screen->wide)
@@ -111,8 +112,8 @@ void leaks_print_conclusion(const struct leak_scene *scene, size_t count, int co
     if (rows == 0) /* no scene could be read */
         return;
     char text[300] = "";
-    text_append(text, sizeof text, "%zu rows: %zu kept, %zu broken, %zu counted", rows, kept,
-                broken, counted);
+    text_append(text, sizeof text, "%s: %zu kept, %zu broken, %zu counted", COUNTED(rows, "row"),
+                kept, broken, counted);
     if (rows > kept + broken + counted)
         text_append(text, sizeof text, ", %zu did not run", rows - kept - broken - counted);
     if (vacuous)

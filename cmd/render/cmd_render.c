@@ -93,8 +93,8 @@ static const struct option_set set = {
              "scene, 3 an engine did not finish, 4 no memory, or counts of --show that disagree, "
              "77 the engine cannot run here, 128 + the signal that ended it (--json and --paths "
              "are then of the whole pictures, unless the one being drawn took too long)",
-    .example = "render utah-teapot.obj -w 384 -h 288 --out teapot.png\n"
-               "render --profile rtrs --handler-bvh-rf --engine vulkan --frames 40",
+    .example = "render sphere -w 384 -h 288 --out sphere.png\n"
+               "render --profile rtrs --handler-bvh-rf --engine vulkan --frames 4",
 };
 
 /* The buffers that pictures are drawn into. */
@@ -171,14 +171,14 @@ static void print_one(const struct render_stage *stage, const struct frame_recor
     const struct packed *packed = job->job.packed;
     printf("%s: %u x %u, ", record->path, job->width, job->height);
     if (record->counted)
-        printf("%llu rays (%llu of them to lights), ",
-               (unsigned long long)(record->rays.closest + record->rays.shadow),
+        printf("%s (%llu of them to lights), ",
+               COUNTED(record->rays.closest + record->rays.shadow, "ray"),
                (unsigned long long)record->rays.shadow);
     printf("%.1f ms tracing by the %s's clock, %.1f ms in all", (double)record->report.ns * 1e-6,
            record->report.device_clock ? "device" : "host", (double)record->wall_ns * 1e-6);
     if (packed)
-        printf(", %s: %llu bytes", packed->layout->name,
-               (unsigned long long)(packed_node_bytes(packed) + packed_item_bytes(packed)));
+        printf(", %s: %s", packed->layout->name,
+               COUNTED(packed_node_bytes(packed) + packed_item_bytes(packed), "byte"));
     puts("");
 }
 

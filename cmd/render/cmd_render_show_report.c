@@ -3,6 +3,7 @@
 #include "cmd/common/cmd_options.h"
 #include "cmd/render/cmd_render_show.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 
 #include <math.h>
 
@@ -85,9 +86,9 @@ static void print_difference(const struct showing *showing)
     snprintf(name, sizeof name, "%s - %s", second, first);
     print_amounts(show, show->planes == 3 ? "degrees between" : name, difference, showing);
     if (show->planes == 1)
-        printf("%s: more in %zu pixels, less in %zu\n", second, more, less);
+        printf("%s: more in %s, less in %zu\n", second, COUNTED(more, "pixel"), less);
     if (showing->alone)
-        printf("only one of them has a value in %zu pixels\n", showing->alone);
+        printf("only one of them has a value in %s\n", COUNTED(showing->alone, "pixel"));
 }
 
 void showing_print(const struct showing *showing, const struct image *image)
@@ -109,10 +110,9 @@ void showing_print(const struct showing *showing, const struct image *image)
     if (showing->layer_count == 2)
         print_difference(showing);
     for (size_t l = 0; l < showing->layer_count && show->from == SHOW_FROM_WALK; l++)
-        printf("%s: engine %s counted %llu boxes, %llu triangles for these rays%s\n",
-               showing->layer[l].name, showing->engine->name,
-               (unsigned long long)showing->layer[l].counts.boxes,
-               (unsigned long long)showing->layer[l].counts.tris,
+        printf("%s: engine %s counted %s, %s for these rays%s\n", showing->layer[l].name,
+               showing->engine->name, COUNTED(showing->layer[l].counts.boxes, "box"),
+               COUNTED(showing->layer[l].counts.tris, "triangle"),
                show->id == SHOW_BOXES || show->id == SHOW_TRIANGLES ? ": the sum of the pixels"
                                                                     : "");
     if (show->from == SHOW_FROM_JUDGE && !showing->judged)

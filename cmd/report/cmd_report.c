@@ -168,7 +168,7 @@ static const struct option_set set = {
              "mismatch, or a finding that is still there and not in the baseline, 2 bad input, 3 "
              "an engine or a part crashed, hung or took too long, 4 internal error, 77 a part "
              "cannot run here, 128 + the signal that ended it (then nothing is written)",
-    .example = "report bunny.obj --findings findings --out report.html",
+    .example = "report sphere:n=8 --out report.html",
     .taken = take_passed,
 };
 

@@ -2,6 +2,7 @@
 #include "cmd/scene/cmd_construct.h"
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -43,11 +44,10 @@ void construct_print(const struct construct_options *o, const struct scene *scen
                      const struct construct_notes *notes)
 {
     const struct construct *c = &o->construct;
-    fprintf(stderr,
-            "%s: %u model%s, %u triangles, %u vertices, %u material%s, %u light%s, camera %s\n",
-            o->out, c->model_count, plural(c->model_count), scene->tri_count, scene->vertex_count,
-            scene->material_count, plural(scene->material_count), scene->light_count,
-            plural(scene->light_count), scene->camera.orbit ? "orbit" : "fixed");
+    fprintf(stderr, "%s: %s, %s, %s, %s, %s, camera %s\n", o->out, COUNTED(c->model_count, "model"),
+            COUNTED(scene->tri_count, "triangle"), COUNTED(scene->vertex_count, "vertex"),
+            COUNTED(scene->material_count, "material"), COUNTED(scene->light_count, "light"),
+            scene->camera.orbit ? "orbit" : "fixed");
     if (notes->red != CONSTRUCT_DEFAULT)
         fprintf(stderr, "material %u is the default red\n", notes->red);
     if (notes->unused)

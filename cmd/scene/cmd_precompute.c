@@ -7,6 +7,7 @@
 #include "ref/packed/packed_file.h"
 #include "ref/files/file.h"
 #include "scenes/scenes.h"
+#include "ref/base/text.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -63,7 +64,7 @@ static const struct option_set set = {
     .group = {GROUP(rows), GROUP_AT(build_rows, build)},
     .codes = "0 written, or verified; 1 a tree, but with too small boxes, or triangles in no leaf "
              "or in several; 2 bad input, no tree, or RTRS never ends here; 4 no memory",
-    .example = "precompute --scene default.json --out default.bvh.json --item-count 2",
+    .example = "precompute --scene sphere:n=8 --out sphere.bvh.json --item-count 2",
 };
 
 /* Writes the tree as JSON, or packed if `packed` is not NULL. The output file appears only once it
@@ -109,11 +110,10 @@ static enum status precompute(const struct precompute *p, const struct scene *sc
     status = write_out(p, scene, &bvh, reason);
     if (!status) {
         struct bvh_stats stats = bvh_stats(&bvh, scene);
-        fprintf(stderr,
-                "%s: %u triangles, %u nodes, %u leaves of at most %u items, depth %u, %u inner "
-                "boxes too small\n",
-                p->out, bvh.tri_count, stats.node_count, stats.leaf_count, stats.largest_leaf,
-                stats.depth, stats.loose_count);
+        fprintf(stderr, "%s: %s, %s, %s of at most %s, depth %u, %s too small\n", p->out,
+                COUNTED(bvh.tri_count, "triangle"), COUNTED(stats.node_count, "node"),
+                COUNTED(stats.leaf_count, "leaf"), COUNTED(stats.largest_leaf, "item"), stats.depth,
+                COUNTED(stats.loose_count, "inner box"));
     }
     bvh_free(&bvh);
     return status;
@@ -129,10 +129,10 @@ static enum status verify_packed(const char *bytes, size_t size, const struct pr
         packed_file_read(file_label(p->verify), bytes, size, scene, &packed, &faults, reason);
     *sound = !status && reason->text[0] == '\0';
     if (!status)
-        printf("%s: layout %s, %u records, %u boxes too small, %u triangles in no leaf, %u in "
-               "several\n",
-               p->verify, packed.layout->name, packed.node_count, faults.loose_boxes,
-               faults.lost_prims, faults.double_prims);
+        printf("%s: layout %s, %s, %s too small, %s in no leaf, %u in several\n", p->verify,
+               packed.layout->name, COUNTED(packed.node_count, "record"),
+               COUNTED(faults.loose_boxes, "box"), COUNTED(faults.lost_prims, "triangle"),
+               faults.double_prims);
     packed_free(&packed);
     return status;
 }
@@ -145,9 +145,10 @@ static enum status verify_json(const char *bytes, size_t size, const struct prec
     *sound = !status && bvh_check(&bvh, scene, reason) == STATUS_OK;
     if (!status) {
         struct bvh_stats stats = bvh_stats(&bvh, scene);
-        printf("%s: %u nodes, %u leaves of at most %u items, depth %u, %u inner boxes too small\n",
-               p->verify, stats.node_count, stats.leaf_count, stats.largest_leaf, stats.depth,
-               stats.loose_count);
+        printf("%s: %s, %s of at most %s, depth %u, %s too small\n", p->verify,
+               COUNTED(stats.node_count, "node"), COUNTED(stats.leaf_count, "leaf"),
+               COUNTED(stats.largest_leaf, "item"), stats.depth,
+               COUNTED(stats.loose_count, "inner box"));
     }
     bvh_free(&bvh);
     return status;

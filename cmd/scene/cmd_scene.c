@@ -237,7 +237,7 @@ static const struct option_set set = {
              "scenes` fetched",
     .group = {GROUP(rows)},
     .codes = "0, 2 bad input, 4 no memory",
-    .example = "scene info scenes/fetched/glmark2-bunny.obj soup:n=1000\n"
+    .example = "scene info sphere soup:n=1000\n"
                "scene convert terrain:k=6 terrain.ply\n"
                "scene convert crowd:n=100 crowd.glb",
 };

@@ -3,6 +3,7 @@
 
 #include "cmd/common/cmd_options.h"
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -24,7 +25,8 @@ static void tell_scene(const char *path, const struct world *world)
 {
     const struct scene *scene = world_only_scene(world);
     bool more = scene->normal || scene->light_count || scene->material_count || scene->has_camera;
-    printf("%s: %u triangles, %u vertices\n", path, scene->tri_count, scene->vertex_count);
+    printf("%s: %s, %s\n", path, COUNTED(scene->tri_count, "triangle"),
+           COUNTED(scene->vertex_count, "vertex"));
     if (more && !is_rtrs(path, world))
         printf("not kept, since the format has no place for them: normals, lights, materials, "
                "camera\n");

@@ -1,5 +1,6 @@
 #include "ref/base/text.h"
 
+#include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -11,4 +12,25 @@ void text_append(char *text, size_t text_bytes, const char *format, ...)
     va_start(args, format);
     vsnprintf(text + used, text_bytes - used, format, args);
     va_end(args);
+}
+
+const char *counted_text(char text[COUNTED_MOST], uint64_t count, const char *noun)
+{
+    static const struct {
+        const char *end, *plural;
+    } rules[] = {{"ex", "ices"}, {"leaf", "leaves"}, {"x", "xes"},
+                 {"sh", "shes"}, {"ch", "ches"},     {"s", "ses"}};
+    size_t length = strlen(noun);
+    const char *end = "s";
+    for (size_t i = 0; i < ARRAY_COUNT(rules) && count != 1; i++) {
+        size_t tail = strlen(rules[i].end);
+        if (length < tail || strcmp(noun + length - tail, rules[i].end) != 0)
+            continue;
+        length -= tail;
+        end = rules[i].plural;
+        break;
+    }
+    snprintf(text, COUNTED_MOST, "%" PRIu64 " %.*s%s", count, (int)length, noun,
+             count == 1 ? "" : end);
+    return text;
 }

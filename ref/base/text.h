@@ -1,4 +1,4 @@
-/* Text that grows in a buffer of fixed size. */
+/* Text that grows in a buffer of fixed size, and counted things. */
 #ifndef TEXT_H
 #define TEXT_H
 
@@ -6,5 +6,15 @@
 
 /* Appends to the text in `text`, cut to what fits. */
 void text_append(char *text, size_t text_bytes, const char *format, ...) PRINTF_LIKE(3, 4);
+
+#define COUNTED_MOST 64u /* bytes, the end included */
+
+/* Writes "1 triangle", "2 triangles", "0 vertices": the noun in its plural unless the count is 1,
+ * cut to what fits. Nouns in -x, -s, -sh and -ch end in -es, those in -ex in -ices, and -leaf
+ * becomes -leaves. Returns `text`. */
+const char *counted_text(char text[COUNTED_MOST], uint64_t count, const char *noun);
+
+/* The same as an argument of a call: the text lives as long as the block around it. */
+#define COUNTED(count, noun) counted_text((char[COUNTED_MOST]){0}, (count), (noun))
 
 #endif

@@ -75,8 +75,9 @@ static enum status split(struct build *build, struct build_node *node, uint32_t 
          * because of NaN. */
         if (memcmp(&node->bounds, &box, sizeof box) == 0)
             return fail(reason, STATUS_LIMIT,
-                        "rtrs: RTRS never ends here: F19 (%u triangles, the first is %u, in a "
-                        "box whose half %c [%a, %a] is itself; eps %g)",
+                        "rtrs: RTRS never ends here (fault F19, docs/rtrs-faults.md): "
+                        "%u triangles, the first is %u, in a box whose half %c [%a, %a] is "
+                        "itself; eps %g",
                         node->count, build->prim[node->first], "xyz"[axis], (double)box.lo[axis],
                         (double)box.hi[axis], (double)build->options->eps);
     }

@@ -31,7 +31,8 @@ static enum layout_end end(const struct bvh *bvh, struct reason *reason)
     for (uint32_t i = 0; i < bvh->node_count; i++)
         if (bvh->node[i].item_count > NODE_RF_SLOTS) {
             (void)fail(reason, STATUS_LIMIT,
-                       "rtrs_rf: RTRS panics: F8 (%u items in a leaf of 8 slots)",
+                       "rtrs_rf: RTRS panics (fault F8, docs/rtrs-faults.md): "
+                       "%u items in a leaf of 8 slots",
                        bvh->node[i].item_count);
             return LAYOUT_END_LEAF;
         }
@@ -41,8 +42,8 @@ static enum layout_end end(const struct bvh *bvh, struct reason *reason)
         leaves++;
         if (item_beyond(bvh, &bvh->node[i], &item)) {
             (void)fail(reason, STATUS_LIMIT,
-                       "rtrs_rf: RTRS panics: F6 (record %u holds item %u, taken for one of "
-                       "%u nodes)",
+                       "rtrs_rf: RTRS panics (fault F6, docs/rtrs-faults.md): "
+                       "record %u holds item %u, taken for one of %u nodes",
                        i + leaves, item, bvh->node_count);
             return LAYOUT_END_ITEM;
         }

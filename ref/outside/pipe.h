@@ -61,4 +61,9 @@ const char *pipe_rounding_name(uint32_t rounding);
 enum status pipe_engine(const char *name, const struct engine **out,
                         struct reason *reason) MUST_USE;
 
+/* Returns where in "pipe:COMMAND,cpu,embree" the engines behind the command begin, at their comma,
+ * or NULL if what follows the last comma is no engine of the table. A comma that the command needs
+ * can be quoted: "pipe:tracer --on 'gpu,cpu'" has no engines behind. */
+const char *pipe_engines_behind(const char *name);
+
 #endif

@@ -340,6 +340,16 @@ PLACE(3)
 static const struct engine engine_of[] = {ENGINE(0), ENGINE(1), ENGINE(2), ENGINE(3)};
 _Static_assert(ARRAY_COUNT(engine_of) == ENGINES_ADDED_MOST, "a place for each");
 
+const char *pipe_engines_behind(const char *name)
+{
+    char rest[PIPE_NAME_MOST + 1];
+    const char *first = NULL;
+    snprintf(rest, sizeof rest, "%s", name);
+    for (char *comma; (comma = strrchr(rest, ',')) && engine_find(comma + 1); *comma = '\0')
+        first = name + (comma - rest);
+    return first;
+}
+
 enum status pipe_engine(const char *name, const struct engine **out, struct reason *reason)
 {
     *out = engine_find(name);

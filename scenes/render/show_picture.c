@@ -113,7 +113,8 @@ static enum status set_ends(const struct show *show, const float *value, size_t 
     } else if (scale->kind == COLOUR_DIVERGING && !range->given) {
         status = usual(value, count, &most, reason);
         if (most > 0.0 && most < scale->hi) {
-            snprintf(label, LABEL_BYTES, "%s (a tenth is beyond the ends)", scale->unit);
+            snprintf(label, LABEL_BYTES, "%s (the largest 10 %% have the end colours)",
+                     scale->unit);
             scale->hi = most;
             scale->unit = label;
         }

@@ -1,6 +1,7 @@
 /* Laws of ref/base/command.h: exit codes, and numbers on the command line. */
 #define _POSIX_C_SOURCE 200809L /* dup2, fileno */
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -151,6 +152,33 @@ static void usage_errors_name_the_command_and_its_help(void **state)
     assert_string_equal(text, "raydiff check: unknown flag '--speed' (see raydiff check --help)\n");
 }
 
+static void one_thing_is_told_as_one(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *one, *many;
+    } nouns[] = {{"triangle", "triangles"},    {"ray", "rays"},
+                 {"vertex", "vertices"},       {"leaf", "leaves"},
+                 {"inner box", "inner boxes"}, {"mesh", "meshes"},
+                 {"pass", "passes"},           {"branch", "branches"},
+                 {"hard case", "hard cases"}};
+    static const uint64_t counts[] = {0, 1, 2, 11, 21, 101, UINT64_MAX};
+    char want[COUNTED_MOST];
+    for (size_t n = 0; n < ARRAY_COUNT(nouns); n++)
+        for (size_t c = 0; c < ARRAY_COUNT(counts); c++) {
+            snprintf(want, sizeof want, "%llu %s", (unsigned long long)counts[c],
+                     counts[c] == 1 ? nouns[n].one : nouns[n].many);
+            assert_string_equal(COUNTED(counts[c], nouns[n].one), want);
+        }
+    /* Two of one call are two texts, and a long noun is cut. */
+    snprintf(want, sizeof want, "%s, %s", COUNTED(1, "a"), COUNTED(2, "b"));
+    assert_string_equal(want, "1 a, 2 bs");
+    char noun[2 * COUNTED_MOST];
+    memset(noun, 'n', sizeof noun - 1);
+    noun[sizeof noun - 1] = '\0';
+    assert_int_equal(strlen(COUNTED(5, noun)), COUNTED_MOST - 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -160,6 +188,7 @@ int main(void)
         cmocka_unit_test(counts_keep_their_range),
         cmocka_unit_test(floats_are_finite_and_whole_words),
         cmocka_unit_test(usage_errors_name_the_command_and_its_help),
+        cmocka_unit_test(one_thing_is_told_as_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -16,13 +16,15 @@ static void rtrs_rf_panics_or_garbles_from_seven_items(void **state)
     (void)state;
     must_hold(hold("rtrs_rf", trees_grid(6), 6, TREES_BALANCED), false);
     must_refuse(hold("rtrs_rf", trees_grid(7), 7, TREES_BALANCED),
-                "rtrs_rf: RTRS panics: F6 (record 1 holds item 6, taken for one of 1 nodes)");
+                "rtrs_rf: RTRS panics (fault F6, docs/rtrs-faults.md): record 1 holds item 6, "
+                "taken for one of 1 nodes");
     must_refuse(hold("rtrs_rf", trees_grid(21), 7, TREES_BALANCED), "item 6, taken for one of 5");
-    must_refuse(hold("rtrs_rf", trees_grid(8), 8, TREES_BALANCED), "RTRS panics: F6");
-    must_refuse(hold("rtrs_rf", trees_grid(9), 9, TREES_BALANCED),
-                "rtrs_rf: RTRS panics: F8 (9 items in a leaf of 8 slots)");
+    must_refuse(hold("rtrs_rf", trees_grid(8), 8, TREES_BALANCED), "RTRS panics (fault F6,");
+    must_refuse(
+        hold("rtrs_rf", trees_grid(9), 9, TREES_BALANCED),
+        "rtrs_rf: RTRS panics (fault F8, docs/rtrs-faults.md): 9 items in a leaf of 8 slots");
     must_refuse(hold("rtrs_rf", trees_grid(13), 13, TREES_BALANCED),
-                "RTRS panics: F8 (13 items in a leaf of 8 slots)");
+                "RTRS panics (fault F8, docs/rtrs-faults.md): 13 items in a leaf of 8 slots");
 
     struct scene scene = trees_grid(80);
     struct held h = {.scene = scene, .bvh = trees_make(&scene, 8, TREES_RIGHT)};

@@ -180,28 +180,11 @@ static void an_engine_with_its_own_shows_no_others(void **state)
 static void known_truths_are_kept(void **state)
 {
     static const char *const faults[] = {
-        "F1:",
-        "F2:",
-        "F3:",
-        "F4:",
-        "F5:",
-        "F6:",
-        "F7:",
-        "F8:",
-        "F9:",
-        "F10:",
-        "F11:",
-        "F12:",
-        "F13:",
-        "F14:",
-        "F15:",
-        "F16:",
-        "half",
-        "maximum border",
-        "leaks at vertices",
-        "65,535 rounds",
-        "packHalf2x16",
-        "1.00000024",
+        "fault F1:",    "fault F2:",  "fault F3:",      "fault F4:",         "fault F5:",
+        "fault F6:",    "fault F7:",  "fault F8:",      "fault F9:",         "fault F10:",
+        "fault F11:",   "fault F12:", "fault F13:",     "fault F14:",        "fault F15:",
+        "fault F16:",   "half",       "maximum border", "leaks at vertices", "65,535 rounds",
+        "packHalf2x16", "1.00000024",
     };
     (void)state;
     for (size_t f = 0; f < ARRAY_COUNT(faults); f++) {

@@ -83,7 +83,7 @@ struct hard_made {
 
 /* A defect that the case demonstrates: members that must fail the case, or refuse it. */
 struct hard_defect {
-    const char *fault;   /* "F2", "embree#589", "packHalf2x16" */
+    const char *fault;   /* "RTRS's fault F2: ...", "embree#589", "packHalf2x16" */
     enum cause cause;    /* cause that explain must find for most wrong rays; CAUSE_NONE: not
                             checked, since no single answer is wrong */
     const char *members; /* pattern of query.engine.layout.builder.box.tri */

@@ -68,7 +68,7 @@ const struct hard_case hard_known_cases[] = {
                     .cause = CAUSE_ROUNDED_INWARD,
                     .members = "closest.cpu.*",
                     .layout = &layout_rf16_nearest},
-                   {.fault = "F11: bounds rounded to the nearest half",
+                   {.fault = "RTRS's fault F11: bounds rounded to the nearest half",
                     .cause = CAUSE_ROUNDED_INWARD,
                     .members = "closest.*.rtrs_rf_paper.median.robust.mt"}},
     },

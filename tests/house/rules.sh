@@ -110,6 +110,12 @@ grep -hoE '^(typedef )?(struct|enum|union) [a-z_0-9]+ \{' $(git ls-files '*.c' '
 git grep -niE '\bnobody|(is|was|be|are) gone on with|\bwho (is|was) (killed|ended|interrupted|asked)|the seed.s\b|(plays|played) engines against|\b(moody|meetings|court|under fire|way of c)\b' -- \
     ref gpu scenes fuzz bench cmd shaders tests raydiff.c ':!bench/results' ':!tests/house/rules*.sh' && breach "write it plainly: no person where there is none, RTRS by its name"
 
+# A number of a fault of RTRS is told as that, in what is printed and in pages: F7 alone tells a reader nothing.
+{
+    git grep -nE '"[^"]*\bF[0-9]{1,2}\b' -- ref gpu scenes fuzz bench cmd raydiff.c tests/hard ':!bench/results' | grep -E '"[^"]*\bF[0-9]{1,2}\b[^"]*"'
+    git grep -nE '\bF[0-9]{1,2}\b' -- README.md docs/*.md tests/waivers.txt ':!docs/rtrs-faults.md' ':!docs/glossary.md'
+} | grep -vE "faults? F[0-9]|RTRS's" && breach "a fault of RTRS is told by its number alone"
+
 # The front of the house.
 git ls-files | grep -v / | grep -vxE '\.clang-format|\.gitignore|CHANGELOG\.md|CITATION\.cff|CONTRIBUTING\.md|LICENSE|Makefile|README\.md|SECURITY\.md|raydiff\.c' &&
     breach "what stands at the root is named in tests/house/rules.sh"
@@ -136,6 +142,8 @@ git ls-files -- ':!bench/results' | sed -n 's|/[^/]*$||p' | sort | uniq -c | awk
 wc -l $(git ls-files '*.c' '*.h' '*.glsl' '*.comp') | awk '$1 > 400 && $2 != "total" {print $2 ": " $1 " lines"; bad = 1} END {exit !bad}' &&
     breach "one concept a file, at most 400 lines"
 git grep -nE '.{101,}' -- '*.c' '*.h' '*.glsl' '*.comp' && breach "a line has at most 100 columns"
+awk 'FNR == 1 {code = 0} /^```/ {code = !code; next} !code && !/^\|/ && length($0) > 120 {print FILENAME ":" FNR; bad = 1} END {exit !bad}' \
+    $(git ls-files '*.md' ':!bench/results') && breach "a line of a page has at most 120 columns, but in tables and in what is shown"
 awk 'FNR == 1 {begin = 0} /^\{/ {begin = FNR} /^\}/ && begin {if (FNR - begin - 1 > 60) {print FILENAME ":" begin ": " FNR - begin - 1 " lines"; bad = 1}; begin = 0} END {exit !bad}' \
     $(git ls-files '*.c' '*.h') && breach "a function has at most 60 lines"
 

@@ -41,6 +41,11 @@ plant ref/tree/bvh.c 'void f(void) { printf("x"); }'
 plant gpu/vk/vk.c 'void f(void) { exit (1); }'
 plant ref/base/rng.h 'float f(struct rng *rng) { return ldexpf(rng_float(rng), (int)rng_below(rng, 3)); }'
 plant ref/base/half.c "/* $(printf '%098d' 0) */"
+plant ref/explain/repair.c 'static const char *text = "a slot is not read (F7)";'
+plant tests/hard/cases/hard_seed.c '.fault = "F7: six of eight slots are read"'
+plant docs/causes.md "A line $(printf '%0120d' 0)"
+plant docs/causes.md 'A slot is not read (F7).'
+plant tests/waivers.txt 'hard.*.f32.* F7: six of eight slots are read'
 plant ref/base/half.c '#if MUTANT == MUTANT_LOST_SLOT'
 hunk='in ref/base/half.c: half_down
 -    no such line'

@@ -295,6 +295,31 @@ static void names_are_checked_and_places_counted(void **state)
     assert_int_equal(pipe_engine("cpu", &engine, &reason), STATUS_OK);
 }
 
+/* Where the engines begin that stand behind a command: a list of them alone, whatever words the
+ * command has. */
+static void engines_behind_a_command_are_found(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        int at; /* of the comma, or -1 */
+    } known[] = {
+        {"pipe:./tracer", -1},
+        {"pipe:./tracer,cpu", 13},
+        {"pipe:./tracer -f 1,cpu", 18},
+        {"pipe:./tracer -f 1,cpu,brute", 18},
+        {"pipe:./tracer -f 1,2,brute", 20},
+        {"pipe:./tracer cpu,x", -1},
+        {"pipe:./tracer --on 'x,cpu'", -1},
+        {"pipe:awk -F, -f t.awk", -1},
+    };
+    for (size_t i = 0; i < ARRAY_COUNT(known); i++) {
+        const char *found = pipe_engines_behind(known[i].name);
+        if ((found ? (int)(found - known[i].name) : -1) != known[i].at)
+            fail_msg("%s", known[i].name);
+    }
+}
+
 static int make_scene(void **state)
 {
     (void)state;
@@ -327,6 +352,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(commands_that_are_not_there_cannot_run_here),
         cmocka_unit_test(memory_is_limited),
         cmocka_unit_test(names_are_checked_and_places_counted),
+        cmocka_unit_test(engines_behind_a_command_are_found),
     };
     return cmocka_run_group_tests(tests, make_scene, free_scene);
 }

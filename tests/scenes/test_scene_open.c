@@ -87,6 +87,12 @@ static void scene_open_names_what_it_does_not_know(void **state)
                    "unknown scene 'suop': no file, and no generator; those are soup, sphere");
     expect_refused("suop:n=3", "unknown scene 'suop:n=3': no file, and no generator");
     expect_refused("", "unknown scene '': no file, and no generator");
+    expect_refused("suop", "rtrs (of worlds: raydiff scene list); did you mean soup?");
+    expect_refused("scenes/fetched/none.obj", "No such file or directory; make scenes fetches");
+    expect_refused("elsewhere/none.obj", "elsewhere/none.obj: No such file or directory");
+    assert_null(strstr(reason.text, "make scenes"));
+    struct scene none;
+    assert_int_equal(scene_open("scenes/fetched/none.obj", 1, &none, NULL), STATUS_INPUT);
     expect_refused("soup:m=3", "soup: 'm' is no parameter; known are n, size, offset, seed");
     expect_refused("soup:", "soup: '' is no parameter");
     expect_refused("soup:n=3,", "soup: '' is no parameter");

@@ -82,7 +82,7 @@ static void expect_amounts(size_t k, bool difference, const double value[COUNT],
     if (difference && show->planes == 1) {
         scale.kind = COLOUR_DIVERGING;
         scale.hi = size[(sizes - 1) * 9 / 10];
-        snprintf(label, sizeof label, "%s (a tenth is beyond the ends)", scale.unit);
+        snprintf(label, sizeof label, "%s (the largest 10 %% have the end colours)", scale.unit);
         scale.unit = scale.hi < fmax(most, -least) ? label : scale.unit;
     } else if (show->id == SHOW_ERROR) {
         scale.logarithmic = true;

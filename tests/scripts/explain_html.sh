@@ -59,6 +59,35 @@ bits() {
         END { if (rows != 6) { print rows + 0 " bounds, not 6"; bad = 1 } exit bad }' "$dir/flat" "$dir/rows" || bad "bits of $1"
 }
 
+# Whatever is drawn lies in its picture, lines with their width and texts with theirs, on every side.
+uncut() { # file, least number of elements
+    perl -ne '
+        while (/<(\/?)(svg|polygon|polyline|circle|rect|text)\b([^>]*)>([^<]*)/g) {
+            my ($end, $kind, $has, $text) = ($1, $2, $3, $4);
+            my %of = $has =~ /([a-z0-9]+|viewBox)="([^"]*)"/g;
+            if ($kind eq "svg") {
+                if ($end) { pop @box; next }
+                my ($x, $y, $w, $h) = split / /, $of{viewBox} // "0 0 $of{width} $of{height}";
+                bad("$kind is larger than what it lies in") if @box && ($of{x} // 0) + $of{width} > $box[-1][0];
+                push @box, [$w, $h];
+                next;
+            }
+            next if $end || !@box || ($of{width} // "") eq "100%";
+            my @at = map { [split /,/] } split / /, $of{points} // "";
+            my $line = $kind eq "polyline" ? 1.25 : 0.75;
+            @at = ([$of{cx}, $of{cy}]), $line = $of{r} if $kind eq "circle";
+            @at = ([$of{x}, $of{y}], [$of{x} + $of{width}, $of{y} + $of{height}]) if $kind eq "rect";
+            @at = ([$of{x}, $of{y} - 11], [$of{x} + 8 * length $text, $of{y} + 4]), $line = 0 if $kind eq "text";
+            for (@at) {
+                bad("$kind at $_->[0],$_->[1]") if $_->[0] < $line || $_->[1] < $line ||
+                    $_->[0] > $box[-1][0] - $line || $_->[1] > $box[-1][1] - $line;
+            }
+            $seen++;
+        }
+        sub bad { print "$ARGV: cut off: $_[0]\n"; $bad = 1 }
+        END { exit($bad || $seen < '"$2"') }' "$1" || bad "$1: something is cut off"
+}
+
 # Shapes lie in the cube; a box has at most six sides; the place is the exact hit; pictures are those of the page.
 shapes() {
     sed -n 's/<.*//; s/.*"corners"://p' "$dir/page.html" | tr -d '[]}' | tr ',' '\n' |
@@ -75,6 +104,8 @@ shapes() {
     done
     grep -oE '(src|href|url|@import)[=( ][^> ]*|https?://[a-z./0-9]*' "$dir/page.html" "$dir/page.svg" | grep -v 'http://www.w3.org/2000/svg$' &&
         bad "$1: something is fetched"
+    uncut "$dir/page.svg" 9
+    uncut "$dir/page.html" 9
     grep -q "<script" "$dir/page.svg" && bad "$1: a script in a picture"
 }
 
@@ -123,8 +154,10 @@ page 1 fuzz/corpus/strict-comparison.trial # its cause has "<" in its text
 grep -q '<title>the box test has &lt; where' "$dir/page.svg" || bad 'a text is not escaped'
 # All causes of the corpus, and answers that are right.
 for file in fuzz/corpus/*.trial; do
+    rm -f "$dir/x.svg"
     "$raydiff" explain "$file" --html "$dir/x.html" --svg "$dir/x.svg" >"$dir/out" 2>"$dir/err"
     [ $? -le 1 ] || bad "$file: $(cat "$dir/err")"
+    [ ! -e "$dir/x.svg" ] || uncut "$dir/x.svg" 3
     grep -qiE '[^a-z](nan|inf)[^a-z]' "$dir/x.svg" 2>/dev/null && bad "$file: a corner that is no number"
 done
 # Triangles that are not drawn are counted.

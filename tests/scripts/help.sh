@@ -97,6 +97,33 @@ while read -r command; do
     grep -q '^passed' "$dir/passed" || cat "$dir/passed"
 done <"$dir/commands"
 
+# Each example runs as it is printed, in a fresh clone: after 4 s it is still at work or has not been refused.
+ln -s "$(pwd)/fuzz" "$dir/fuzz"
+ln -s "$(realpath "$raydiff")" "$dir/raydiff"
+cat >"$dir/play" <<'END'
+set -o pipefail
+raydiff() {
+    command raydiff "$@"
+    code=$?
+    case $code in 0 | 1 | 77) ;; *) echo "exit $code: raydiff $*" >>refused ;; esac
+    return $code
+}
+. ./example
+END
+examples=0
+while read -r command; do
+    "$raydiff" help "$command" | awk '/^example: / { on = 1; sub("^example: ", "") } /^[^ ]/ && !/^raydiff / { on = 0 } on' >"$dir/example"
+    [ -s "$dir/example" ] || bad "help $command: no example"
+    examples=$((examples + $(grep -c '^raydiff ' "$dir/example")))
+    case $command in fuzz) sed -i 's/--time [0-9]*/--time 1/; /--self-test/d' "$dir/example" ;; esac
+    rm -f "$dir/refused"
+    (cd "$dir" && PATH="$dir:$PATH" timeout 4 bash play) >"$dir/out" 2>"$dir/err" </dev/null
+    code=$?
+    case $code in 0 | 1 | 77 | 124) ;; *) bad "the example of raydiff $command: exit $code" ;; esac
+    [ ! -e "$dir/refused" ] || bad "the example of raydiff $command: $(cat "$dir/refused")"
+done <"$dir/commands"
+[ "$examples" -ge 25 ] || bad "only $examples examples"
+
 # Values of a table, and of choices, behind the option that takes them.
 offers check --builder sah | grep -qx sah_binned || bad "bash: builders behind --builder"
 offers check --layout rf | grep -qx rf16 || bad "bash: layouts behind --layout"

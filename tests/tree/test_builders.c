@@ -247,7 +247,7 @@ static bool rtrs_ends_on(const float v[3][3], float eps)
     enum status status = builder_find("rtrs")->build(&scene, &options, &bvh, &reason);
     if (status) {
         assert_int_equal(status, STATUS_LIMIT);
-        assert_non_null(strstr(reason.text, "RTRS never ends here: F19"));
+        assert_non_null(strstr(reason.text, "RTRS never ends here (fault F19,"));
         assert_null(bvh.node);
     }
     bvh_free(&bvh);
@@ -296,8 +296,9 @@ static void rtrs_says_where_the_seed_never_ends(void **state)
     char axis;
     float lo, hi, eps;
     assert_int_equal(sscanf(reason.text,
-                            "rtrs: RTRS never ends here: F19 (%u triangles, the first is %u, in a "
-                            "box whose half %c [%a, %a] is itself; eps %g)",
+                            "rtrs: RTRS never ends here (fault F19, docs/rtrs-faults.md): "
+                            "%u triangles, the first is %u, in a box whose half %c [%a, %a] is "
+                            "itself; eps %g",
                             &count, &first, &axis, &lo, &hi, &eps),
                      6);
     assert_true(count == 5 && first == 2 && axis == 'y' && eps == 1e-30f);

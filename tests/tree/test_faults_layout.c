@@ -188,8 +188,8 @@ static void f6_eight_triangles_in_one_leaf_panic(void **state)
     struct scene scene = trees_grid(8);
     struct subject s = subject_make(&scene, "rtrs", SEED_LEAF, 1000, "rtrs_rf");
     assert_int_equal(s.bvh.node[0].item_count, 8);
-    assert_refused(&s,
-                   "rtrs_rf: RTRS panics: F6 (record 1 holds item 7, taken for one of 1 nodes)");
+    assert_refused(&s, "rtrs_rf: RTRS panics (fault F6, docs/rtrs-faults.md): record 1 holds item "
+                       "7, taken for one of 1 nodes");
     subject_pack(&s, "rf16"); /* the very same tree */
     assert_int_equal(triangles_lost(&s, "robust", 0, 7), 0);
     subject_free(&s);
@@ -216,9 +216,11 @@ static void f6_an_eighth_item_from_32768_on_hides_the_panic(void **state)
         struct scene scene = trees_grid(count);
         struct subject s = subject_of(&scene, tree_with_a_leaf_of_eight(&scene), "rtrs_rf");
         if (!beyond) {
-            char text[100];
+            char text[160];
             uint32_t leaves = (s.bvh.node_count + 1) / 2;
-            snprintf(text, sizeof text, "F6 (record %u holds item %u, taken for one of %u nodes)",
+            snprintf(text, sizeof text,
+                     "(fault F6, docs/rtrs-faults.md): record %u holds item %u, taken for one of "
+                     "%u nodes",
                      s.bvh.node_count - 1 + leaves, count - 1, s.bvh.node_count);
             assert_refused(&s, text);
         } else {
@@ -270,8 +272,9 @@ static void f8_nine_or_thirteen_copies_panic(void **state)
     for (uint32_t n = 9; n <= 13; n += 4) {
         struct scene scene = trees_copies(n, one);
         struct subject s = subject_make(&scene, "rtrs", SEED_LEAF, SEED_EPS, "rtrs_rf");
-        char text[64];
-        snprintf(text, sizeof text, "rtrs_rf: RTRS panics: F8 (%u items", n);
+        char text[160];
+        snprintf(text, sizeof text,
+                 "rtrs_rf: RTRS panics (fault F8, docs/rtrs-faults.md): %u items", n);
         assert_refused(&s, text);
         subject_pack(&s, "rf16");
         assert_refused(&s, "rf16: a leaf holds at most 8 items"); /* cannot, and says why */
@@ -300,8 +303,9 @@ static void f34_a_leaf_has_three_sizes(void **state)
             struct wide node;
             assert_int_equal(s.status == STATUS_OK, n <= seeds[l].read);
             if (n == 9)
-                assert_refused(&s, l ? "has 8 slots, this tree has a leaf of 9 items; use --leaf 8"
-                                     : "F8 (9 items in a leaf of 8 slots)");
+                assert_refused(&s,
+                               l ? "has 8 slots, this tree has a leaf of 9 items; use --leaf 8"
+                                 : "(fault F8, docs/rtrs-faults.md): 9 items in a leaf of 8 slots");
             if (s.status == STATUS_OK) {
                 s.packed.layout->load(&s.packed, 0, &node);
                 assert_int_equal(node.item_count, seeds[l].read);

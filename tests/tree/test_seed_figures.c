@@ -194,7 +194,8 @@ static void flat_floors_end_the_seed(void **state)
     static const struct {
         uint32_t quads, items;
         const char *reason;
-    } floors[] = {{2, 8, "RTRS panics: F6"}, {3, 18, "RTRS panics: F8 (18 items"}};
+    } floors[] = {{2, 8, "RTRS panics (fault F6, docs/rtrs-faults.md)"},
+                  {3, 18, "RTRS panics (fault F8, docs/rtrs-faults.md): 18 items"}};
     for (size_t i = 0; i < ARRAY_COUNT(floors); i++) {
         struct scene scene = floor_of(floors[i].quads);
         struct bvh bvh = build_rtrs(&scene, 4);

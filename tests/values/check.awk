@@ -43,8 +43,8 @@ BEGIN {
     if (sub(/: [0-9]+ instances?, /, ": ", text)) {
         split(substr($0, length(part[1]) + 3), word, " ")
         equal("instances", word[1] " " word[2], v[p ".instances"] (v[p ".instances"] == 1 ? " instance," : " instances,"))
-        match($0, /, modes [a-z]+,/)
-        equal("modes", substr($0, RSTART + 8, RLENGTH - 9), v[p ".modes"])
+        match($0, /, masks and flags [a-z]+,/)
+        equal("modes", substr($0, RSTART + 18, RLENGTH - 19), v[p ".modes"])
     } else
         truth("a scene has no instances", !((p ".instances") in v) && !((p ".modes") in v))
     match(text, /: [0-9]+ triangle/)

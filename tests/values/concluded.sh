@@ -68,7 +68,7 @@ grep -q '  1 of 1 rows promise' "$dir/out" || bad 'leaks: engine fast is one row
 # Each command that judges ends with a conclusion.
 dxr='leaks sphere:n=4 --engine cpu --layout f32 --tri woop --box watertight --count 2000'
 ends 0 'conclusion: 3 rows: [12] kept, 0 broken, [12] counted' leaks sphere:n=4 --engine cpu,embree --layout f32 --tri woop --count 2000
-ends 1 'conclusion: 1 rows: 0 kept, 1 broken, 0 counted' $dxr --profile dxr
+ends 1 'conclusion: 1 row: 0 kept, 1 broken, 0 counted' $dxr --profile dxr
 ends 1 'conclusion: 0 of 1 rows agree, 2 of 2 answers WRONG' judge sphere:n=2 "$dir/rays" "$dir/hits"
 "$raydiff" gen sphere:n=4 --count 50 --decimal | awk -f fuzz/samples/tracer.awk | "$raydiff" verify >"$dir/out" 2>"$dir/err"
 tail -n 1 "$dir/out" | grep -qx 'conclusion: 1 of 1 rows agree, 0 of 50 answers WRONG' || bad 'verify: no conclusion'
@@ -76,12 +76,65 @@ ends 0 'conclusion: 1 of 1 comparison with cpu as it should be' diff rtrs --engi
 ends 0 'conclusion: [0-9]+ of [0-9]+ engines run, [1-9] of [0-9]+ Vulkan drivers are here' doctor
 head -n 1 "$dir/out" | grep -qE 'compiled by (gcc|Clang|.* Clang) [0-9]' || bad 'doctor: which compiler?'
 sed -n '/^brute/,/^driver/p' "$dir/out" | grep '^        ' | sort | uniq -d | grep -q . && bad 'doctor: a device is described again'
+# Two names that lead to one driver have one card.
+mkdir -p "$dir/drivers/mesa25" && : >"$dir/drivers/versions"
+cp "$(ls /etc/vulkan/icd.d/lvp_icd*.json /usr/share/vulkan/icd.d/lvp_icd*.json 2>/dev/null | head -n 1)" "$dir/drivers/mesa25/icd.json" &&
+    RAYDIFF_DRIVERS="$dir/drivers" "$raydiff" doctor >"$dir/out" 2>"$dir/err"
+grep -qx 'driver mesa25 *as stock' "$dir/out" && [ "$(grep -c '^    the judge uses' "$dir/out")" -eq 1 ] ||
+    bad 'doctor: a card is printed for each name of its driver'
 ends 0 'bench error: [0-9]+ rows?: no answer is WRONG' \
     bench error --scene sphere:n=4 --count 60 --rounds 1 --engine cpu --layout f32 --tri mt
 
-# One is told as one.
-expect 1 . check soup:n=1 --rays random --count 1 --layout f32 --engine cpu
+# So does explain: of an answer, of none that is wrong, of a tree, and of a shader that decodes otherwise than C.
+rounded='rounded_inward: a stored bound lies inside the tree.s, within a float16 step'
+ends 1 "conclusion: WRONG: missed, by $rounded" explain fuzz/corpus/rounded-inward.trial --wide
+ends 0 'conclusion: no answer is wrong' explain sphere:n=4 --layout f32 --count 200 --wide
+ends 0 'conclusion: the answer is right' explain sphere:n=4 --layout f32 --count 20 --index 0 --wide
+cc -std=c17 -O2 -ffp-contract=off -shared -fPIC -I. -o "$dir/mine.so" fuzz/samples/layout/mine.c || bad 'mine is compiled'
+sed 's/return leaf(n.b, n.a & ~NODE_LEAF);/return leaf(n.b, (n.a \& ~NODE_LEAF) - 1u);/' fuzz/samples/layout/mine.glsl >"$dir/bug.glsl"
+mine="explain sphere:n=8 --layout $dir/mine.so --engine vulkan --count 2000 --wide --shader"
+ends 1 'conclusion: decode DIFFERS: record 6: items: C decodes 4, GLSL 3; WRONG: missed, by shader: .*' $mine "$dir/bug.glsl"
+ends 0 'conclusion: no answer is wrong; C and GLSL decode the same' $mine fuzz/samples/layout/mine.glsl
+
+# One is told as one, on the screens of every command.
+nouns='triangles|vertices|rays|rows|points|edges|pairs|hits|trials|nodes|leaves|items|instances|rounds|findings|records|frames|turns|bounces|lights|meshes|threads|workers|answers|models|materials|segments|boxes|bytes|refusals|files|parts|figures|shapes'
+single() {
+    code=$1
+    shift
+    expect "$code" . "$@"
+    many=$(cat "$dir/out" "$dir/err" | sed -z 's/\n    */ /g' | perl -ne "print \"\$1\\n\" while /(?<![0-9.,])(?<!of )\\b(1 (?:[a-z]+ )?(?:$nouns)\\b)(?! ray\\b)/g")
+    [ -z "$many" ] || bad "raydiff $*: $many"
+}
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$dir/one.obj"
+test_one='--layout f32 --engine cpu'
+single 1 check soup:n=1 --rays random --count 1 $test_one
 grep -q '^soup:n=1: 1 triangle, 3 vertices; 1 ray, set ' "$dir/out" && grep -q ': 1 node, 1 leaf, depth ' "$dir/out" || bad 'check: 1 triangles'
+single 1 leaks sphere:n=4 $test_one --tri woop --box watertight --count 1
+single 0 scene info "$dir/one.obj"
+single 0 scene convert "$dir/one.obj" "$dir/one.ply"
+grep -q ': 1 triangle, 3 vertices$' "$dir/out" || bad 'scene convert: 1 triangles'
+single 0 scene convert "$dir/one.obj" "$dir/one.world.json"
+single 0 construct --out "$dir/one.json" --model "$dir/one.obj" default --camera-pos 0 0 3 0 0 0 --camera-fixed
+grep -q ': 1 model, 1 triangle, 3 vertices, 1 material, ' "$dir/err" || bad 'construct: 1 triangles'
+single 0 precompute --scene "$dir/one.obj" --out "$dir/one.bvh"
+grep -q ': 1 triangle, 1 node, 1 leaf of at most 1 item, depth 0, ' "$dir/err" || bad 'precompute: 1 triangles'
+single 0 precompute --scene "$dir/one.obj" --verify "$dir/one.bvh"
+single 0 explain "$dir/one.obj" $test_one --rays primary --count 1
+single 0 diff "$dir/one.obj" --engine cpu,brute --width 16 --height 12 --bounces 1
+single 0 render "$dir/one.obj" --engine cpu -w 16 -h 12 --out "$dir/one.png"
+single 1 fuzz --trials 1 --rays 1 --triangles 1-1 $test_one --corpus none --jobs 1 --dir "$dir/one"
+single 0 conform '*.f32.median.robust.mt.platonic.primary.1' --engine cpu --count 1
+few='--count 1 --rounds 1'
+single 1 bench error --scene soup:n=1 $few $test_one --tri mt
+single 1 bench layouts --scene soup:n=1 --count 1 --rounds 1 --threads 1
+grep -q '^vacuous f32 *cpu ' "$dir/out" && ! grep -q '^agrees .* random ' "$dir/out" && tail -n 1 "$dir/out" | grep -q ', or no ray hits anything$' ||
+    bad 'bench layouts: rows that prove nothing agree'
+single 1 bench spawn --scene soup:n=1 $few --engine cpu --tri mt
+single 0 bench builders --scene soup:n=1 --rounds 1 --threads 1
+single 0 bench oracle --scene soup:n=1 $few
+single 0 bench tightness --scene soup:n=1 --count 1
+single 0 bench fuzz $few $test_one
+single 0 bench frames --scene "$dir/one.obj" --engine cpu --layout f32 --frames 1 --turns 1 --bounces 1 --size 16x12 --out "$dir/f"
 
 echo "concluded: $failed failed"
 [ "$failed" -eq 0 ]

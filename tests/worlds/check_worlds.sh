@@ -57,7 +57,7 @@ expect 2 'check: --bvh: crowd is a world; a tree file is of a scene' check crowd
 expect 2 'check: --store quantised: crowd is a world; only scenes are decoded' check crowd --store quantised
 for modes in all mixed drawn; do
     expect 0 . check crowd:n=10 --modes $modes --engine cpu --layout f32 $few
-    shown ", set mixed, modes $modes, seed 1\$"
+    shown ", set mixed, masks and flags $modes, seed 1\$"
     sed -n 's/^agrees.* cpu  *[0-9]*  *[0-9]*  *[0-9]*  *\([0-9]*\) .*/\1/p' "$dir/out" >"$dir/hits.$modes"
 done
 [ "$(cat "$dir/hits.all")" -gt "$(cat "$dir/hits.mixed")" ] && [ "$(cat "$dir/hits.mixed")" -gt "$(cat "$dir/hits.drawn")" ] || bad 'modes admit no less'

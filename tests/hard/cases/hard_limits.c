@@ -186,8 +186,8 @@ const struct hard_case hard_limits_cases[] = {
         .name = "leaf-slots",
         .recipe = "1 to 18 triangles in leaves of 1, 7, 8 and 9",
         .expected = "each triangle hit in turn; rf16 refuses a leaf of 9",
-        .source = "jbikker/tinybvh#28; hankotanks/rt_rs: slots 7 and 8 are not read (F7), panics "
-                  "(F6, F8)",
+        .source = "jbikker/tinybvh#28; hankotanks/rt_rs: slots 7 and 8 are not read (RTRS's F7), "
+                  "panics (RTRS's F6, F8)",
         .make = make_leaves,
     },
     {
@@ -205,7 +205,7 @@ const struct hard_case hard_limits_cases[] = {
         .expected = "the triangle aimed at; beyond 65535 rf16 refuses",
         .source = "numerics.md 4, 47: numbers cut to 15 or 16 bits; RTRS's F10",
         .make = make_indices,
-        .defect = {{.fault = "F10: item numbers are cut to 15 and 16 bits",
+        .defect = {{.fault = "RTRS's fault F10: item numbers are cut to 15 and 16 bits",
                     .cause = CAUSE_INDEX_TRUNCATED,
                     .members = "closest.cpu.rtrs_rf_paper.median.robust.mt"}},
     },
@@ -216,11 +216,11 @@ const struct hard_case hard_limits_cases[] = {
         .expected = "the triangle aimed at; beyond record 32767 rf16 refuses, and does not wrap",
         .source = "numerics.md 4, 48: the leaf mark, bit 31, collides; RTRS's F9",
         .make = make_nodes,
-        .defect = {{.fault = "F9: record numbers from 32768 on set the leaf bit",
+        .defect = {{.fault = "RTRS's fault F9: record numbers from 32768 on set the leaf bit",
                     .cause = CAUSE_REFERENCE_TRUNCATED,
                     .members = "closest.cpu.*",
                     .layout = &layout_rtrs_rf_unshifted},
-                   {.fault = "F9: record numbers from 32768 on are cut to 15 bits",
+                   {.fault = "RTRS's fault F9: record numbers from 32768 on are cut to 15 bits",
                     .cause = CAUSE_REFERENCE_TRUNCATED,
                     .members = "closest.cpu.rtrs_rf_paper.median.robust.mt"}},
     },
@@ -266,7 +266,8 @@ const struct hard_case hard_limits_cases[] = {
         .source =
             "Mesa's LP_MAX_TGSI_LOOP_ITERATIONS: lavapipe 22.3.6 ends loops after 65,535 rounds",
         .make = make_stack,
-        .defect = {{.fault = "a loop ends after 65,535 rounds: F1 makes it as long as the tree",
+        .defect = {{.fault = "a loop ends after 65,535 rounds: RTRS's fault F1 makes it as long as "
+                             "the tree",
                     .cause = CAUSE_LOOP_CAP,
                     .members = "closest.vulkan.f32.median.rtrs.mt",
                     .version = "Mesa 22.3.6"}},

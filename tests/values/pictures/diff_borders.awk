@@ -37,7 +37,7 @@ FNR == 1 && !begun++ { laws() }
     shown++
 }
 /^pixel [0-9]+,[0-9]+$/ { equal("pixel", $2, w["pixel.0"] "," w["pixel.1"]) }
-/^vulkan: [0-9]+ segments, value / {
+/^vulkan: [0-9]+ segments?, value / {
     equal("value of the walk", w["paths.1.value"], v["pairs.0.borders.0.values.0"])
     equal("own renderer", w["paths.1.own_renderer_parts"], "same")
     truth("own renderer, text", /; its own renderer: the same segments, value [0-9 ]+$/)

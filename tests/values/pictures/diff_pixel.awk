@@ -118,7 +118,7 @@ function vector(path,  k, text) {
     equal("bit", substr($0, RSTART + 6, RLENGTH - 8), v["paths." e ".first_bit.bit"])
     if (match($0, /, [0-9]+ floats? apart/)) equal("floats apart", substr($0, RSTART + 2) + 0, v["paths." e ".first_bit.floats_apart"])
 }
-/^[a-z_0-9]+: [0-9]+ segments, value / {
+/^[a-z_0-9]+: [0-9]+ segments?, value / {
     engine = substr($1, 1, length($1) - 1)
     gsub(",", "")
     equal(engine " segments", $2, length_of[engine])
