@@ -87,6 +87,7 @@ plain)
     alone window sh tests/scripts/window.sh "$build"
     suite construct sh tests/scripts/construct.sh "$build/raydiff"
     suite world_files sh tests/worlds/world_files.sh "$build/raydiff"
+    suite explain_worlds sh tests/worlds/explain_worlds.sh "$build/raydiff"
     suite check_worlds sh tests/worlds/check_worlds.sh "$build/raydiff"
     suite render sh tests/scripts/render.sh "$build/raydiff"
     suite orbit sh tests/scenes/orbit.sh "$build/raydiff"

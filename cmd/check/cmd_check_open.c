@@ -3,17 +3,12 @@
 
 #include "ref/base/text.h"
 #include "ref/store.h"
-#include "ref/world/bake.h"
 #include "ref/world/world_boxes.h"
 #include "scenes/move.h"
-#include "scenes/rays/ray_modes.h"
-#include "scenes/rays/rays.h"
+#include "scenes/rays/world_rays.h"
 #include "scenes/worlds.h"
 
 #include <stdlib.h>
-
-/* Triangles of the scene that rays into a world are aimed at. */
-#define AIMED_MOST (1u << 20)
 
 /* Moves the scene out of a plain world; it may have no triangle, which is vacuous. */
 static void take_scene(struct world *world, struct scene *out)
@@ -63,19 +58,10 @@ static enum status check_use_of(const struct check_options *o, const char *spec,
 static enum status aim(const struct check_options *o, struct check_scene *result,
                        struct check_subject *out, struct reason *reason)
 {
-    struct scene baked;
     struct reason why = {""};
-    enum status status = world_bake(&out->world, AIMED_MOST, &baked, &why);
-    if (status)
-        return fail(reason, status, "%s: %s", result->spec, why.text);
-    status = ray_set_new(ray_sets[o->rays], &baked, o->seed, result->ray_count, &out->ray, reason);
-    scene_free(&baked);
-    out->mode = alloc_zeroed(result->ray_count, sizeof *out->mode);
-    if (status == STATUS_OK && !out->mode)
-        status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", result->ray_count);
-    if (status == STATUS_OK)
-        ray_modes_make((enum ray_modes)o->modes, o->seed, result->ray_count, out->mode);
-    return status;
+    enum status status = world_rays_new(&out->world, ray_sets[o->rays], (enum ray_modes)o->modes,
+                                        o->seed, result->ray_count, &out->ray, &out->mode, &why);
+    return status ? fail(reason, status, "%s: %s", result->spec, why.text) : STATUS_OK;
 }
 
 /* Vertices of all instances, or the most that the member holds. */

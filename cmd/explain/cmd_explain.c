@@ -2,6 +2,7 @@
  * is wrong. */
 #include "cmd/explain/cmd_explain_inner.h"
 #include "cmd/explain/cmd_explain_picture.h"
+#include "cmd/explain/cmd_explain_world.h"
 
 #include "fuzz/play/player.h"
 #include "fuzz/play/trial_tree.h"
@@ -9,7 +10,9 @@
 #include "ref/base/nearest_name.h"
 #include "ref/base/command.h"
 #include "ref/base/ray_text.h"
-#include "scenes/scenes.h"
+#include "scenes/rays/ray_modes.h"
+#include "scenes/opening.h"
+#include "scenes/worlds.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -29,6 +32,8 @@ static enum status take_cause(void *options, const struct option_value *given,
                     nearest_hint(&nearest, hint));
     return STATUS_OK;
 }
+
+static const char *const modes[] = {"all", "mixed", "drawn", NULL}; /* as ray_modes_name */
 
 /* In place of the default layout, of scenes that are too large for it. */
 #define LARGE_LAYOUT "f32"
@@ -56,6 +61,8 @@ static const struct option_row rows[] = {
     TREE_ROW(of.tree),
     {"box", "B", "box test", OF_MEMBER(of.box, TABLE_BOX_TESTS), .value = "robust"},
     {"tri", "T", "triangle test", OF_MEMBER(of.tri, TABLE_TRI_TESTS), .value = "mt"},
+    {"modes", "M", "of a world, what rays may meet: all, mixed or drawn", OF_CHOICE(modes, modes),
+     .value = "mixed"},
     {"query", "Q", "closest or any", OF_ONE(of.query, TABLE_QUERIES), .value = "closest"},
     {"html", "FILE", "the page with pictures that turn; fetches nothing", OF_WRITTEN(html)},
     {"svg", "FILE", "the pictures alone", OF_WRITTEN(svg)},
@@ -68,14 +75,17 @@ static const struct option_set set = {
     .usage = "explain SCENE --ray 'OX,OY,OZ DX,DY,DZ [TMIN,TMAX]' [OPTIONS]\n"
              "explain SCENE --rays SET [--index I] [OPTIONS]\n"
              "explain TRIAL [--index I] [OPTIONS]     (a name of raydiff conform)\n"
-             "explain FILE.trial [--index I] [--engine E] [--layout L]     (a finding)",
+             "explain FILE.trial [--index I] [--engine E] [--layout L]     (a finding)\n"
+             "explain WORLD [--rays SET] [--modes M] [OPTIONS]",
     .about = "Prints what a ray exactly hits, what the engine answers, and if that is wrong, why: "
              "which node turned the ray away, its bounds in the triangles, in the tree and in the "
              "bytes, and the one thing that, made right, makes the answer right.",
     .group = {GROUP(rows), GROUP_AT(leaf_rows, of.build), GROUP_AT(build_rows, of.build),
               GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines),
               GROUP_AT(screen_rows, screen)},
-    .notes = "Of a layout from outside with --shader it also compares what its C and its GLSL "
+    .notes = "Of a world all answers are explained together: by the defect of a tracer that gives "
+             "them, such as masks that are compared by ==. "
+             "Of a layout from outside with --shader it also compares what its C and its GLSL "
              "decode, record by record, and names the first that differs. A finding about a tree "
              "is explained by the record. Members as published are held to what their repaired "
              "forms promise.",
@@ -89,6 +99,7 @@ struct explaining {
     struct explain_options *options;
     struct finding_file file; /* if a finding's file is explained */
     struct scene scene;
+    struct world world; /* in place of the scene, if it has instances */
     struct oracle *oracle;
     struct tree_file tree; /* from --bvh */
     struct bvh bvh;
@@ -245,6 +256,20 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
     return status;
 }
 
+/* Opens a world, or what is a scene and loses nothing. */
+static enum status open_either(struct explaining *e, struct reason *reason)
+{
+    const struct explain_of *of = &e->options->of;
+    enum status status = world_open(of->spec, of->seed, &e->world, reason);
+    if (!status && world_only_scene(&e->world))
+        status = world_take_scene(of->spec, &e->world, &e->scene, reason);
+    if (!status && e->world.instance_count == 0 && option_was_given("modes"))
+        status = fail(reason, STATUS_INPUT,
+                      "--modes: %s is a scene; only worlds have masks and flags (docs/worlds.md)",
+                      of->spec);
+    return status;
+}
+
 static enum status explain(struct explaining *e, int *code, struct reason *reason)
 {
     const struct explain_of *of = &e->options->of;
@@ -257,7 +282,10 @@ static enum status explain(struct explaining *e, int *code, struct reason *reaso
                       .query = of->query};
     enum status status = STATUS_OK;
     if (!e->options->has_file)
-        status = scene_open(of->spec, of->seed, &e->scene, reason);
+        status = open_either(e, reason);
+    e->pool.options = e->options->engines;
+    if (!status && e->world.instance_count > 0)
+        return explain_world(e->options, &e->world, &e->pool, code, reason);
     if (!status)
         status = make_rays(e, reason);
     if (!status)
@@ -266,7 +294,6 @@ static enum status explain(struct explaining *e, int *code, struct reason *reaso
         status = oracle_make(&e->scene, &e->oracle, reason);
     if (status)
         return status;
-    e->pool.options = e->options->engines;
     void *self = pool_get(&e->pool, of->engine, &status, reason);
     if (!status)
         status = of->engine->prepare(self, &job, reason);
@@ -326,6 +353,7 @@ int cmd_explain(int argc, char **argv)
     bvh_free(&e.bvh);
     tree_file_free(&e.tree);
     scene_free(&e.scene);
+    world_free(&e.world);
     free(e.ray);
     return code;
 }

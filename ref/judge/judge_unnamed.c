@@ -183,13 +183,13 @@ static bool comes_near(const struct ray *ray, const struct box *box)
 }
 
 /* What is found where nothing is exactly hit. */
-struct world_look {
+struct world_search {
     bool ill, possible;
     double least;
 };
 
 static void look_into(const struct judge *judge, const struct ray *ray, uint32_t instance,
-                      struct world_look *look)
+                      struct world_search *look)
 {
     const uint32_t *first = judge->world->first;
     for (uint32_t prim = first[instance]; prim < first[instance + 1] && !look->possible; prim++) {
@@ -206,7 +206,7 @@ static void look_into(const struct judge *judge, const struct ray *ray, uint32_t
 /* Where nothing is exactly hit: what may be, one by one. */
 static void judge_in_world(const struct judge *judge, const struct ray *ray, struct judgement *out)
 {
-    struct world_look look = {.least = INFINITY};
+    struct world_search look = {.least = INFINITY};
     for (uint32_t i = 0; i < judge->world->instance_count && !look.possible; i++)
         if (!judge->box || comes_near(ray, &judge->box[i]))
             look_into(judge, ray, i, &look);

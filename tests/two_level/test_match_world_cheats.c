@@ -7,30 +7,6 @@
 
 #define KIND(wrong) (1u << WRONG_##wrong)
 
-/* Instances of everything that the rules know, over one another: turned, mirrored and sheared, of
- * two meshes with geometries that are opaque and not, every legal set of flags, masks of one bit
- * and of all, custom indices of 24 bits. */
-static struct world cheats_world(void)
-{
-    struct world world = fixture_room(2, 24);
-    fixture_mesh(&world, 0, "soup:n=60,size=0.6", 3);
-    fixture_mesh(&world, 1, "sphere:n=3", 2);
-    for (uint32_t i = 0; i < world.instance_count; i++) {
-        struct instance *in = &world.instance[i];
-        static const enum world_kind kinds[] = {WORLD_TURNED, WORLD_MIRRORED, WORLD_SHEARED};
-        fixture_transform(kinds[i % 3], 40 + i, in->m);
-        for (int k = 0; k < 3; k++)
-            in->m[k][3] *= 0.4f;
-        in->mesh = i % 4 == 3;
-        in->flags = i % 12;
-        in->mask = i % 5 < 3 ? 0xFF : 1u << i % 8;
-        in->custom |= 0x10000;
-    }
-    world.filter = (struct filter_rule){FILTER_TRIANGLES, 5, 128};
-    fixture_finish(&world);
-    return world;
-}
-
 static const struct lie {
     enum world_cheat cheat;
     const char *name;
@@ -98,7 +74,7 @@ static void run_lie(struct world_play *p, const struct lie *lie, enum query quer
 static void each_cheat_is_found_as_what_it_is(void **state)
 {
     (void)state;
-    struct world world = cheats_world();
+    struct world world = fixture_everything();
     struct world_play *p = play_world(&world, RAY_MODES_DRAWN, RAYS);
     bool tried[CHEAT_COUNT] = {false};
     for (size_t i = 0; i < ARRAY_COUNT(lies); i++) {
@@ -130,7 +106,7 @@ static void cheats_of_any_hits_are_found(void **state)
         {CHEAT_OTHER_FACE, "other face", KIND(FACING), 0, 0},
         {CHEAT_NOT_CARRIED, "not carried", 0, 0, 0},
     };
-    struct world world = cheats_world();
+    struct world world = fixture_everything();
     struct world_play *p = play_world(&world, RAY_MODES_MIXED, RAYS);
     for (size_t i = 0; i < ARRAY_COUNT(any); i++)
         run_lie(p, &any[i], QUERY_ANY, any[i].closest);
@@ -145,7 +121,7 @@ static void what_modes_do_not_ask_is_not_found(void **state)
     static const enum world_cheat unseen[] = {
         CHEAT_NO_MASK,         CHEAT_NO_SKIP,      CHEAT_NO_CULL,  CHEAT_NO_DISABLE,
         CHEAT_NO_OPACITY_CULL, CHEAT_FIRST_PASSED, CHEAT_NO_FIRST, CHEAT_NO_RAY_OPACITY};
-    struct world world = cheats_world();
+    struct world world = fixture_everything();
     struct world_play *p = play_world(&world, RAY_MODES_ALL, RAYS);
     for (size_t i = 0; i < ARRAY_COUNT(unseen); i++) {
         const struct lie lie = {unseen[i], "of modes", 0, 0, 0};
@@ -248,7 +224,7 @@ static void a_tag_alone_is_found(void **state)
 static void any_hits_are_compared_with_closest_hits(void **state)
 {
     (void)state;
-    struct world world = cheats_world();
+    struct world world = fixture_everything();
     struct world_play *p = play_world(&world, RAY_MODES_MIXED, RAYS);
     cheater.cheat = CHEAT_NONE;
     play_run(p, &cheating, QUERY_CLOSEST);
@@ -271,7 +247,7 @@ static void what_traces_no_worlds_is_skipped(void **state)
     scenes.worlds = NULL;
     closest.trace_world_all = NULL;
     listless.worlds = &closest;
-    struct world world = cheats_world();
+    struct world world = fixture_everything();
     struct world_play *p = play_world(&world, RAY_MODES_MIXED, 50);
     play_run(p, &scenes, QUERY_CLOSEST);
     assert_int_equal(p->row.status, ROW_SKIPPED);

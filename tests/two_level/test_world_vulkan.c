@@ -174,8 +174,11 @@ static void every_test_and_query(void **state)
     make_rays(&packed);
     for (size_t b = 0; box_tests[b]; b++)
         for (size_t t = 0; tri_tests[t]; t++) {
-            struct world_job job = {&world, &packed, box_tests[b], tri_tests[t],
-                                    t % 2 ? QUERY_ANY : QUERY_CLOSEST};
+            const struct world_job job = {.world = &world,
+                                          .packed = &packed,
+                                          .box = box_tests[b],
+                                          .tri = tri_tests[t],
+                                          .query = t % 2 ? QUERY_ANY : QUERY_CLOSEST};
             assert_true(assert_same(&job, true) > RAYS / 8);
         }
     struct world_job job = stand_job(&world, &packed, QUERY_ANY);

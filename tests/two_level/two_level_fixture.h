@@ -139,4 +139,28 @@ static inline struct world fixture_world(const char *spec, enum world_kind kind,
     return world;
 }
 
+/* Instances of everything that the rules know, over one another: turned, mirrored and sheared, of
+ * two meshes with geometries that are opaque and not, every legal set of flags, masks of one bit
+ * and of all, custom indices of 24 bits. */
+static inline struct world fixture_everything(void)
+{
+    struct world world = fixture_room(2, 24);
+    fixture_mesh(&world, 0, "soup:n=60,size=0.6", 3);
+    fixture_mesh(&world, 1, "sphere:n=3", 2);
+    for (uint32_t i = 0; i < world.instance_count; i++) {
+        struct instance *in = &world.instance[i];
+        static const enum world_kind kinds[] = {WORLD_TURNED, WORLD_MIRRORED, WORLD_SHEARED};
+        fixture_transform(kinds[i % 3], 40 + i, in->m);
+        for (int k = 0; k < 3; k++)
+            in->m[k][3] *= 0.4f;
+        in->mesh = i % 4 == 3;
+        in->flags = i % 12;
+        in->mask = i % 5 < 3 ? 0xFF : 1u << i % 8;
+        in->custom |= 0x10000;
+    }
+    world.filter = (struct filter_rule){FILTER_TRIANGLES, 5, 128};
+    fixture_finish(&world);
+    return world;
+}
+
 #endif

@@ -136,6 +136,7 @@ static struct ray cheat_inside(uint32_t index, const struct ray *ray)
 /* What a ray has found. */
 struct cheat_found {
     struct hit best;
+    float nearest; /* t of it, in units of the direction */
     uint32_t tag, listed, capacity;
     struct hit *list;
     uint32_t *tags;
@@ -149,13 +150,14 @@ static bool cheat_enter(uint32_t index, const struct ray *ray, struct ray_mode m
     const struct scene *scene = world_scene(cheater.job.world, index);
     const struct ray inside = cheat_inside(index, ray);
     const struct tri_ray tri = tri_ray_make(&inside);
-    float nearest = cheats(CHEAT_NOT_CARRIED) || f->best.prim == ABI_NO_PRIM ? INFINITY : f->best.t;
+    if (cheats(CHEAT_NOT_CARRIED) || f->best.prim == ABI_NO_PRIM)
+        f->nearest = INFINITY;
     for (uint32_t k = 0; k < scene->tri_count; k++) {
         struct hit hit;
         uint32_t tag;
         float v[3][3];
         scene_tri(scene, k, v);
-        if (!tri_test_run(cheater.job.tri->id, &tri, v, &hit) || (!f->all && hit.t >= nearest))
+        if (!tri_test_run(cheater.job.tri->id, &tri, v, &hit) || (!f->all && hit.t >= f->nearest))
             continue;
         hit.prim = k;
         bool counts = cheat_counts(index, &inside, mode, &hit, &tag);
@@ -165,6 +167,7 @@ static bool cheat_enter(uint32_t index, const struct ray *ray, struct ray_mode m
             return true;
         if (!counts || (index == 0 && cheats(CHEAT_INSTANCE_0)))
             continue;
+        f->nearest = hit.t;
         if (cheats(CHEAT_LENGTH))
             hit.t *= sqrtf(ray->dir[0] * ray->dir[0] + ray->dir[1] * ray->dir[1] +
                            ray->dir[2] * ray->dir[2]);
@@ -173,7 +176,6 @@ static bool cheat_enter(uint32_t index, const struct ray *ray, struct ray_mode m
             f->tags[f->listed] = tag;
         }
         f->listed++;
-        nearest = hit.t;
         f->best = hit;
         f->tag = tag;
         if (f->any)

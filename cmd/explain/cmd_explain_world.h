@@ -1,0 +1,32 @@
+/* raydiff explain of a world: which defect of a tracer gives the engine's answers. Commands only.
+ * */
+#ifndef CMD_EXPLAIN_WORLD_H
+#define CMD_EXPLAIN_WORLD_H
+
+#include "cmd/explain/cmd_explain_inner.h"
+#include "ref/explain/world_why.h"
+
+/* An engine's answers to rays in a world, and why they are WRONG. */
+struct explain_world {
+    const struct explain_options *options;
+    struct world *world; /* borrowed */
+    struct ray *ray;
+    struct ray_mode *mode;
+    struct hit *hit;
+    uint32_t *tag;
+    struct judgement *judgement;
+    size_t count;
+    struct reason tree_fault;
+    struct world_why why;
+};
+
+/* Traces, judges, explains and prints; *code is the exit code. Errors: STATUS_INPUT options that
+ * are for scenes; those of world_trees_make, packed_world_make, of the engine; STATUS_MEMORY. */
+enum status explain_world(const struct explain_options *options, struct world *world,
+                          struct pool *pool, int *code, struct reason *reason) MUST_USE;
+
+/* Writes it as JSON. Errors: as json_write. */
+enum status explain_world_json(const struct explain_world *e, int exit_code,
+                               struct reason *reason) MUST_USE;
+
+#endif
