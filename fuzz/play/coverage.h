@@ -29,6 +29,11 @@ void coverage_add_motion(uint64_t map[COVERAGE_WORDS], bool rebuilt);
 void coverage_add_refusal(uint64_t map[COVERAGE_WORDS], const struct layout *layout,
                           const struct fuzz_trial *trial, const struct bvh *bvh);
 
+/* A world: how far its transforms are from the identity, instances that are not active, masks,
+ * flags, filters, and the rays' masks and flags. */
+void coverage_add_world(uint64_t map[COVERAGE_WORDS], const struct trial_world *world,
+                        uint32_t rays);
+
 /* A ray and its exact truth; `root` is the root's box. */
 void coverage_add_truth(uint64_t map[COVERAGE_WORDS], const struct ray *ray, const struct box *root,
                         const struct oracle_answer *truth);

@@ -43,6 +43,7 @@ struct fuzz_finding {
     size_t contestant;
     uint32_t ray; /* index in the trial */
     struct hit answer;
+    uint32_t tag; /* of a world: what was answered beside the hit */
     struct judgement judgement;
     char said[FUZZ_SAID_MOST]; /* of bytes that are no tree: which record, slot and bound, in the
                                   words of packed_check; else "" */
