@@ -56,14 +56,16 @@ static void fared_badly(struct answers *answers, enum fuzz_kind kind, size_t ray
     answers->ray = (uint32_t)ray;
 }
 
-/* The result of a job that failed with this status. An engine may refuse the trees of a layout. */
-static void fared_by_status(const struct seat *who, struct answers *answers, enum status status)
+/* The result of a job that failed with this status. An engine may refuse the trees of a layout, and
+ * the transforms of a world, such as those of which Embree dies. */
+static void fared_by_status(const struct seat *who, bool world, struct answers *answers,
+                            enum status status)
 {
     bool other = who->layout && !engine_takes(who->engine, who->layout);
     if (status == STATUS_REFUSED || status == STATUS_LIMIT ||
-        (status == STATUS_UNSUPPORTED && other)) {
+        (status == STATUS_UNSUPPORTED && (other || world))) {
         answers->fared = FARED_REFUSED;
-        answers->declined = status != STATUS_UNSUPPORTED;
+        answers->declined = status != STATUS_UNSUPPORTED || !other;
     } else {
         fared_badly(answers, status == STATUS_INPUT ? FUZZ_KIND_PROTOCOL : FUZZ_KIND_REFUSED, 0);
     }
@@ -128,7 +130,7 @@ static enum status ask_alone(struct fuzz_player *player, size_t seat, struct pla
     enum status status = stage_prepare(stage, who, reason);
     if (status == STATUS_REFUSED || status == STATUS_LIMIT || status == STATUS_UNSUPPORTED ||
         status == STATUS_INPUT) {
-        fared_by_status(who, answers, status);
+        fared_by_status(who, stage->trial->world.is, answers, status);
         return STATUS_OK;
     }
     if (!status)
@@ -142,7 +144,7 @@ static enum status ask_alone(struct fuzz_player *player, size_t seat, struct pla
     if (status == STATUS_MEMORY)
         return status;
     if (status != STATUS_DEVICE) {
-        fared_by_status(who, answers, status);
+        fared_by_status(who, stage->trial->world.is, answers, status);
         return STATUS_OK;
     }
     if (peer_failed(who, stage, answers))
@@ -205,7 +207,7 @@ static enum status ask_together(struct fuzz_player *player, size_t seat, size_t 
         if (task->status == STATUS_OK || task->status == STATUS_DEVICE)
             answers->fared = FARED_PLAYED;
         else
-            fared_by_status(who, answers, task->status);
+            fared_by_status(who, false, answers, task->status);
         answers->has_work = who->engine->tells_work && task->status == STATUS_OK;
     }
     return status;
