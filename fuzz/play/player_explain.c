@@ -218,8 +218,13 @@ static enum status ask_scaled(struct fuzz_player *player, const struct fuzz_tria
     if (status || !possible)
         return status;
     status = stage_set(stage, player, &scaled, NULL, reason);
-    if (!status && (!seat->layout || stage->has_packed[seat->layout_index]))
+    if (!status && scaled.world.is) {
+        status = stage_world_ask(stage, seat, &answer, was_asked, reason);
+        if (!status && *was_asked)
+            *cured = is_cured(finding, &answer, trial->query == QUERY_ANY, power);
+    } else if (!status && (!seat->layout || stage->has_packed[seat->layout_index])) {
         status = ask_anew(seat, stage, &asked, reason);
+    }
     if (asked.possible && !status &&
         (status = judged_explain(&asked.judged, scaled.ray, &answer, reason)) == STATUS_OK) {
         *was_asked = true;
@@ -317,7 +322,7 @@ enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *tr
     if (!status && kind == FUZZ_KIND_TREE && seat->layout && *cause == CAUSE_UNEXPLAINED)
         *cause = rule_cause(stage->rule[seat->layout_index]);
     stage_clear(stage);
-    if (!status && *cause == CAUSE_OUTSIDE && !trial->world.is)
+    if (!status && *cause == CAUSE_OUTSIDE)
         status = scaled_cause(player, trial, finding, reason);
     return status;
 }

@@ -1,5 +1,7 @@
 #include "fuzz/play/stage_world.h"
 
+#include "ref/explain/judged.h"
+#include "ref/judge/judge_world.h"
 #include "ref/oracle/oracle_world.h"
 #include "ref/twin/model.h"
 #include "ref/two_level/world_check.h"
@@ -195,6 +197,35 @@ void stage_world_cover(const struct play_stage *stage, const struct fuzz_player 
             coverage_add_packed(map, &packed->bottom[m]);
     }
     coverage_add_world(map, &trial->world, trial->ray_count);
+}
+
+enum status stage_world_ask(const struct play_stage *stage, const struct seat *seat,
+                            struct judged_ray *out, bool *possible, struct reason *reason)
+{
+    const struct fuzz_trial *trial = stage->trial;
+    const bool split = seat->layout && stage_is_split(stage, seat->layout_index);
+    const struct model model = seat_model(seat, trial, split);
+    uint32_t tag = 0;
+    struct trace_report report = {0};
+    struct judge *judge = NULL;
+    *out = (struct judged_ray){.ray = trial->ray[0], .truth = stage->truth[0]};
+    out->answer.hit.prim = ABI_NO_PRIM;
+    struct answers answers = {.hit = &out->answer.hit, .tag = &tag};
+    enum status status = stage_prepare(stage, seat, reason);
+    *possible = status == STATUS_OK;
+    if (status)
+        return status == STATUS_MEMORY ? status : STATUS_OK;
+    status = stage_trace(stage, seat, 0, 1, &answers, &report, reason);
+    out->answer.finished = status == STATUS_OK;
+    if (status == STATUS_MEMORY)
+        return status;
+    status = judge_make(stage->oracle, &model, trial->query, &judge, reason);
+    if (!status)
+        status = judge_world_answer(judge, trial->ray, trial->world.mode[0], stage->truth,
+                                    &out->answer.hit, tag, &out->judgement);
+    out->why.opinion.allowed = out->judgement.verdict != VERDICT_WRONG;
+    judge_free(judge);
+    return status;
 }
 
 enum status stage_world_explain(const struct play_stage *stage, const struct seat *seat,

@@ -33,6 +33,11 @@ enum status stage_trace(const struct play_stage *stage, const struct seat *seat,
 void stage_world_cover(const struct play_stage *stage, const struct fuzz_player *player,
                        uint64_t map[COVERAGE_WORDS]);
 
+/* Has the seat's engine trace the stage's first ray, alone, and judges the answer. *possible: it is
+ * prepared; else *out is zero. Of out->why only the opinion is set. Errors: STATUS_MEMORY. */
+enum status stage_world_ask(const struct play_stage *stage, const struct seat *seat,
+                            struct judged_ray *out, bool *possible, struct reason *reason) MUST_USE;
+
 /* The cause of a finding: the engine traces the ray again, alone. Errors: STATUS_MEMORY. */
 enum status stage_world_explain(const struct play_stage *stage, const struct seat *seat,
                                 struct fuzz_finding *finding, struct reason *reason) MUST_USE;
