@@ -31,10 +31,14 @@ static const char *end_text(enum shrink_end end)
 
 static void print_size(const char *title, const struct fuzz_trial_size *size, size_t bytes)
 {
-    screen_line(11, "  %-8s %u triangle%s, %u ray%s, %u vert%s, %llu bits of numbers, %zu bytes\n",
-                title, size->triangles, plural(size->triangles), size->rays, plural(size->rays),
-                size->vertices, size->vertices == 1 ? "ex" : "ices", (unsigned long long)size->bits,
-                bytes);
+    char instances[40] = "";
+    if (size->instances > 0)
+        snprintf(instances, sizeof instances, "%u instance%s, ", size->instances,
+                 plural(size->instances));
+    screen_line(
+        11, "  %-8s %s%u triangle%s, %u ray%s, %u vert%s, %llu bits of numbers, %zu bytes\n", title,
+        instances, size->triangles, plural(size->triangles), size->rays, plural(size->rays),
+        size->vertices, size->vertices == 1 ? "ex" : "ices", (unsigned long long)size->bits, bytes);
 }
 
 static void print_replay(const struct min_row *row)

@@ -83,6 +83,11 @@ struct fuzz_mark {
                                     that was */
 };
 
+/* Writes judge_line of a finding on a ray; of a world also what the ray may meet, and where the
+ * triangles answered and expected are: at most `size` bytes. */
+void fuzz_finding_line(const struct fuzz_trial *trial, const struct fuzz_finding *finding,
+                       char *text, size_t size);
+
 struct fuzz_player;
 struct judged_ray;
 
