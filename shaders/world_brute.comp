@@ -16,9 +16,9 @@ uint trouble = 0u;
 instance at;
 tri_ray tri;
 
-/* Enters an instance, if the ray meets it. Returns the number behind its last triangle in `end`: the
- * next instance's first, since an instance that is not active has no mesh in its record, but keeps
- * the numbers of its triangles. */
+/* Enters an instance, if the ray meets it. Returns the number behind its last triangle in `end`:
+ * the next instance's first, since an instance that is not active has no mesh in its record, but
+ * keeps the numbers of its triangles. */
 bool enter(uint index, vec4 org, vec4 dir, uvec2 mode, out uint end)
 {
     at = instance_load(index);

@@ -6,8 +6,8 @@
 
 #include "fuzz/play/trial.h"
 
-/* Raised whenever other bytes are made of the same seed and index, of scenes or of worlds: by another
- * generator or edit, or by a builder or test that comes or goes. */
+/* Raised whenever other bytes are made of the same seed and index, of scenes or of worlds: by
+ * another generator or edit, or by a builder or test that comes or goes. */
 #define GEN_VERSION 5u
 
 struct gen_options {
@@ -28,7 +28,8 @@ enum status gen_trial(uint64_t seed, uint64_t index, const struct gen_options *o
 
 /* One edit of a trial, for stream `mut`, that changes something: snap to a lattice, next float,
  * negate, swap axes, scale by 2^k, duplicate, permute, ... (fuzz/gen/mutate.c has the table, of a
- * world fuzz/gen/mutate_world.c another one). Notes its name in the recipe. Errors: STATUS_MEMORY; the trial is then unchanged. */
+ * world fuzz/gen/mutate_world.c another one). Notes its name in the recipe. Errors: STATUS_MEMORY;
+ * the trial is then unchanged. */
 struct rng;
 enum status gen_mutate(struct rng *rng, struct fuzz_trial *trial, struct reason *reason) MUST_USE;
 

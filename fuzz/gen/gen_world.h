@@ -22,14 +22,14 @@ enum status gen_world_aim(struct rng *rng, struct fuzz_trial *trial,
 enum status gen_world_placed(const struct fuzz_trial *trial, struct scene *out,
                              struct reason *reason) MUST_USE;
 
-/* Takes over a small world of a random generator of scenes/worlds, of which `name` is then the name.
- * Errors: as gen_world_draw. */
+/* Takes over a small world of a random generator of scenes/worlds, of which `name` is then the
+ * name. Errors: as gen_world_draw. */
 enum status gen_world_of_scenes(struct rng *rng, uint32_t rays, struct fuzz_trial *out,
                                 const char **name, struct reason *reason) MUST_USE;
 
 /* Places an instance of a mesh whose box is `box`: the identity, moved, far, scaled, stretched,
- * turned, mirrored, sheared, nearly singular, ... `before` is the instance before it, or NULL: where
- * that is, or touching it. The transform is finite and not singular. */
+ * turned, mirrored, sheared, nearly singular, ... `before` is the instance before it, or NULL:
+ * where that is, or touching it. The transform is finite and not singular. */
 void gen_place(struct rng *rng, const struct box *box, const struct instance *before,
                struct instance *out);
 

@@ -154,8 +154,14 @@ static enum status edit_of_modes(struct rng *rng, struct fuzz_trial *trial, bool
         return STATUS_OK;
     uint32_t first = rng_below(rng, trial->ray_count), left = trial->ray_count - first;
     uint32_t count = 1 + rng_below(rng, left);
-    ray_modes_make(which, seed, count, trial->world.mode + first);
-    *changed = true;
+    struct ray_mode *to = trial->world.mode + first;
+    struct ray_mode *drawn = alloc_zeroed(count, sizeof *drawn);
+    if (!drawn)
+        return STATUS_MEMORY;
+    ray_modes_make(which, seed, count, drawn);
+    *changed = memcmp(to, drawn, sizeof *to * count) != 0;
+    memcpy(to, drawn, sizeof *to * count);
+    free(drawn);
     return STATUS_OK;
 }
 

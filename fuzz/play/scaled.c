@@ -12,7 +12,7 @@ static float larger(float a, float b)
     return fabsf(b) > a ? fabsf(b) : a;
 }
 
-/* Of a world: the most that a coordinate of a vertex, of a translation or of what is placed can be. */
+/* Of a world: the most that a coordinate of a vertex, a translation or what is placed can be. */
 static float largest_of_world(const struct fuzz_trial *trial)
 {
     float vertex = 0.0f, most;

@@ -23,8 +23,8 @@ bool stage_is_split(const struct play_stage *stage, size_t layout);
 enum status stage_prepare(const struct play_stage *stage, const struct seat *seat,
                           struct reason *reason) MUST_USE;
 
-/* As engine.trace of an engine that is prepared with the stage: the trial's rays from number `first`
- * on, answers to their places. */
+/* As engine.trace of an engine that is prepared with the stage: the trial's rays from number
+ * `first` on, answers to their places. */
 enum status stage_trace(const struct play_stage *stage, const struct seat *seat, uint32_t first,
                         uint32_t count, struct answers *answers, struct trace_report *report,
                         struct reason *reason) MUST_USE;

@@ -41,8 +41,8 @@ struct fuzz_trial {
     uint64_t move_seed;
 };
 
-/* A trial of a scene, of default members, with room for that many vertices, triangles and rays, all zero.
- * Errors: STATUS_LIMIT over the most; STATUS_MEMORY. *out is zero on error. */
+/* A trial of a scene, of default members, with room for that many vertices, triangles and rays, all
+ * zero. Errors: STATUS_LIMIT over the most; STATUS_MEMORY. *out is zero on error. */
 enum status fuzz_trial_make(uint32_t vertices, uint32_t triangles, uint32_t rays,
                             struct fuzz_trial *out, struct reason *reason) MUST_USE;
 

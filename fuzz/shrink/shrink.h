@@ -1,7 +1,7 @@
 /* Shrinks a trial while it still shows its finding: fewer instances, triangles, rays and vertices,
- * plainer transforms, then shorter numbers and plainer members. To "ask" is to play a candidate; asks are counted.
- * Deterministic: the result depends on the trial and the number of asks alone, unless a time is
- * given. */
+ * plainer transforms, then shorter numbers and plainer members. To "ask" is to play a candidate;
+ * asks are counted. Deterministic: the result depends on the trial and the number of asks alone,
+ * unless a time is given. */
 #ifndef FUZZ_SHRINK_H
 #define FUZZ_SHRINK_H
 

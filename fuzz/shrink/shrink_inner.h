@@ -43,8 +43,8 @@ void shrink_place(const struct instance *one, const float p[3], float out[3]);
 /* All numbers of a trial in one row: coordinates of vertices, then 8 of each ray in the order of
  * the file, then 12 of each instance's transform. */
 uint32_t shrink_number_count(const struct fuzz_trial *trial);
-/* The same of a small trial, else 0: trials of more vertices, rays or instances have too many to try
- * each. */
+/* The same of a small trial, else 0: trials of more vertices, rays or instances have too many to
+ * try each. */
 uint32_t shrink_few_numbers(const struct fuzz_trial *trial);
 float *shrink_number(struct fuzz_trial *trial, uint32_t i);
 

@@ -170,7 +170,8 @@ uint32_t shrink_few_numbers(const struct fuzz_trial *trial)
                : 0;
 }
 
-/* True if the numbers are both of transforms or both not, have one magnitude and, if `axis_too`, are places on one axis. */
+/* True if the numbers are both of transforms or both not, have one magnitude and, if `axis_too`,
+ * are places on one axis. */
 static bool alike(struct fuzz_trial *trial, uint32_t a, uint32_t b, bool axis_too)
 {
     uint32_t axis_a, axis_b;

@@ -1,5 +1,5 @@
-/* Passes that make transforms plainer: the identity, a translation, powers of two; or move the world
- * as a whole. */
+/* Passes that make transforms plainer: the identity, a translation, powers of two; or move the
+ * world as a whole. */
 #include "fuzz/shrink/shrink_inner.h"
 
 #include "ref/world/object_ray.h"
@@ -20,23 +20,31 @@ static void set_identity(struct instance *one)
     one->m[0][3] = one->m[1][3] = one->m[2][3] = 0;
 }
 
-/* Takes all rays into the space of a mesh; false if its inverse is beyond float32. */
-static bool take_rays(struct fuzz_trial *trial, const struct instance *one)
-{
-    struct instance_record record = {.t = {one->m[0][3], one->m[1][3], one->m[2][3]}};
-    if (transform_inverse(one->m, record.w, NULL))
-        return false;
-    for (uint32_t i = 0; i < trial->ray_count; i++)
-        trial->ray[i] = transform_ray(&record, &trial->ray[i]);
-    return true;
-}
-
 void shrink_place(const struct instance *one, const float p[3], float out[3])
 {
     for (int k = 0; k < 3; k++) {
         const float *m = one->m[k];
         out[k] = ((m[0] * p[0] + m[1] * p[1]) + m[2] * p[2]) + m[3];
     }
+}
+
+/* Takes all rays into the space of a mesh as it was placed, and from there to where it is now;
+ * false if the inverse is beyond float32. */
+static bool carry_rays(struct fuzz_trial *trial, const struct instance *was,
+                       const struct instance *is)
+{
+    struct instance_record record = {.t = {was->m[0][3], was->m[1][3], was->m[2][3]}};
+    if (transform_inverse(was->m, record.w, NULL))
+        return false;
+    for (uint32_t i = 0; i < trial->ray_count; i++) {
+        struct ray *ray = &trial->ray[i];
+        const struct ray inside = transform_ray(&record, ray);
+        shrink_place(is, inside.org, ray->org);
+        for (int k = 0; k < 3; k++)
+            ray->dir[k] = (is->m[k][0] * inside.dir[0] + is->m[k][1] * inside.dir[1]) +
+                          is->m[k][2] * inside.dir[2];
+    }
+    return true;
 }
 
 /* Places the vertices of its mesh where the instance does. */
@@ -67,8 +75,7 @@ static float power_below(float x)
 /* The simplest first. */
 enum {
     IDENTITY,
-    IDENTITY_RAYS,     /* with the rays in its mesh's space */
-    ALL_IDENTITY_RAYS, /* and all other instances at the identity */
+    ALL_IDENTITY,
     BAKED,
     TRANSLATED,
     UNMOVED,
@@ -77,8 +84,11 @@ enum {
     POSITIVE,
     AS_FIRST,
     AS_BEFORE,
-    SWAPPED, /* with the one before it */
-    PLACES
+    SWAPPED,  /* with the one before it */
+    MOVED_ON, /* translated by 1 along an axis, or by more than the vertices reach: 6 changes */
+    DOUBLED = MOVED_ON + 6,
+    MIRRORED, /* along an axis: 3 changes */
+    PLACES = MIRRORED + 3
 };
 
 static bool change_diagonal(struct instance *one, uint32_t variant)
@@ -100,22 +110,46 @@ static bool copy_place(struct instance *to, const struct instance *from)
     return to != from;
 }
 
-static bool change_place(struct fuzz_trial *trial, uint32_t first, uint32_t count, uint32_t variant)
+/* The power of two over all coordinates of vertices. */
+static float reach_of(const struct scene *scene)
+{
+    float most = 0;
+    for (size_t i = 0; i < 3 * (size_t)scene->vertex_count; i++) {
+        float x = float_from_bits(float_bits(scene->vertex[i]) & 0x7FFFFFFFu);
+        most = x > most ? x : most;
+    }
+    return shrink_scaled(1.0f, 1 + shrink_exponent(most));
+}
+
+/* What only has to be another place: a plain one. */
+static bool change_plainly(const struct scene *scene, struct instance *one, uint32_t variant)
+{
+    const float size = variant == DOUBLED ? 2.0f : 1.0f;
+    float diagonal[3] = {size, size, size};
+    if (variant >= MIRRORED)
+        diagonal[variant - MIRRORED] = -1.0f;
+    set_identity(one);
+    set_linear(one, diagonal);
+    if (variant < DOUBLED)
+        one->m[(variant - MOVED_ON) % 3][3] = variant < MOVED_ON + 3 ? 1.0f : reach_of(scene);
+    return true;
+}
+
+/* Changes the place of an instance, and what must change with it. */
+static bool place_anew(struct fuzz_trial *trial, uint32_t at, uint32_t how)
 {
     static const float ones[3] = {1, 1, 1};
     struct trial_world *world = &trial->world;
-    struct instance *one = &world->instance[first], *before = first ? one - 1 : NULL;
+    struct instance *one = &world->instance[at], *before = at ? one - 1 : NULL;
     const struct instance old = *one;
-    (void)count;
-    switch (variant) {
+    switch (how) {
     case IDENTITY:
-    case IDENTITY_RAYS:
         set_identity(one);
-        return variant == IDENTITY || take_rays(trial, &old);
-    case ALL_IDENTITY_RAYS:
+        return true;
+    case ALL_IDENTITY:
         for (uint32_t i = 0; i < world->instance_count; i++)
             set_identity(&world->instance[i]);
-        return take_rays(trial, &old);
+        return true;
     case BAKED:
         set_identity(one);
         return bake(trial, &old);
@@ -136,8 +170,18 @@ static bool change_place(struct fuzz_trial *trial, uint32_t first, uint32_t coun
         *before = old;
         return true;
     default:
-        return change_diagonal(one, variant);
+        return how < MOVED_ON ? change_diagonal(one, how) : change_plainly(&trial->scene, one, how);
     }
+}
+
+/* Every change as it is, and with the rays going along with the instance. */
+static bool change_place(struct fuzz_trial *trial, uint32_t first, uint32_t count, uint32_t variant)
+{
+    const struct instance old = trial->world.instance[first];
+    (void)count;
+    if (!place_anew(trial, first, variant % PLACES))
+        return false;
+    return variant < PLACES || carry_rays(trial, &old, &trial->world.instance[first]);
 }
 
 static uint32_t axes_of(const struct fuzz_trial *trial)
@@ -178,7 +222,7 @@ static bool change_world(struct fuzz_trial *trial, uint32_t first, uint32_t coun
     return true;
 }
 
-const struct shrink_pass shrink_places = {"places", SHRINK_SINGLY, shrink_instances_of, PLACES,
+const struct shrink_pass shrink_places = {"places", SHRINK_SINGLY, shrink_instances_of, 2 * PLACES,
                                           change_place};
 const struct shrink_pass shrink_world_frame = {"world", SHRINK_SINGLY, axes_of, FRAMES,
                                                change_world};

@@ -81,14 +81,15 @@ static void drop_unused_meshes(struct fuzz_trial *trial)
             remove_geometry(trial, i);
 }
 
-enum { KEEP, REMOVE, KEEP_TIDY, REMOVE_TIDY, CUTS };
+/* KEEP_NAMED: those that stay have the custom index 1, since their numbers may have mattered. */
+enum { KEEP, REMOVE, KEEP_TIDY, REMOVE_TIDY, KEEP_NAMED, CUTS };
 
 static bool cut_instances(struct fuzz_trial *trial, uint32_t first, uint32_t count,
                           uint32_t variant)
 {
     struct trial_world *world = &trial->world;
     uint32_t behind = world->instance_count - first - count;
-    if (variant == KEEP || variant == KEEP_TIDY) {
+    if (variant == KEEP || variant == KEEP_TIDY || variant == KEEP_NAMED) {
         memmove(world->instance, world->instance + first, sizeof *world->instance * count);
         world->instance_count = count;
     } else {
@@ -96,6 +97,8 @@ static bool cut_instances(struct fuzz_trial *trial, uint32_t first, uint32_t cou
                 sizeof *world->instance * behind);
         world->instance_count -= count;
     }
+    for (uint32_t i = 0; i < world->instance_count && variant == KEEP_NAMED; i++)
+        world->instance[i].custom = 1;
     if (variant >= KEEP_TIDY)
         drop_unused_meshes(trial);
     return true;

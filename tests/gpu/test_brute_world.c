@@ -34,7 +34,8 @@ static void it_obeys_the_laws(void **state)
     laws.engine->close(laws.self);
 }
 
-/* An instance that is not active keeps the numbers of its triangles, before others and at the end. */
+/* An instance that is not active keeps the numbers of its triangles, before others and at the end.
+ * */
 static void inactive_instances_keep_their_numbers(void **state)
 {
     (void)state;
