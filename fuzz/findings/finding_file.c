@@ -246,6 +246,8 @@ static void read_head(struct finding_scan *in, struct finding_file *file)
     finding_keyword(in, "trial");
     uint64_t version = finding_whole(in, "format version", UINT32_MAX);
     file->trial.world.is = version == FINDING_FILE_WORLD;
+    if (file->trial.world.is)
+        file->trial.world.filter.share = 128;
     if (!in->status && version != FINDING_FILE_VERSION && version != FINDING_FILE_WORLD)
         in->status =
             scan_fail(&in->scan, in->reason, "format version %llu; this program reads %d and %d",
@@ -275,7 +277,6 @@ enum status finding_file_parse(const char *name, const char *bytes, size_t size,
     *out = (struct finding_file){0};
     in.scan.comment = '#';
     out->trial.store = tri_stores[0];
-    out->trial.world.filter.share = 128;
     for (size_t i = 0; i < ARRAY_COUNT(parts); i++)
         parts[i](&in, out);
     if (!in.status) {

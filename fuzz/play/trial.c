@@ -173,8 +173,7 @@ struct fuzz_trial_size fuzz_trial_size(const struct fuzz_trial *trial)
                                    .rays = trial->ray_count,
                                    .vertices = scene->vertex_count,
                                    .places = trial_world_places(world),
-                                   .bits =
-                                       trial_world_weight(world, world->is ? trial->ray_count : 0),
+                                   .bits = trial_world_weight(world, trial->ray_count),
                                    .hash = fuzz_trial_hash(trial)};
     for (size_t i = 0; i < 3 * (size_t)scene->vertex_count; i++)
         size.bits += trial_float_weight(scene->vertex[i]);

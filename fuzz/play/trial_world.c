@@ -165,6 +165,8 @@ static uint64_t instance_weight(const struct instance *instance)
 uint64_t trial_world_weight(const struct trial_world *world, uint32_t rays)
 {
     uint64_t weight = 0;
+    if (!world->is)
+        return 0;
     for (uint32_t i = 0; i < world->instance_count; i++)
         weight += instance_weight(&world->instance[i]);
     for (uint32_t i = 0; i < world->geometry_count; i++)

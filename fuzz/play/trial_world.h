@@ -65,7 +65,8 @@ uint32_t trial_world_place(const struct instance *instance);
 /* The same summed up over all instances. */
 uint32_t trial_world_places(const struct trial_world *world);
 
-/* How much there is to read of the rest: 0 for what trial_world_make sets. */
+/* How much there is to read of the rest: 0 of a scene, 1 of each geometry, else 0 for what
+ * trial_world_make sets. */
 uint64_t trial_world_weight(const struct trial_world *world, uint32_t rays);
 
 /* A world as engines take it. Owns what it made. */

@@ -197,6 +197,8 @@ static void text_comes_back_to_the_bit(void **state)
         if (finding_file_parse("f", bytes, size, &again, &reason))
             fail_msg("%s\n%s", reason.text, bytes);
         assert_int_equal(fuzz_trial_hash(&file.trial), fuzz_trial_hash(&again.trial));
+        struct fuzz_trial_size a = fuzz_trial_size(&file.trial), b = fuzz_trial_size(&again.trial);
+        assert_true(fuzz_trial_size_compare(&a, &b) == 0 && a.bits == b.bits);
         assert_int_equal(finding_file_print(&again, &second, &second_size, &reason), STATUS_OK);
         assert_string_equal(bytes, second);
         free(bytes);
@@ -264,6 +266,12 @@ static void scenes_keep_version_1(void **state)
     assert_int_equal(finding_file_print(&file, &bytes, &size, &reason), STATUS_OK);
     assert_int_equal(strncmp(bytes, "raydiff trial 1\n", 16), 0);
     assert_null(strstr(bytes, "instances"));
+    struct finding_file again;
+    assert_int_equal(finding_file_parse("f", bytes, size, &again, &reason), STATUS_OK);
+    struct fuzz_trial_size one = fuzz_trial_size(&file.trial), two = fuzz_trial_size(&again.trial);
+    assert_int_equal(fuzz_trial_size_compare(&one, &two), 0);
+    assert_true(one.bits == two.bits);
+    finding_file_free(&again);
     free(bytes);
     finding_file_free(&file);
 }
