@@ -13,15 +13,15 @@
 
 #include <cmocka.h>
 
-#include "tests/fuzz/fuzz_gen_trials.h"
+#include "tests/two_level/fuzz_world_play.h"
 
 #define MANY 1000u
 
-static const struct gen_options of_worlds = {16, 64, 60, false, true};
+static const struct gen_options usual = {16, 64, 60, false, true};
 
 static uint64_t hash_of(uint64_t seed, uint64_t index)
 {
-    struct fuzz_trial trial = trial_of(seed, index, &of_worlds);
+    struct fuzz_trial trial = trial_of(seed, index, &usual);
     uint64_t hash = fuzz_trial_hash(&trial);
     fuzz_trial_free(&trial);
     return hash;
@@ -71,7 +71,7 @@ static void every_world_and_every_edit_of_one_is_valid(void **state)
     (void)state;
     for (uint64_t i = 0; i < 300; i++) {
         struct reason reason = {""};
-        struct fuzz_trial trial = trial_of(2, i, &of_worlds);
+        struct fuzz_trial trial = trial_of(2, i, &usual);
         struct rng rng = rng_make(5, i);
         if (fuzz_trial_check(&trial, &reason))
             fail_msg("world %u: %s", (unsigned)i, reason.text);
@@ -96,7 +96,7 @@ static void every_state_of_worlds_is_reached(void **state)
     uint64_t map[COVERAGE_WORDS] = {0};
     bool made[64] = {false};
     for (uint64_t i = 0; i < 2 * MANY; i++) {
-        struct fuzz_trial trial = trial_of(3, i, &of_worlds);
+        struct fuzz_trial trial = trial_of(3, i, &usual);
         coverage_add_world(map, &trial.world, trial.ray_count);
         for (size_t g = 0; world_generators[g]; g++)
             made[g] = made[g] || is_recipe(&trial, world_generators[g]->name);
@@ -118,7 +118,7 @@ static void rays_are_aimed_at_what_is_placed(void **state)
     size_t rays = 0, hits = 0, ties = 0, beside = 0;
     for (uint64_t i = 0; i < 300; i++) {
         struct reason reason = {""};
-        struct fuzz_trial trial = trial_of(4, i, &of_worlds);
+        struct fuzz_trial trial = trial_of(4, i, &usual);
         struct trial_meshes meshes;
         struct oracle *oracle;
         struct oracle_answer truth[60];
@@ -149,7 +149,7 @@ static void meshes_have_their_own_vertices(void **state)
     (void)state;
     for (uint64_t i = 0; i < 100; i++) {
         struct reason reason = {""};
-        struct fuzz_trial trial = trial_of(6, i, &of_worlds);
+        struct fuzz_trial trial = trial_of(6, i, &usual);
         struct trial_meshes meshes;
         uint32_t tri = 0;
         assert_int_equal(trial_meshes_make(&trial.world, &trial.scene, &meshes, &reason),

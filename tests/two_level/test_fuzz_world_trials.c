@@ -1,6 +1,7 @@
 /* Trials of worlds as values and as text: copies, hashes, what no reader may let through. */
 #include "fuzz/campaign/worker_base.h"
 #include "fuzz/gen/gen.h"
+#include "fuzz/play/player.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -10,9 +11,10 @@
 #include <string.h>
 #include <cmocka.h> /* last: it has a macro `fail` */
 
-#include "tests/fuzz/fuzz_gen_trials.h"
+#include "tests/two_level/fuzz_world_play.h"
 
-static const struct gen_options of_worlds = {16, 64, 20, false, true};
+static const struct gen_options usual = {16, 64, 20, false, true};
+static const struct gen_options of_scenes = {16, 64, 20, false, false};
 
 /* Two triangles in two meshes, the first mesh of two geometries; two instances, two rays. */
 static struct fuzz_trial make(void)
@@ -189,7 +191,7 @@ static void text_comes_back_to_the_bit(void **state)
     (void)state;
     for (uint64_t i = 0; i < 300; i++) {
         struct reason reason = {""};
-        struct finding_file file = {.trial = trial_of(3, i, &of_worlds)}, again;
+        struct finding_file file = {.trial = trial_of(3, i, &usual)}, again;
         char *bytes, *second;
         size_t size, second_size;
         assert_int_equal(finding_file_print(&file, &bytes, &size, &reason), STATUS_OK);
@@ -259,7 +261,7 @@ static void scenes_keep_version_1(void **state)
 {
     (void)state;
     struct reason reason;
-    struct finding_file file = {.trial = trial_of(3, 0, &ordinary)};
+    struct finding_file file = {.trial = trial_of(3, 0, &of_scenes)};
     char *bytes;
     size_t size;
     assert_false(file.trial.world.is);
@@ -274,6 +276,32 @@ static void scenes_keep_version_1(void **state)
     finding_file_free(&again);
     free(bytes);
     finding_file_free(&file);
+}
+
+/* What stands beside the judge's line: placed triangle 2 of three is the last of its mesh. */
+static void a_finding_has_its_place(void **state)
+{
+    (void)state;
+    struct fuzz_trial trial = make();
+    char text[600];
+    trial.world.instance[0].mesh = 1;
+    trial.world.instance[1].mesh = 0;
+    trial.world.geometry[0].count = 0;
+    trial.world.geometry[1].count = 1;
+    trial.world.mode[1] = (struct ray_mode){0x21, ABI_RAY_CULL_BACK};
+    struct fuzz_finding finding = {.ray = 1,
+                                   .answer = {.prim = 1},
+                                   .tag = 7 | ABI_TAG_FRONT,
+                                   .judgement = {.verdict = VERDICT_WRONG, .expected = 0}};
+    fuzz_finding_line(&trial, &finding, text, sizeof text);
+    assert_non_null(strstr(text, "; mask 0x21 flags 0x10, got instance 1 geometry 1 triangle 0 "
+                                 "custom 7 front, expected instance 0 geometry 0 triangle 0"));
+    finding.answer.prim = 2;
+    finding.tag = 0;
+    finding.judgement.expected = ABI_NO_PRIM;
+    fuzz_finding_line(&trial, &finding, text, sizeof text);
+    assert_non_null(strstr(text, "got no triangle of the world custom 0 back, expected nothing"));
+    fuzz_trial_free(&trial);
 }
 
 /* --- sizes ------------------------------------------------------------------------------------ */
@@ -324,6 +352,7 @@ int main(void)
         cmocka_unit_test(text_comes_back_to_the_bit),
         cmocka_unit_test(every_broken_line_is_named),
         cmocka_unit_test(scenes_keep_version_1),
+        cmocka_unit_test(a_finding_has_its_place),
         cmocka_unit_test(what_is_plainer_is_smaller),
     };
     return cmocka_run_group_tests_name("fuzz_world_trials", tests, NULL, NULL);
