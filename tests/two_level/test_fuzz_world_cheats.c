@@ -68,7 +68,7 @@ static uint32_t find(struct fuzz_player *player, const struct need *need, struct
     return 0;
 }
 
-struct steps {
+struct watched_steps {
     struct fuzz_player *player;
     enum fuzz_kind kind;
     uint64_t accepted;
@@ -78,7 +78,7 @@ struct steps {
 /* Each step is smaller than the one before, and still shows the kind. */
 static void watch(void *user, const struct shrink_stats *stats, const struct fuzz_trial *best)
 {
-    struct steps *steps = user;
+    struct watched_steps *steps = user;
     struct fuzz_result result;
     bool shown = false;
     if (stats->accepted == steps->accepted)
@@ -98,7 +98,7 @@ static void shrink_and_check(struct fuzz_player *player, const struct need *need
                              const struct finding_file *found)
 {
     struct reason reason = {""};
-    struct steps steps = {player, found->signature.kind, 0, fuzz_trial_size(&found->trial)};
+    struct watched_steps steps = {player, found->signature.kind, 0, fuzz_trial_size(&found->trial)};
     struct shrink_options options = {.progress = watch, .user = &steps};
     struct finding_file small, again;
     struct shrink_stats stats;

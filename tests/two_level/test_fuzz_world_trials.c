@@ -100,6 +100,8 @@ static void copies_and_bytes_are_deep(void **state)
     struct reason reason;
     struct finding_file file = {.trial = make()}, again;
     struct fuzz_trial copy;
+    file.trial.world.mode[1] = (struct ray_mode){5, ABI_RAY_FIRST};
+    file.trial.world.filter.seed = 3;
     uint64_t hash = fuzz_trial_hash(&file.trial);
     assert_int_equal(fuzz_trial_copy(&file.trial, &copy, &reason), STATUS_OK);
     size_t size = worker_base_bytes(&file);
@@ -286,8 +288,8 @@ static void a_finding_has_its_place(void **state)
     char text[600];
     trial.world.instance[0].mesh = 1;
     trial.world.instance[1].mesh = 0;
-    trial.world.geometry[0].count = 0;
     trial.world.geometry[1].count = 1;
+    trial.world.geometry[2].count = 0;
     trial.world.mode[1] = (struct ray_mode){0x21, ABI_RAY_CULL_BACK};
     struct fuzz_finding finding = {.ray = 1,
                                    .answer = {.prim = 1},
@@ -295,7 +297,7 @@ static void a_finding_has_its_place(void **state)
                                    .judgement = {.verdict = VERDICT_WRONG, .expected = 0}};
     fuzz_finding_line(&trial, &finding, text, sizeof text);
     assert_non_null(strstr(text, "; mask 0x21 flags 0x10, got instance 1 geometry 1 triangle 0 "
-                                 "custom 7 front, expected instance 0 geometry 0 triangle 0"));
+                                 "custom 7 front, expected instance 1 geometry 0 triangle 0"));
     finding.answer.prim = 2;
     finding.tag = 0;
     finding.judgement.expected = ABI_NO_PRIM;

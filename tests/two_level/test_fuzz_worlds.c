@@ -85,14 +85,44 @@ static void engines_of_scenes_decline_worlds(void **state)
     fuzz_player_close(player);
 }
 
-/* A transform whose inverse is beyond float32: no engine of ours can take it. */
+static enum status blind_prepare(void *self, const struct world_job *job, struct reason *reason)
+{
+    (void)self, (void)job, (void)reason;
+    return STATUS_OK;
+}
+
+static enum status blind_trace(void *self, const struct ray *ray, const struct ray_mode *mode,
+                               size_t ray_count, struct hit *hit, uint32_t *tag,
+                               struct trace_report *report, struct reason *reason)
+{
+    (void)self, (void)ray, (void)mode, (void)report, (void)reason;
+    for (size_t i = 0; i < ray_count; i++) {
+        hit[i] = (struct hit){.prim = ABI_NO_PRIM};
+        tag[i] = 0;
+    }
+    return STATUS_OK;
+}
+
+static const struct world_tracer blind_worlds = {.prepare_world = blind_prepare,
+                                                 .trace_world = blind_trace};
+
+/* A transform whose inverse is beyond float32: nothing of ours can take or judge it, and what would
+ * take it is not asked. */
 static void inverses_beyond_float32_are_declined(void **state)
 {
     (void)state;
-    struct fuzz_player *player = open_ours();
+    struct engine blind = *engine_find("brute");
+    blind.name = "blind";
+    blind.worlds = &blind_worlds;
+    const struct engine *const who[] = {engine_reference(true), engine_find("brute"), &blind};
+    const struct layout *const on[] = {layout_find("f32")};
+    struct fuzz_player *player = open_all(who, 3, on, 1);
     struct fuzz_trial trial;
     struct fuzz_result result;
     make_trial(13, 1, &of_worlds, &trial);
+    must_play(player, &trial, 1, &result);
+    assert_int_equal(result.players, 7);
+    assert_true(result.finding_count > 0); /* of the blind one */
     struct instance *one = &trial.world.instance[0];
     memset(one->m, 0, sizeof one->m);
     one->mesh = 0;
