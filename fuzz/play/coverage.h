@@ -56,6 +56,9 @@ uint32_t coverage_count(const uint64_t map[COVERAGE_WORDS]);
 /* The number of bits that have a meaning; the others are never set. */
 uint32_t coverage_known(void);
 
+/* How many of them a trial of a world, or one of a scene, can have. */
+uint32_t coverage_reachable(bool world);
+
 #define COVERAGE_NAME_MOST 64
 
 /* "verdict.closest.tie", "refused.rf16.records", ...; false, and "", for a bit without meaning. */

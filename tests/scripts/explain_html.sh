@@ -123,6 +123,7 @@ page 1 fuzz/corpus/strict-comparison.trial # its cause has "<" in its text
 grep -q '<title>the box test has &lt; where' "$dir/page.svg" || bad 'a text is not escaped'
 # All causes of the corpus, and answers that are right.
 for file in fuzz/corpus/*.trial; do
+    [ "$(head -n 1 "$file")" = 'raydiff trial 1' ] || continue # of a world, which explain refuses
     "$raydiff" explain "$file" --html "$dir/x.html" --svg "$dir/x.svg" >"$dir/out" 2>"$dir/err"
     [ $? -le 1 ] || bad "$file: $(cat "$dir/err")"
     grep -qiE '[^a-z](nan|inf)[^a-z]' "$dir/x.svg" 2>/dev/null && bad "$file: a corner that is no number"
