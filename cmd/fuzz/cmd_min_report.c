@@ -107,8 +107,11 @@ void min_print_line(const struct min_row *row)
 
 static json_t *size_json(const struct fuzz_trial_size *size, size_t bytes)
 {
-    return json_record("triangles=%u rays=%u vertices=%u bits=%zu bytes=%zu", size->triangles,
-                       size->rays, size->vertices, size->bits, bytes);
+    json_t *root = json_record("triangles=%u rays=%u vertices=%u bits=%zu bytes=%zu",
+                               size->triangles, size->rays, size->vertices, size->bits, bytes);
+    if (size->instances > 0)
+        json_add(root, "instances=%u", size->instances);
+    return root;
 }
 
 static json_t *row_json(const struct min_row *row)

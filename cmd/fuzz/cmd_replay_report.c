@@ -201,10 +201,13 @@ static json_t *file_json(const struct replay_file *file)
     expectation(&file->file, expect);
     for (size_t i = 0; i < file->played_count; i++)
         json_array_append_new(played, played_json(file, &file->played[i]));
-    return json_record(
+    json_t *root = json_record(
         "file=%s expect=%s fails=%i exit=%d triangles=%u rays=%u then=%p now=%p played=%p",
         file->path, expect, file->fails, file->code, file->file.trial.scene.tri_count,
         file->file.trial.ray_count, lines_json(file->file.versions), lines_json(file->now), played);
+    if (file->file.trial.world.is)
+        json_add(root, "instances=%u", file->file.trial.world.instance_count);
+    return root;
 }
 
 enum status replay_write_json(const char *path, const struct replay_file *file, size_t count,

@@ -27,7 +27,7 @@ grep -q '"opinion":"[^"]*mask 0x[0-9A-F]* flags 0x[0-9A-F]*, got nothing, expect
     bad "a finding has what the ray may meet and where the triangles are"
 expect 1 . fuzz --worlds --rays 100 --jobs 1 --corpus none $published --trials 192 --seed 9 --dir "$dir/b"
 expect 2 '--seed 8: the campaign in .*/a has 9 ' fuzz --dir "$dir/a" --seed 8
-expect 1 . fuzz --dir "$dir/a" --trials 192 --jobs 1 # goes on with worlds, of which none is left
+expect 1 . fuzz --dir "$dir/a" --trials 192 --jobs 1 --corpus none # goes on with worlds, of which none is left
 has out '^trials     0 .*, after 192 generated ones of earlier runs$'
 for folder in "$dir"/a/cpu.*; do
     for file in first smallest; do
@@ -63,12 +63,14 @@ for folder in "$dir"/a/cpu.*; do
 done
 
 # Again, smaller, and nothing that is small is made smaller.
-expect 1 . replay "$large"
+expect 1 . replay "$large" --json "$dir/replay.json"
+grep -qx "   \"instances\": $(sed -n 's/^instances //p' "$large")" "$dir/replay.json" || bad "replay --json has the instances"
 has out '^  trial    [0-9]+ instances?, [0-9]+ triangles?, 100 rays, '
 has out ' missed unexplained, ray [0-9]+ .*; mask 0x[0-9A-F]+ flags 0x[0-9A-F]+, got nothing, expected instance [0-9]+ geometry [0-9]+ triangle [0-9]+ <- expected$'
 expect 0 . replay "$large" --as-expected --brief --engine cpu
 expect 0 . replay "$large" --engine brute --brief
-expect 0 . min "$large" --out "$dir/small.trial"
+expect 0 . min "$large" --out "$dir/small.trial" --json "$dir/min.json"
+[ "$(grep -c '"instances": 1$' "$dir/min.json")" -eq 1 ] || bad "min --json has the instances"
 has out '^  before   [0-9]+ instances?, [0-9]+ triangles?, 100 rays,'
 has out '^  after    1 instance, 1 triangle, 1 ray, 3 vertices,'
 expect 0 . min "$dir/small.trial" --out "$dir/same.trial"
