@@ -89,6 +89,10 @@ static enum status take_file(struct explain_options *o, const char *path, struct
     if (status)
         return status;
     const struct fuzz_trial *trial = &file->trial;
+    if (trial->world.is)
+        return fail(reason, STATUS_INPUT,
+                    "%s: is a trial of a world; this command takes one of a scene: replay it",
+                    path);
     o->has_file = true;
     o->of.builder = trial->builder;
     o->of.build = trial->build;

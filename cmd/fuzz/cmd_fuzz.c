@@ -43,7 +43,8 @@ static enum status make_rules(struct fuzz_command *c, struct reason *reason)
     rules->gen = (struct gen_options){.triangles_least = c->triangles_least,
                                       .triangles_most = c->triangles_most,
                                       .rays = c->rays,
-                                      .faithful = c->faithful};
+                                      .faithful = c->faithful,
+                                      .worlds = c->worlds};
     rules->corpus = c->corpus_trials.trial;
     rules->corpus_count = c->corpus_trials.count;
     c->engines.threads = 1;
@@ -86,13 +87,15 @@ static enum status make_campaign(struct fuzz_command *c, struct reason *reason)
     return status;
 }
 
-/* Drops trials that use members as published: their faults are known. */
-static void keep_repaired(struct feedback_list *list)
+/* Drops trials of scenes in a campaign of worlds and the other way round, and unless members as
+ * published take part, those that use them: their faults are known. */
+static void keep_fitting(const struct fuzz_command *c, struct feedback_list *list)
 {
     size_t kept = 0;
     for (size_t i = 0; i < list->count; i++) {
         const struct fuzz_trial *trial = &list->trial[i];
-        if (trial->builder->faithful || trial->box->faithful || trial->tri->faithful)
+        bool faithful = trial->builder->faithful || trial->box->faithful || trial->tri->faithful;
+        if (trial->world.is != c->worlds || (faithful && !c->faithful))
             fuzz_trial_free(&list->trial[i]);
         else
             list->trial[kept++] = list->trial[i];
@@ -123,8 +126,8 @@ static enum status read_corpus(struct fuzz_command *c, struct reason *reason)
     if (!status && c->corpus_trials.left_out > 0)
         fprintf(stderr, "raydiff fuzz: corpus: %zu files left out: %s\n", c->corpus_trials.left_out,
                 c->corpus_trials.said.text);
-    if (!status && !c->faithful)
-        keep_repaired(&c->corpus_trials);
+    if (!status)
+        keep_fitting(c, &c->corpus_trials);
     return status;
 }
 
@@ -147,8 +150,23 @@ static enum status check_options(const struct fuzz_command *c, struct reason *re
         return fail(reason, STATUS_INPUT,
                     "--pairs: draws members at random, so not with --shard, --feedback or "
                     "--corpus");
+    if (c->pairs > 0 && c->worlds)
+        return fail(reason, STATUS_INPUT,
+                    "--pairs: draws members for scenes, so not with --worlds");
     if (names_corpus(c) && (stat(c->corpus, &what) != 0 || !S_ISDIR(what.st_mode)))
         return fail(reason, STATUS_INPUT, "--corpus: %.200s is no folder", c->corpus);
+    return STATUS_OK;
+}
+
+/* Engines that trace scenes alone have no part in a campaign of worlds. */
+static enum status check_engines(const struct fuzz_command *c, struct reason *reason)
+{
+    for (size_t i = 0; i < c->engine.count && c->worlds; i++) {
+        const struct engine *engine = engines[c->engine.index[i]];
+        if (!engine->worlds)
+            return fail(reason, STATUS_UNSUPPORTED, "%.80s traces scenes, not worlds",
+                        engine->name);
+    }
     return STATUS_OK;
 }
 
@@ -172,6 +190,8 @@ static enum status prepare(struct fuzz_command *c, struct reason *reason)
     }
     if (!status)
         status = check_options(c, reason); /* with those of the folder */
+    if (!status)
+        status = check_engines(c, reason);
     if (!status)
         status = read_corpus(c, reason);
     if (!status)

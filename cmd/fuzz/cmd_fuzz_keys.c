@@ -16,9 +16,9 @@ static const char *const pair_layouts = "every";
 
 const char *fuzz_key_name(enum fuzz_key key)
 {
-    static const char *const name[KEY_COUNT] = {"seed",    "shard",    "engine",    "layout",
-                                                "builder", "faithful", "rays",      "triangles",
-                                                "driver",  "device",   "workgroup", "pairs"};
+    static const char *const name[KEY_COUNT] = {
+        "seed",      "shard",  "engine", "layout",    "builder", "faithful", "rays",
+        "triangles", "driver", "device", "workgroup", "pairs",   "worlds"};
     return name[key];
 }
 
@@ -93,6 +93,9 @@ void fuzz_key_print(const struct fuzz_command *c, enum fuzz_key key, char text[F
     case KEY_PAIRS:
         if (c->pairs > 0)
             snprintf(text, FUZZ_VALUE_MOST, "%llu", (unsigned long long)c->pairs);
+        break;
+    case KEY_WORLDS:
+        snprintf(text, FUZZ_VALUE_MOST, "%s", c->worlds ? "yes" : "");
         break;
     case KEY_COUNT:
         break;

@@ -73,6 +73,11 @@ static const struct option_row rows[] = {
     {"layout", "L,..", "layouts", OF_LIST(layout, TABLE_LAYOUTS), .shown = FUZZ_LAYOUTS},
     {"builder", "B,..", "builders", OF_LIST(builder, TABLE_BUILDERS), .shown = "as generated"},
     {"faithful", NULL, "builders and tests as published take part, too", OF_FLAG(faithful)},
+    {"worlds", NULL,
+     "trials of worlds in place of scenes: instances of meshes, masks, flags, filters, and rays "
+     "with "
+     "masks and flags",
+     OF_FLAG(worlds)},
     {"rays", "N", "rays of a trial", OF_COUNT(rays, 1, FUZZ_RAYS_MOST), .value = "500"},
     {"triangles", "A-B", "triangles of an ordinary trial", OF_OWN(take_pair), .value = "16-64"},
     {"corpus", "DIR", "trials that are played first; none", OF_FOLDER(corpus),
@@ -117,6 +122,7 @@ const struct option_set fuzz_set = {
              "were played and shrunk; run again, the campaign ends as one that nothing "
              "interrupted (with --pairs other members are drawn)",
     .example = "fuzz --time 60\n"
+               "fuzz --worlds --time 60 --dir of-worlds\n"
                "fuzz --time 3600 --pairs 1000",
     .makes_folder = true,
 };

@@ -134,12 +134,12 @@ static void add_coverage(json_t *root, const struct campaign_view *view)
 {
     json_t *missing = json_array();
     char name[COVERAGE_NAME_MOST];
-    for (uint32_t bit = 0; bit < COVERAGE_BITS; bit++)
+    for (uint32_t bit = 0; bit < coverage_reachable(view->options->rules.gen.worlds); bit++)
         if (coverage_name(bit, name) && !(view->coverage[bit / 64] >> bit % 64 & 1))
             json_array_append_new(missing, json_string(name));
     json_add(root, "coverage=%p",
              json_record("reached=%u known=%u never=%p", coverage_count(view->coverage),
-                         coverage_known(), missing));
+                         coverage_reachable(view->options->rules.gen.worlds), missing));
 }
 
 static json_t *make_json(const struct fuzz_command *c, const struct campaign_view *view, bool whole)
@@ -266,7 +266,8 @@ static void print_summary(const struct fuzz_command *c, const struct campaign_vi
     print_trials(view);
     printf("judged     %s (%.0f/s); harness %.0f %% of the time\n", COUNTED(view->judged, "ray"),
            rate(view->judged, view->play_ns), 100 * campaign_harness_share(view, NULL));
-    printf("coverage   %u of %u states\n", coverage_count(view->coverage), coverage_known());
+    printf("coverage   %u of %u states\n", coverage_count(view->coverage),
+           coverage_reachable(view->options->rules.gen.worlds));
     fuzz_pairs_print(c, view);
     if (view->restarts > 0)
         screen_line(11, "restarts   %u; the last: %s\n", view->restarts, view->said);

@@ -147,8 +147,9 @@ static void draw_head(struct fuzz_command *c, const struct campaign_view *view)
         (double)view->judged, per_second(view->judged, view->play_ns),
         (unsigned long long)view->wrong);
     row(&c->screen, TONE_PLAIN, "coverage  %u of %u, %zu trials kept, %llu mutants; corpus %s",
-        coverage_count(view->coverage), coverage_known(), view->kept,
-        (unsigned long long)view->mutants, view->options->rules.corpus_count ? "played" : "none");
+        coverage_count(view->coverage), coverage_reachable(view->options->rules.gen.worlds),
+        view->kept, (unsigned long long)view->mutants,
+        view->options->rules.corpus_count ? "played" : "none");
 }
 
 /* A list of shares on one row; those that do not fit are left out. */

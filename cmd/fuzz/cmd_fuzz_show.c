@@ -48,7 +48,8 @@ static void say(const struct campaign_view *view)
             (unsigned long long)view->trials, per_second(view->trials, view->play_ns),
             (double)view->judged, per_second(view->judged, view->play_ns),
             findings_count(view->findings), campaign_news(view, NULL),
-            coverage_count(view->coverage), coverage_known(), view->restarts, left);
+            coverage_count(view->coverage), coverage_reachable(view->options->rules.gen.worlds),
+            view->restarts, left);
     fflush(stderr);
 }
 

@@ -32,10 +32,14 @@ static const char *end_text(enum shrink_end end)
 
 static void print_size(const char *title, const struct fuzz_trial_size *size, size_t bytes)
 {
-    screen_line(11, "  %-8s %u triangle%s, %u ray%s, %u vert%s, %llu bits of numbers, %zu bytes\n",
-                title, size->triangles, plural(size->triangles), size->rays, plural(size->rays),
-                size->vertices, size->vertices == 1 ? "ex" : "ices", (unsigned long long)size->bits,
-                bytes);
+    char instances[40] = "";
+    if (size->instances > 0)
+        snprintf(instances, sizeof instances, "%u instance%s, ", size->instances,
+                 plural(size->instances));
+    screen_line(
+        11, "  %-8s %s%u triangle%s, %u ray%s, %u vert%s, %llu bits of numbers, %zu bytes\n", title,
+        instances, size->triangles, plural(size->triangles), size->rays, plural(size->rays),
+        size->vertices, size->vertices == 1 ? "ex" : "ices", (unsigned long long)size->bits, bytes);
 }
 
 static void print_replay(const struct min_row *row)
@@ -104,8 +108,11 @@ void min_print_line(const struct min_row *row)
 
 static json_t *size_json(const struct fuzz_trial_size *size, size_t bytes)
 {
-    return json_record("triangles=%u rays=%u vertices=%u bits=%zu bytes=%zu", size->triangles,
-                       size->rays, size->vertices, size->bits, bytes);
+    json_t *root = json_record("triangles=%u rays=%u vertices=%u bits=%zu bytes=%zu",
+                               size->triangles, size->rays, size->vertices, size->bits, bytes);
+    if (size->instances > 0)
+        json_add(root, "instances=%u", size->instances);
+    return root;
 }
 
 static json_t *row_json(const struct min_row *row)

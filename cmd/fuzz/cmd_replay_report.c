@@ -41,7 +41,7 @@ void replay_finding_line(const struct fuzz_trial *trial, const struct fuzz_findi
 {
     text[0] = '\0';
     if (finding->ray < trial->ray_count && finding->judgement.verdict == VERDICT_WRONG)
-        judge_line(&trial->ray[finding->ray], &finding->judgement, &finding->answer, text, size);
+        fuzz_finding_line(trial, finding, text, size);
 }
 
 void replay_command(const char *path, const struct engine *engine, const struct layout *layout,
@@ -136,12 +136,16 @@ void replay_print(const struct screen *screen, bool brief, const struct replay_f
         }
         return;
     }
+    char instances[40] = "";
+    if (trial->world.is)
+        snprintf(instances, sizeof instances, "%u instance%s, ", trial->world.instance_count,
+                 plural(trial->world.instance_count));
     screen_record(screen, PAINT_PLAIN,
-                  "  trial    %u triangle%s, %u ray%s, builder %s, leaf %u, box %s, triangle %s, "
+                  "  trial    %s%u triangle%s, %u ray%s, builder %s, leaf %u, box %s, triangle %s, "
                   "query %s\n",
-                  trial->scene.tri_count, plural(trial->scene.tri_count), trial->ray_count,
-                  plural(trial->ray_count), trial->builder->name, trial->build.leaf,
-                  trial->box->name, trial->tri->name, query_name(trial->query));
+                  instances, trial->scene.tri_count, plural(trial->scene.tri_count),
+                  trial->ray_count, plural(trial->ray_count), trial->builder->name,
+                  trial->build.leaf, trial->box->name, trial->tri->name, query_name(trial->query));
     if (origin->recipe[0])
         screen_record(screen, PAINT_PLAIN, "  made as  %s\n", origin->recipe);
     if (origin->version > 0)
@@ -197,10 +201,13 @@ static json_t *file_json(const struct replay_file *file)
     expectation(&file->file, expect);
     for (size_t i = 0; i < file->played_count; i++)
         json_array_append_new(played, played_json(file, &file->played[i]));
-    return json_record(
+    json_t *root = json_record(
         "file=%s expect=%s fails=%i exit=%d triangles=%u rays=%u then=%p now=%p played=%p",
         file->path, expect, file->fails, file->code, file->file.trial.scene.tri_count,
         file->file.trial.ray_count, lines_json(file->file.versions), lines_json(file->now), played);
+    if (file->file.trial.world.is)
+        json_add(root, "instances=%u", file->file.trial.world.instance_count);
+    return root;
 }
 
 enum status replay_write_json(const char *path, const struct replay_file *file, size_t count,

@@ -100,10 +100,8 @@ static enum status look_behind(struct troupe *troupe, struct open_player *open,
         return STATUS_OK;
     enum status status = STATUS_OK;
     for (uint32_t i = result->finding[masking].ray + 1; i < file->trial.ray_count && !status; i++) {
-        struct fuzz_trial alone = file->trial;
+        const struct fuzz_trial alone = fuzz_trial_rays_from(&file->trial, i, 1);
         struct fuzz_result one = {0};
-        alone.ray += i;
-        alone.ray_count = 1;
         status = fuzz_play(open->player, &alone, 1, &one, NULL, NULL, reason);
         if (!status)
             status = explain_all(open, &alone, &one, reason);
@@ -225,6 +223,8 @@ static void print_page(struct troupe *troupe, const struct request *request,
                        struct worker_reply *reply)
 {
     struct page_parts parts = {0};
+    if (troupe->files[request->file].file.trial.world.is)
+        return; /* what explains answers knows scenes alone */
     reply->printed = make_page(troupe, request, &parts, &reply->reason) == STATUS_OK;
     judged_free(&parts.judged);
     oracle_free(parts.oracle);

@@ -68,8 +68,7 @@ static void form_opinion(const struct fuzz_trial *trial, const struct fuzz_findi
     else if (said[0] || finding->ray >= trial->ray_count)
         snprintf(text, WORK_OPINION_MOST, "%s", said);
     else
-        judge_line(&trial->ray[finding->ray], &finding->judgement, &finding->answer, text,
-                   WORK_OPINION_MOST);
+        fuzz_finding_line(trial, finding, text, WORK_OPINION_MOST);
 }
 
 static enum status explain(struct worker *w, const struct work_order *order)

@@ -8,14 +8,21 @@ struct worker_part {
     size_t bytes;
 };
 
-#define PARTS 3
+#define PARTS 6
 
 static void parts_of(const struct fuzz_trial *trial, struct worker_part part[PARTS])
 {
     const struct scene *scene = &trial->scene;
+    const struct trial_world *world = &trial->world;
     part[0] = (struct worker_part){scene->vertex, 3 * sizeof(float) * scene->vertex_count};
     part[1] = (struct worker_part){scene->index, 3 * sizeof(uint32_t) * scene->tri_count};
     part[2] = (struct worker_part){trial->ray, sizeof *trial->ray * trial->ray_count};
+    part[3] =
+        (struct worker_part){world->geometry, sizeof *world->geometry * world->geometry_count};
+    part[4] =
+        (struct worker_part){world->instance, sizeof *world->instance * world->instance_count};
+    part[5] =
+        (struct worker_part){world->mode, world->is ? sizeof *world->mode * trial->ray_count : 0};
 }
 
 size_t worker_base_bytes(const struct finding_file *file)
@@ -57,8 +64,17 @@ enum status worker_base_get(const void *bytes, size_t size, struct finding_file 
                     worker_base_bytes(&file));
     enum status status = fuzz_trial_make(file.trial.scene.vertex_count, file.trial.scene.tri_count,
                                          file.trial.ray_count, &made, reason);
-    if (status)
+    if (!status && file.trial.world.is)
+        status =
+            trial_world_make(0, file.trial.world.geometry_count, file.trial.world.instance_count,
+                             file.trial.ray_count, &made.world, reason);
+    if (status) {
+        fuzz_trial_free(&made);
         return status;
+    }
+    const struct filter_rule filter = file.trial.world.filter;
+    file.trial.world = made.world;
+    file.trial.world.filter = filter;
     file.trial.scene = made.scene;
     file.trial.ray = made.ray;
     parts_of(&file.trial, part);

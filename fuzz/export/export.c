@@ -42,6 +42,9 @@ enum status export_write(const struct finding_file *file, const struct export_op
 {
     struct export_case the;
     said->text[0] = '\0';
+    if (file->trial.world.is)
+        return fail(reason, STATUS_INPUT,
+                    "is a trial of a world; this command takes one of a scene: replay it");
     enum status status = export_case_make(file, options, &the, reason);
     if (status)
         return status;

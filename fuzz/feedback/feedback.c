@@ -26,7 +26,8 @@ void feedback_close(struct feedback *feedback)
 
 size_t feedback_bytes(const struct fuzz_trial *trial)
 {
-    return 12 * ((size_t)trial->scene.vertex_count + trial->scene.tri_count) +
+    return sizeof *trial->world.instance * (size_t)trial->world.instance_count +
+           12 * ((size_t)trial->scene.vertex_count + trial->scene.tri_count) +
            sizeof *trial->ray * trial->ray_count + sizeof *trial;
 }
 

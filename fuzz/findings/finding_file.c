@@ -1,14 +1,12 @@
 #include "fuzz/findings/finding_file.h"
 
 #include "fuzz/findings/finding_file_scan.h"
+#include "fuzz/findings/finding_file_world.h"
 #include "ref/files/file.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-
-/* The least bytes of a line: numbers of one digit, blanks between them, the line's end. */
-#define LEAST_LINE(numbers) (2 * (size_t)(numbers))
 
 /* Reads a part of the file, or what follows the first word of a setting. */
 typedef void part_fn(struct finding_scan *in, struct finding_file *file);
@@ -132,6 +130,14 @@ static void read_move(struct finding_scan *in, struct finding_file *file)
     file->trial.move_seed = named_whole(in, "seed", UINT64_MAX);
 }
 
+static void read_filter(struct finding_scan *in, struct finding_file *file)
+{
+    if (!in->status && !file->trial.world.is)
+        in->status = scan_fail(&in->scan, in->reason, "filters are of worlds: format version %d",
+                               FINDING_FILE_WORLD);
+    finding_read_filter(in, file);
+}
+
 static const struct {
     const char *name;
     part_fn *read;
@@ -142,7 +148,7 @@ static const struct {
     {"query", read_query, true, false},    {"origin", read_origin, false, false},
     {"recipe", read_recipe, false, false}, {"with", read_with, false, true},
     {"store", read_store, false, false},   {"optimize", read_optimize, false, false},
-    {"move", read_move, false, false},
+    {"move", read_move, false, false},     {"filter", read_filter, false, false},
 };
 
 /* All lines before "vertices", which is left to be read. */
@@ -175,40 +181,12 @@ static void read_settings(struct finding_scan *in, struct finding_file *file)
         }
 }
 
-/* Reads "KEYWORD COUNT" and allocates COUNT elements of `size` bytes, each of which is a line of
- * that many numbers. More than the rest of the file can hold is rejected before it is allocated. */
-static void *read_count(struct finding_scan *in, const char *keyword, uint32_t most, int numbers,
-                        size_t size, uint32_t *count)
-{
-    const struct scan *scan = &in->scan;
-    *count = 0;
-    finding_skip(in);
-    uint64_t value = named_whole(in, keyword, UINT64_MAX);
-    void *array = NULL;
-    if (in->status)
-        return NULL;
-    if (value > (size_t)(scan->end - scan->at) / LEAST_LINE(numbers))
-        in->status =
-            scan_fail(scan, in->reason, "%s: %llu of them do not fit into the rest of the file",
-                      keyword, (unsigned long long)value);
-    else if (value > most)
-        in->status = fail(in->reason, STATUS_LIMIT, "%s:%llu: a trial has at most %u %s",
-                          scan->name, (unsigned long long)scan->line, most, keyword);
-    else if (!(array = alloc_zeroed((size_t)value, size)))
-        in->status = fail(in->reason, STATUS_MEMORY, "%s: no memory for %llu %s", scan->name,
-                          (unsigned long long)value, keyword);
-    else
-        *count = (uint32_t)value;
-    finding_line_end(in);
-    return array;
-}
-
 static void read_vertices(struct finding_scan *in, struct finding_file *file)
 {
     static const char *const axis[] = {"x", "y", "z"};
     struct scene *scene = &file->trial.scene;
-    scene->vertex = read_count(in, "vertices", 3 * FUZZ_TRIANGLES_MOST, 3,
-                               3 * sizeof *scene->vertex, &scene->vertex_count);
+    scene->vertex = finding_count(in, "vertices", 3 * FUZZ_TRIANGLES_MOST, 3,
+                                  3 * sizeof *scene->vertex, &scene->vertex_count);
     for (size_t i = 0; i < scene->vertex_count && !in->status; i++) {
         finding_skip(in);
         for (size_t k = 0; k < 3; k++)
@@ -220,8 +198,8 @@ static void read_vertices(struct finding_scan *in, struct finding_file *file)
 static void read_triangles(struct finding_scan *in, struct finding_file *file)
 {
     struct scene *scene = &file->trial.scene;
-    scene->index = read_count(in, "triangles", FUZZ_TRIANGLES_MOST, 3, 3 * sizeof *scene->index,
-                              &scene->tri_count);
+    scene->index = finding_count(in, "triangles", FUZZ_TRIANGLES_MOST, 3, 3 * sizeof *scene->index,
+                                 &scene->tri_count);
     for (size_t i = 0; i < scene->tri_count && !in->status; i++) {
         finding_skip(in);
         for (size_t k = 0; k < 3; k++) {
@@ -241,7 +219,13 @@ static void read_rays(struct finding_scan *in, struct finding_file *file)
     static const char *const what[] = {"origin x",    "origin y",    "origin z", "direction x",
                                        "direction y", "direction z", "tmin",     "tmax"};
     struct fuzz_trial *trial = &file->trial;
-    trial->ray = read_count(in, "rays", FUZZ_RAYS_MOST, 8, sizeof *trial->ray, &trial->ray_count);
+    struct ray_mode *mode = NULL;
+    trial->ray = finding_count(in, "rays", FUZZ_RAYS_MOST, trial->world.is ? 10 : 8,
+                               sizeof *trial->ray, &trial->ray_count);
+    if (trial->world.is && !in->status)
+        trial->world.mode = mode = alloc_zeroed(trial->ray_count, sizeof *mode);
+    if (trial->world.is && !in->status && !mode)
+        in->status = fail(in->reason, STATUS_MEMORY, "no memory for %u rays", trial->ray_count);
     for (size_t i = 0; i < trial->ray_count && !in->status; i++) {
         struct ray *ray = &trial->ray[i];
         float *const to[] = {&ray->org[0], &ray->org[1], &ray->org[2], &ray->dir[0],
@@ -249,20 +233,25 @@ static void read_rays(struct finding_scan *in, struct finding_file *file)
         finding_skip(in);
         for (size_t k = 0; k < 8; k++)
             *to[k] = finding_float(in, what[k], true);
+        if (mode)
+            mode[i] = finding_read_mode(in);
         finding_line_end(in);
     }
 }
 
 static void read_head(struct finding_scan *in, struct finding_file *file)
 {
-    (void)file;
     finding_skip(in);
     finding_keyword(in, "raydiff");
     finding_keyword(in, "trial");
     uint64_t version = finding_whole(in, "format version", UINT32_MAX);
-    if (!in->status && version != FINDING_FILE_VERSION)
-        in->status = scan_fail(&in->scan, in->reason, "format version %llu; this program reads %d",
-                               (unsigned long long)version, FINDING_FILE_VERSION);
+    file->trial.world.is = version == FINDING_FILE_WORLD;
+    if (file->trial.world.is)
+        file->trial.world.filter.share = 128;
+    if (!in->status && version != FINDING_FILE_VERSION && version != FINDING_FILE_WORLD)
+        in->status =
+            scan_fail(&in->scan, in->reason, "format version %llu; this program reads %d and %d",
+                      (unsigned long long)version, FINDING_FILE_VERSION, FINDING_FILE_WORLD);
     finding_line_end(in);
 }
 
@@ -280,8 +269,9 @@ static void read_end(struct finding_scan *in, struct finding_file *file)
 enum status finding_file_parse(const char *name, const char *bytes, size_t size,
                                struct finding_file *out, struct reason *reason)
 {
-    static part_fn *const parts[] = {read_head,      read_settings, read_vertices,
-                                     read_triangles, read_rays,     read_end};
+    static part_fn *const parts[] = {read_head,      read_settings,      read_vertices,
+                                     read_triangles, finding_read_world, read_rays,
+                                     read_end};
     struct finding_scan in = {scan_make(name, bytes, size), reason, STATUS_OK};
     struct reason why;
     *out = (struct finding_file){0};

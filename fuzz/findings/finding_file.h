@@ -22,9 +22,26 @@
  *   0x1p-2 0x1p-2 -0x1p+0 0x0p+0 0x0p+0 0x1p+0 0x0p+0 inf    origin, direction, tmin, tmax
  *   end
  *
- * The lines before `vertices` come in any order, each once; `vertices`, `triangles`, `rays` and
- * `end` in this order. A # starts a comment, except in `recipe` and `with`, which are the rest of
- * their line. Numbers may be decimal too; in rays "inf" and "nan:0x7fc00000" with all its bits. */
+ * The same of a world (ref/world/world.h) has version 2. It does not move. Between triangles and
+ * rays it has geometries, which take the triangles in turn, and instances: mesh (-: none), custom
+ * index, mask, flags, and the transform, row by row. A ray has its mask and flags behind tmax.
+ *
+ *   raydiff trial 2
+ *   filter triangles seed 7 share 128                 optional; all seed 0 share 128
+ *   ...
+ *   geometries 2
+ *   mesh 0 triangles 1 opaque                         or: filtered
+ *   mesh 1 triangles 0 opaque
+ *   instances 1
+ *   0 0 255 0 0x1p+0 0x0p+0 0x0p+0 0x0p+0 ...
+ *   rays 1
+ *   0x1p-2 0x1p-2 -0x1p+0 0x0p+0 0x0p+0 0x1p+0 0x0p+0 inf 255 0
+ *   end
+ *
+ * The lines before `vertices` come in any order, each once; `vertices`, `triangles`, a
+ * world's `geometries` and `instances`, `rays` and `end` in this order. A # starts a comment,
+ * except in `recipe` and `with`, which are the rest of their line. Numbers may be decimal too; in
+ * rays "inf" and "nan:0x7fc00000" with all its bits. */
 #ifndef FUZZ_FINDING_FILE_H
 #define FUZZ_FINDING_FILE_H
 
@@ -33,6 +50,7 @@
 #include "ref/files/folder.h"
 
 #define FINDING_FILE_VERSION 1
+#define FINDING_FILE_WORLD   2 /* version of a world's */
 /* Bytes of the largest file: more than any trial needs. */
 #define FINDING_FILE_MOST ((size_t)96 << 20)
 

@@ -5,6 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* The least bytes of a line: numbers of one digit, blanks between them, the line's end. */
+#define LEAST_LINE(numbers) (2 * (size_t)(numbers))
+
 static void unexpected(struct finding_scan *in, struct scan at, const char *what)
 {
     char shown[SCAN_SHOWN];
@@ -130,4 +133,31 @@ void finding_skip(struct finding_scan *in)
     struct scan *scan = &in->scan;
     for (scan_blanks(scan); scan->at < scan->end && scan_line_done(scan); scan_blanks(scan))
         scan_next_line(scan);
+}
+
+void *finding_count(struct finding_scan *in, const char *keyword, uint32_t most, int numbers,
+                    size_t size, uint32_t *count)
+{
+    const struct scan *scan = &in->scan;
+    *count = 0;
+    finding_skip(in);
+    finding_keyword(in, keyword);
+    uint64_t value = finding_whole(in, keyword, UINT64_MAX);
+    void *array = NULL;
+    if (in->status)
+        return NULL;
+    if (value > (size_t)(scan->end - scan->at) / LEAST_LINE(numbers))
+        in->status =
+            scan_fail(scan, in->reason, "%s: %llu of them do not fit into the rest of the file",
+                      keyword, (unsigned long long)value);
+    else if (value > most)
+        in->status = fail(in->reason, STATUS_LIMIT, "%s:%llu: a trial has at most %u %s",
+                          scan->name, (unsigned long long)scan->line, most, keyword);
+    else if (!(array = alloc_zeroed((size_t)value, size)))
+        in->status = fail(in->reason, STATUS_MEMORY, "%s: no memory for %llu %s", scan->name,
+                          (unsigned long long)value, keyword);
+    else
+        *count = (uint32_t)value;
+    finding_line_end(in);
+    return array;
 }

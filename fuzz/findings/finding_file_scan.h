@@ -31,6 +31,12 @@ float finding_float(struct finding_scan *in, const char *what, bool any);
  * `size`. */
 void finding_text(struct finding_scan *in, char *out, size_t size);
 
+/* Reads "KEYWORD COUNT" and allocates COUNT elements of `size` bytes, each of which is a line of
+ * that many numbers; the caller frees them. More than the rest of the file can hold is rejected
+ * before it is allocated. NULL after an error: also STATUS_LIMIT over `most`, STATUS_MEMORY. */
+void *finding_count(struct finding_scan *in, const char *keyword, uint32_t most, int numbers,
+                    size_t size, uint32_t *count);
+
 /* Goes to the next line; a further word on this one is an error. */
 void finding_line_end(struct finding_scan *in);
 

@@ -1,5 +1,5 @@
 #define _POSIX_C_SOURCE 200809L
-#include "fuzz/findings/finding_file.h"
+#include "fuzz/findings/finding_file_world.h"
 
 #include "ref/base/float_word.h"
 #include "ref/base/decimal.h"
@@ -27,7 +27,7 @@ static const char *put_text(const char *keyword, const char *text, FILE *to)
     return next;
 }
 
-static void put_decimal(float x, FILE *to)
+void finding_put_decimal(float x, FILE *to)
 {
     char text[DECIMAL_TEXT];
     if (float_is_finite(x)) {
@@ -38,18 +38,24 @@ static void put_decimal(float x, FILE *to)
     }
 }
 
-/* Hexadecimal in columns, decimals behind. */
-static void put_numbers(const float *x, int count, FILE *to)
+void finding_put_float(float x, FILE *to)
 {
     char text[FLOAT_WORD_MOST];
-    for (int i = 0; i < count; i++) {
-        float_word_write(x[i], text);
-        fprintf(to, "%-15s ", text);
-    }
+    float_word_write(x, text);
+    fprintf(to, "%-15s ", text);
+}
+
+/* Hexadecimal in columns, what a ray may meet unless NULL, decimals behind. */
+static void put_numbers(const float *x, int count, const struct ray_mode *mode, FILE *to)
+{
+    for (int i = 0; i < count; i++)
+        finding_put_float(x[i], to);
+    if (mode)
+        fprintf(to, "%u %u ", mode->mask, mode->flags);
     fputc('#', to);
     for (int i = 0; i < count; i++) {
         fputc(' ', to);
-        put_decimal(x[i], to);
+        finding_put_decimal(x[i], to);
     }
     fputc('\n', to);
 }
@@ -61,7 +67,7 @@ static void put_head(const struct finding_file *file, FILE *to)
     char text[FUZZ_SIGNATURE_MOST] = "clean", eps[FLOAT_WORD_MOST];
     if (file->has_signature)
         fuzz_signature_print(&file->signature, text);
-    fprintf(to, "raydiff trial %d\n", FINDING_FILE_VERSION);
+    fprintf(to, "raydiff trial %d\n", trial->world.is ? FINDING_FILE_WORLD : FINDING_FILE_VERSION);
     fprintf(to, "expect %s\n", text);
     fprintf(to, "origin seed %llu index %llu version %u stream %s\n",
             (unsigned long long)origin->seed, (unsigned long long)origin->index, origin->version,
@@ -71,7 +77,7 @@ static void put_head(const struct finding_file *file, FILE *to)
         line = put_text("with", line, to);
     float_word_write(trial->build.eps, eps);
     fprintf(to, "builder %s leaf %u eps %s # ", trial->builder->name, trial->build.leaf, eps);
-    put_decimal(trial->build.eps, to);
+    finding_put_decimal(trial->build.eps, to);
     fprintf(to, "\nbox %s\ntri %s\nquery %s\n", trial->box->name, trial->tri->name,
             query_name(trial->query));
     if (trial->store != tri_stores[0])
@@ -82,9 +88,11 @@ static void put_head(const struct finding_file *file, FILE *to)
         char move[FLOAT_WORD_MOST];
         float_word_write(trial->move, move);
         fprintf(to, "move %s seed %llu # ", move, (unsigned long long)trial->move_seed);
-        put_decimal(trial->move, to);
+        finding_put_decimal(trial->move, to);
         fputc('\n', to);
     }
+    if (trial->world.is)
+        finding_put_filter(&trial->world, to);
 }
 
 static void put_body(const struct fuzz_trial *trial, FILE *to)
@@ -92,17 +100,19 @@ static void put_body(const struct fuzz_trial *trial, FILE *to)
     const struct scene *scene = &trial->scene;
     fprintf(to, "vertices %u\n", scene->vertex_count);
     for (size_t i = 0; i < scene->vertex_count; i++)
-        put_numbers(scene->vertex + 3 * i, 3, to);
+        put_numbers(scene->vertex + 3 * i, 3, NULL, to);
     fprintf(to, "triangles %u\n", scene->tri_count);
     for (size_t i = 0; i < scene->tri_count; i++)
         fprintf(to, "%u %u %u\n", scene->index[3 * i], scene->index[3 * i + 1],
                 scene->index[3 * i + 2]);
+    if (trial->world.is)
+        finding_put_world(&trial->world, to);
     fprintf(to, "rays %u\n", trial->ray_count);
     for (size_t i = 0; i < trial->ray_count; i++) {
         const struct ray *ray = &trial->ray[i];
         const float number[8] = {ray->org[0], ray->org[1], ray->org[2], ray->dir[0],
                                  ray->dir[1], ray->dir[2], ray->tmin,   ray->tmax};
-        put_numbers(number, 8, to);
+        put_numbers(number, 8, trial->world.is ? &trial->world.mode[i] : NULL, to);
     }
     fputs("end\n", to);
 }

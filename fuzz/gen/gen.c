@@ -3,6 +3,7 @@
 #include "fuzz/gen/aim.h"
 #include "fuzz/gen/gen_members.h"
 #include "fuzz/gen/gen_sketch.h"
+#include "fuzz/gen/gen_world.h"
 #include "fuzz/gen/mutate.h"
 #include "ref/oracle/environment.h"
 
@@ -12,14 +13,14 @@
 /* Wider intermediate results would make other bytes. */
 _Static_assert(FLT_EVAL_METHOD == 0, "float expressions must be evaluated in float");
 
-/* Neighbouring seeds share nothing, nor do neighbouring indices. */
-static struct rng rng_of_trial(uint64_t seed, uint64_t index)
+/* Neighbouring seeds share nothing, nor do neighbouring indices, nor scenes and worlds. */
+static struct rng rng_of_trial(uint64_t seed, uint64_t index, bool world)
 {
-    struct rng of_seed = rng_make(seed, 0x67656E00u + GEN_VERSION);
+    struct rng of_seed = rng_make(seed, (world ? 0x776F726Cu : 0x67656E00u) + GEN_VERSION);
     return rng_make(rng_u64(&of_seed), index);
 }
 
-static const struct recipe *choose_recipe(struct rng *rng)
+const struct recipe *gen_recipe(struct rng *rng)
 {
     uint32_t at = rng_below(rng, RECIPE_WEIGHTS), i = 0;
     while (at >= recipes[i].weight)
@@ -47,20 +48,25 @@ static void fill(struct sketch *sketch)
     }
 }
 
+void gen_draw(const struct recipe *recipe, struct sketch *sketch)
+{
+    if (sketch->goal > 0)
+        recipe->draw(sketch);
+    fill(sketch);
+}
+
 static void draw(const struct recipe *recipe, struct rng *rng, uint32_t goal,
                  struct fuzz_trial *trial, struct sketch *sketch)
 {
     *sketch = (struct sketch){
         .rng = rng, .vertex = trial->scene.vertex, .index = trial->scene.index, .goal = goal};
-    if (goal > 0)
-        recipe->draw(sketch);
-    fill(sketch);
+    gen_draw(recipe, sketch);
     trial->scene.vertex_count = sketch->vertex_count;
     trial->scene.tri_count = sketch->tri_count;
 }
 
-static void choose_tests(struct rng *rng, const struct gen_options *options, uint32_t leaf,
-                         struct fuzz_trial *trial)
+void gen_choose_tests(struct rng *rng, const struct gen_options *options, uint32_t leaf,
+                      struct fuzz_trial *trial)
 {
     uint32_t any_leaf = gen_leaf(rng, options->faithful);
     trial->build.leaf = leaf ? leaf : any_leaf;
@@ -84,8 +90,8 @@ static enum status edit(struct rng *rng, struct fuzz_trial *trial, struct reason
 static enum status make(uint64_t seed, uint64_t index, const struct gen_options *options,
                         struct fuzz_trial *out, struct reason *reason)
 {
-    struct rng rng = rng_of_trial(seed, index);
-    const struct recipe *recipe = choose_recipe(&rng);
+    struct rng rng = rng_of_trial(seed, index, false);
+    const struct recipe *recipe = gen_recipe(&rng);
     uint32_t goal =
         recipe->goal ? recipe->goal(&rng)
                      : options->triangles_least +
@@ -103,18 +109,41 @@ static enum status make(uint64_t seed, uint64_t index, const struct gen_options 
         fuzz_trial_free(out);
         return status;
     }
-    choose_tests(&rng, options, sketch.leaf, out);
+    gen_choose_tests(&rng, options, sketch.leaf, out);
     struct aim aim;
     aim_make(&out->scene, out->build.leaf, &rng, &aim);
     aim_rays(&aim, &rng, out->ray, out->ray_count);
     return STATUS_OK;
 }
 
+/* Half of the worlds are edited, by one to four edits. */
+static enum status make_world(uint64_t seed, uint64_t index, const struct gen_options *options,
+                              struct fuzz_trial *out, struct reason *reason)
+{
+    struct rng rng = rng_of_trial(seed, index, true);
+    enum status status = gen_world_draw(&rng, options, out, reason);
+    if (status)
+        return status;
+    out->origin.seed = seed;
+    out->origin.index = index;
+    out->origin.version = GEN_VERSION;
+    uint32_t count = rng_below(&rng, 2) ? 1 + rng_below(&rng, 4) : 0;
+    for (uint32_t i = 0; i < count && !status; i++)
+        status = mutate_once(&rng, out, EDIT_SCENE, reason);
+    gen_choose_tests(&rng, options, 0, out);
+    if (!status)
+        status = gen_world_aim(&rng, out, reason);
+    if (status)
+        fuzz_trial_free(out);
+    return status;
+}
+
 enum status gen_trial(uint64_t seed, uint64_t index, const struct gen_options *options,
                       struct fuzz_trial *out, struct reason *reason)
 {
     unsigned long environment = environment_enter(); /* a library may have left FTZ and DAZ */
-    enum status status = make(seed, index, options, out, reason);
+    enum status status = options->worlds ? make_world(seed, index, options, out, reason)
+                                         : make(seed, index, options, out, reason);
     environment_leave(environment);
     return status;
 }

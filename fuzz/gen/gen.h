@@ -6,8 +6,8 @@
 
 #include "fuzz/play/trial.h"
 
-/* Raised whenever other bytes are made of the same seed and index: by another generator or edit, or
- * by a builder or test that comes or goes. */
+/* Raised whenever other bytes are made of the same seed and index, of scenes or of worlds: by
+ * another generator or edit, or by a builder or test that comes or goes. */
 #define GEN_VERSION 5u
 
 struct gen_options {
@@ -16,6 +16,8 @@ struct gen_options {
                                                  2048, or of 0 to 15, 1 in 49 */
     uint32_t rays;                            /* of a trial [500] */
     bool faithful;                            /* members as published take part too */
+    bool worlds; /* trials of worlds; triangles are those of all meshes together, and limits are not
+                    looked for */
 };
 
 /* Makes a trial: a recipe, no edit or one to three, members, and rays of which 3 in 4 are aimed at
@@ -25,8 +27,9 @@ enum status gen_trial(uint64_t seed, uint64_t index, const struct gen_options *o
                       struct fuzz_trial *out, struct reason *reason) MUST_USE;
 
 /* One edit of a trial, for stream `mut`, that changes something: snap to a lattice, next float,
- * negate, swap axes, scale by 2^k, duplicate, permute, ... (fuzz/gen/mutate.c has the table). Notes
- * its name in the recipe. Errors: STATUS_MEMORY; the trial is then unchanged. */
+ * negate, swap axes, scale by 2^k, duplicate, permute, ... (fuzz/gen/mutate.c has the table, of a
+ * world fuzz/gen/mutate_world.c another one). Notes its name in the recipe. Errors: STATUS_MEMORY;
+ * the trial is then unchanged. */
 struct rng;
 enum status gen_mutate(struct rng *rng, struct fuzz_trial *trial, struct reason *reason) MUST_USE;
 

@@ -34,6 +34,16 @@ struct recipe {
 
 extern const struct recipe recipes[]; /* the last one has no name */
 
+/* A random recipe, by weight. */
+const struct recipe *gen_recipe(struct rng *rng);
+
+/* Draws sketch->goal triangles by a recipe into the arrays of a sketch that is otherwise zero. */
+void gen_draw(const struct recipe *recipe, struct sketch *sketch);
+
+/* Chooses builder, leaf (unless `leaf`), tests and query. */
+void gen_choose_tests(struct rng *rng, const struct gen_options *options, uint32_t leaf,
+                      struct fuzz_trial *trial);
+
 /* 2^exponent, -149 <= exponent <= 127. */
 static inline float power_of_two(int exponent)
 {

@@ -1,5 +1,6 @@
 #include "fuzz/gen/mutate_inner.h"
 
+#include "fuzz/gen/gen_world.h"
 #include "ref/oracle/environment.h"
 
 #include <string.h>
@@ -63,12 +64,21 @@ enum status mutate_once(struct rng *rng, struct fuzz_trial *trial, enum edit_par
                         struct reason *reason)
 {
     for (int tries = 0; tries < 32; tries++) {
-        const struct edit *edit = choose_edit(rng, part);
+        const char *name = NULL;
         bool changed = false;
-        if (edit->apply(rng, trial, &changed))
+        enum status status;
+        if (trial->world.is && rng_below(rng, 3) > 0) { /* most of what is new is there */
+            status = gen_world_edit(rng, trial, &changed, &name);
+        } else {
+            const struct edit *edit = choose_edit(rng, part);
+            name = edit->name;
+            status = edit->apply(rng, trial, &changed);
+            gen_world_settle(trial);
+        }
+        if (status)
             return fail(reason, STATUS_MEMORY, "no memory to edit a trial");
         if (changed) {
-            note(trial, edit->name);
+            note(trial, name);
             break;
         }
     }

@@ -1,5 +1,6 @@
 /* Edits of rays: of one, or of a run of them. */
 #include "fuzz/gen/aim.h"
+#include "fuzz/gen/gen_world.h"
 #include "fuzz/gen/mutate_inner.h"
 
 /* A run of rays: one in half of the cases, else up to a quarter of them. */
@@ -14,7 +15,7 @@ static struct ray *some_rays(struct rng *rng, struct fuzz_trial *trial, uint32_t
     return trial->ray + first;
 }
 
-/* At features of the scene as it is now. */
+/* At features of the scene, or of what is placed in the world, as it is now. */
 enum status edit_aim(struct rng *rng, struct fuzz_trial *trial, bool *changed)
 {
     struct aim aim;
@@ -22,8 +23,12 @@ enum status edit_aim(struct rng *rng, struct fuzz_trial *trial, bool *changed)
     struct ray *ray = some_rays(rng, trial, &count);
     if (count == 0)
         return STATUS_OK;
-    aim_make(&trial->scene, trial->build.leaf, rng, &aim);
+    struct scene placed = {0};
+    if (trial->world.is && gen_world_placed(trial, &placed, NULL))
+        return STATUS_MEMORY;
+    aim_make(trial->world.is ? &placed : &trial->scene, trial->build.leaf, rng, &aim);
     aim_rays(&aim, rng, ray, count);
+    scene_free(&placed);
     *changed = true;
     return STATUS_OK;
 }

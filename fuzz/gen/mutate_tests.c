@@ -48,12 +48,15 @@ enum status edit_query(struct rng *rng, struct fuzz_trial *trial, bool *changed)
     return STATUS_OK;
 }
 
-/* The tree is built of the scene at rest and refitted to the scene as it is; or no longer. */
+/* The tree is built of the scene at rest and refitted to the scene as it is; or no longer. No world
+ * moves. */
 enum status edit_refit(struct rng *rng, struct fuzz_trial *trial, bool *changed)
 {
     uint64_t seed = rng_below(rng, 1000);
     float move = gen_move(rng);
     bool still = trial->move > 0;
+    if (trial->world.is)
+        return STATUS_OK;
     trial->move = still ? 0 : move;
     trial->move_seed = still ? 0 : seed;
     *changed = true;

@@ -29,6 +29,11 @@ void coverage_add_motion(uint64_t map[COVERAGE_WORDS], bool rebuilt);
 void coverage_add_refusal(uint64_t map[COVERAGE_WORDS], const struct layout *layout,
                           const struct fuzz_trial *trial, const struct bvh *bvh);
 
+/* A world: how far its transforms are from the identity, instances that are not active, masks,
+ * flags, filters, and the rays' masks and flags. */
+void coverage_add_world(uint64_t map[COVERAGE_WORDS], const struct trial_world *world,
+                        uint32_t rays);
+
 /* A ray and its exact truth; `root` is the root's box. */
 void coverage_add_truth(uint64_t map[COVERAGE_WORDS], const struct ray *ray, const struct box *root,
                         const struct oracle_answer *truth);
@@ -50,6 +55,9 @@ uint32_t coverage_count(const uint64_t map[COVERAGE_WORDS]);
 
 /* The number of bits that have a meaning; the others are never set. */
 uint32_t coverage_known(void);
+
+/* How many of them a trial of a world, or one of a scene, can have. */
+uint32_t coverage_reachable(bool world);
 
 #define COVERAGE_NAME_MOST 64
 

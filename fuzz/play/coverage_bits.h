@@ -84,6 +84,21 @@ enum coverage_truth {
     COVERAGE_TRUTHS
 };
 
+enum coverage_world {
+    COVERAGE_WORLD_PLACE, /* + of trial_world_place */
+    COVERAGE_WORLD_MIRRORED = 5,
+    COVERAGE_WORLD_NO_MESH,
+    COVERAGE_WORLD_MASK_0,
+    COVERAGE_WORLD_MASKED, /* a mask that is neither 0 nor 0xFF */
+    COVERAGE_WORLD_EMPTY,
+    COVERAGE_WORLD_FILTERED,                          /* a geometry is not opaque */
+    COVERAGE_WORLD_CUSTOM,                            /* a custom index over 16 bits */
+    COVERAGE_WORLD_FLAGS,                             /* + number of the flag's bit */
+    COVERAGE_WORLD_FILTER = COVERAGE_WORLD_FLAGS + 4, /* + filter_kind, but for FILTER_ALL */
+    COVERAGE_WORLD_COUNT = COVERAGE_WORLD_FILTER + 3, /* instances: 1, 2, 3 to 8, more */
+    COVERAGE_WORLDS = COVERAGE_WORLD_COUNT + 4
+};
+
 /* Groups, in the order of their bits: id, number of bits, name, and the names of the bits, if they
  * are listed here. The others are named after members of tables and enumerations. */
 #define COVERAGE_GROUPS(X)                                                                         \
@@ -114,7 +129,14 @@ enum coverage_truth {
     X(DISPLACE, 7, "displacement", "-1 -4 -16 -64 -256 -1024 1024-")                               \
     X(STORE, COVERAGE_STORES, "store", NULL)                                                       \
     X(PAST, COVERAGE_PASTS, "tree", "optimized split refitted rebuilt") /* since it was built */   \
-    X(PACKED, COVERAGE_FORMS, "layout", NULL)
+    X(PACKED, COVERAGE_FORMS, "layout", NULL)                                                      \
+    X(WORLD, COVERAGE_WORLDS, "world",                                                             \
+      "identity moved powers_of_two scaled turned mirrored no_mesh mask_0 masked empty_mesh "      \
+      "filtered custom cull_disable flip_facing force_opaque force_no_opaque filter_none "         \
+      "filter_triangles filter_cells instances_1 instances_2 instances_3-8 instances_9-")          \
+    X(MODE, 10, "mode",                                                                            \
+      "opaque no_opaque first skip_closest cull_back cull_front cull_opaque cull_no_opaque "       \
+      "skip_triangles masked")
 
 /* COVERAGE_VERDICT is the first bit of its group, and so on. */
 #define COVERAGE_PLACE(name, bits, prefix, words)                                                  \

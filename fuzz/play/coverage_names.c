@@ -17,6 +17,11 @@ uint32_t coverage_known(void)
     return COVERAGE_KNOWN;
 }
 
+uint32_t coverage_reachable(bool world)
+{
+    return world ? COVERAGE_KNOWN : COVERAGE_WORLD; /* what worlds have besides comes last */
+}
+
 /* Writes "GROUP.WORD", word `n` of the group's. False: it has not one word for each bit. */
 static bool name_word(const struct coverage_group *group, uint32_t n, char name[COVERAGE_NAME_MOST])
 {

@@ -203,11 +203,11 @@ static void mark_set(struct fuzz_mark *mark, size_t first, size_t count, size_t 
     atomic_store(&mark->contestant, (uint32_t)contestant);
 }
 
-/* How many of the trials make a batch. */
+/* How many of the trials make a batch: all are of scenes, or all of worlds. */
 static size_t batch_size(const struct fuzz_trial *trial, size_t count)
 {
     size_t rays = 0, size = 0;
-    while (size < count && size < FUZZ_BATCH &&
+    while (size < count && size < FUZZ_BATCH && trial[size].world.is == trial[0].world.is &&
            (!size || rays + trial[size].ray_count <= BATCH_RAYS))
         rays += trial[size++].ray_count;
     return size;

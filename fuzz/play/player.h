@@ -43,6 +43,7 @@ struct fuzz_finding {
     size_t contestant;
     uint32_t ray; /* index in the trial */
     struct hit answer;
+    uint32_t tag; /* of a world: what was answered beside the hit */
     struct judgement judgement;
     char said[FUZZ_SAID_MOST]; /* of bytes that are no tree: which record, slot and bound, in the
                                   words of packed_check; else "" */
@@ -81,6 +82,11 @@ struct fuzz_mark {
     _Atomic uint32_t contestant; /* FUZZ_CONTESTANTS_MOST: none is running; after an error the one
                                     that was */
 };
+
+/* Writes judge_line of a finding on a ray; of a world also what the ray may meet, and where the
+ * triangles answered and expected are: at most `size` bytes. */
+void fuzz_finding_line(const struct fuzz_trial *trial, const struct fuzz_finding *finding,
+                       char *text, size_t size);
 
 struct fuzz_player;
 struct judged_ray;

@@ -1,6 +1,6 @@
 /* The cause of a finding: the engine traces the ray again, alone, and its answer is explained. */
 #include "fuzz/play/scaled.h"
-#include "fuzz/play/stage.h"
+#include "fuzz/play/stage_world.h"
 #include "ref/explain/judged.h"
 
 #include <math.h>
@@ -218,8 +218,13 @@ static enum status ask_scaled(struct fuzz_player *player, const struct fuzz_tria
     if (status || !possible)
         return status;
     status = stage_set(stage, player, &scaled, NULL, reason);
-    if (!status && (!seat->layout || stage->has_packed[seat->layout_index]))
+    if (!status && scaled.world.is) {
+        status = stage_world_ask(stage, seat, &answer, was_asked, reason);
+        if (!status && *was_asked)
+            *cured = is_cured(finding, &answer, trial->query == QUERY_ANY, power);
+    } else if (!status && (!seat->layout || stage->has_packed[seat->layout_index])) {
         status = ask_anew(seat, stage, &asked, reason);
+    }
     if (asked.possible && !status &&
         (status = judged_explain(&asked.judged, scaled.ray, &answer, reason)) == STATUS_OK) {
         *was_asked = true;
@@ -265,6 +270,9 @@ static enum status find_cause(struct fuzz_player *player, struct play_stage *sta
     const enum fuzz_kind kind = finding->signature.kind;
     enum cause *cause = &finding->signature.cause;
     struct explain_asked asked;
+    if (stage->trial->world.is)
+        return kind == FUZZ_KIND_TREE ? STATUS_OK
+                                      : stage_world_explain(stage, seat, finding, reason);
     enum status status = ask_anew(seat, stage, &asked, reason);
     if (status || !asked.possible)
         return status;
@@ -306,7 +314,8 @@ enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *tr
         return STATUS_OK; /* no answer to explain, and tracing again would fail again */
     enum status status = stage_set(stage, player, trial, NULL, reason);
     if (!status && kind == FUZZ_KIND_REFUSED)
-        *cause = stage->has_tree ? end_cause(seat->layout, &stage->bvh) : CAUSE_UNEXPLAINED;
+        *cause = stage->has_tree && !trial->world.is ? end_cause(seat->layout, &stage->bvh)
+                                                     : CAUSE_UNEXPLAINED;
     else if (!status && (!seat->layout || stage->has_packed[seat->layout_index]) &&
              (finding->ray < trial->ray_count || kind == FUZZ_KIND_TREE))
         status = find_cause(player, stage, finding, reason);

@@ -12,6 +12,21 @@ static float larger(float a, float b)
     return fabsf(b) > a ? fabsf(b) : a;
 }
 
+/* Of a world: the most that a coordinate of a vertex, a translation or what is placed can be. */
+static float largest_of_world(const struct fuzz_trial *trial)
+{
+    float vertex = 0.0f, most;
+    for (size_t i = 0; i < 3 * (size_t)trial->scene.vertex_count; i++)
+        vertex = larger(vertex, trial->scene.vertex[i]);
+    most = vertex;
+    for (uint32_t i = 0; i < trial->world.instance_count; i++)
+        for (int k = 0; k < 3; k++) {
+            const float *m = trial->world.instance[i].m[k];
+            most = larger(most, (fabsf(m[0]) + fabsf(m[1]) + fabsf(m[2])) * vertex + fabsf(m[3]));
+        }
+    return most;
+}
+
 /* How often the largest can be doubled; of nothing but zeros never. */
 static int room_above(float largest)
 {
@@ -37,9 +52,12 @@ static bool keeps_range(const struct ray *ray, int t)
     return is_exact(ray->tmin, t) && is_exact(ray->tmax, t);
 }
 
-static float largest_position(const struct scene *scene, const struct ray *ray, int axis)
+static float largest_position(const struct fuzz_trial *trial, const struct ray *ray, int axis)
 {
+    const struct scene *scene = &trial->scene;
     float largest = larger(0.0f, ray->org[axis]);
+    if (trial->world.is)
+        return larger(largest, largest_of_world(trial));
     for (size_t i = 0; i < scene->vertex_count; i++)
         largest = larger(largest, scene->vertex[3 * i + (size_t)axis]);
     return largest;
@@ -83,6 +101,11 @@ static void scale(struct fuzz_trial *trial, const struct powers *powers)
     struct ray *ray = &trial->ray[0];
     for (size_t i = 0; i < 3 * (size_t)trial->scene.vertex_count; i++)
         trial->scene.vertex[i] = ldexpf(trial->scene.vertex[i], powers->positions[i % 3]);
+    for (uint32_t i = 0; i < trial->world.instance_count; i++)
+        for (int k = 0; k < 3; k++) {
+            float *moved = &trial->world.instance[i].m[k][3];
+            *moved = ldexpf(*moved, powers->positions[k]);
+        }
     for (int k = 0; k < 3; k++) {
         ray->org[k] = ldexpf(ray->org[k], powers->positions[k]);
         ray->dir[k] = ldexpf(ray->dir[k], powers->positions[k] - powers->t);
@@ -116,8 +139,11 @@ bool fuzz_trial_is_uneven(const struct fuzz_trial *trial, uint32_t ray)
 {
     const struct ray *one = &trial->ray[ray];
     float place = 0.0f, turn = 0.0f;
+    for (uint32_t i = 0; i < trial->world.instance_count; i++)
+        if (trial_world_place(&trial->world.instance[i]) > 1)
+            return false; /* its axes are not those of the world */
     for (int k = 0; k < 3; k++) {
-        place = larger(place, largest_position(&trial->scene, one, k));
+        place = larger(place, largest_position(trial, one, k));
         turn = larger(turn, one->dir[k]);
     }
     return is_uneven(trial->scene.vertex, 3 * (size_t)trial->scene.vertex_count, place) ||
@@ -136,9 +162,7 @@ enum status fuzz_trial_scaled(const struct fuzz_trial *trial, uint32_t ray,
                               enum fuzz_scaling scaling, uint32_t step, struct fuzz_trial *out,
                               int *power, bool *possible, struct reason *reason)
 {
-    struct fuzz_trial alone = *trial;
-    alone.ray = trial->ray + ray;
-    alone.ray_count = 1;
+    const struct fuzz_trial alone = fuzz_trial_rays_from(trial, ray, 1);
     *out = (struct fuzz_trial){0};
     *possible = false;
     *power = 0;
@@ -146,7 +170,7 @@ enum status fuzz_trial_scaled(const struct fuzz_trial *trial, uint32_t ray,
         return STATUS_OK;
     float largest[3];
     for (int k = 0; k < 3; k++)
-        largest[k] = largest_position(&trial->scene, alone.ray, k);
+        largest[k] = largest_position(trial, alone.ray, k);
     const struct powers whole =
         scaling == FUZZ_SCALE_ALL ? alike(largest, alone.ray) : by_axis(largest, alone.ray);
     const struct powers powers = part_of(&whole, scaling, step);

@@ -1,5 +1,5 @@
 /* Calls an engine, with many trials or one after the other, and records what fails. */
-#include "fuzz/play/stage.h"
+#include "fuzz/play/stage_world.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -56,14 +56,16 @@ static void fared_badly(struct answers *answers, enum fuzz_kind kind, size_t ray
     answers->ray = (uint32_t)ray;
 }
 
-/* The result of a job that failed with this status. An engine may refuse the trees of a layout. */
-static void fared_by_status(const struct seat *who, struct answers *answers, enum status status)
+/* The result of a job that failed with this status. An engine may refuse the trees of a layout, and
+ * the transforms of a world, such as those of which Embree dies. */
+static void fared_by_status(const struct seat *who, bool world, struct answers *answers,
+                            enum status status)
 {
     bool other = who->layout && !engine_takes(who->engine, who->layout);
     if (status == STATUS_REFUSED || status == STATUS_LIMIT ||
-        (status == STATUS_UNSUPPORTED && other)) {
+        (status == STATUS_UNSUPPORTED && (other || world))) {
         answers->fared = FARED_REFUSED;
-        answers->declined = status != STATUS_UNSUPPORTED;
+        answers->declined = status != STATUS_UNSUPPORTED || !other;
     } else {
         fared_badly(answers, status == STATUS_INPUT ? FUZZ_KIND_PROTOCOL : FUZZ_KIND_REFUSED, 0);
     }
@@ -80,15 +82,13 @@ static enum status ask_singly(struct fuzz_player *player, size_t seat, struct pl
     for (uint32_t i = 0; i < stage->trial->ray_count; i++) {
         struct trace_report report = {0};
         uint64_t start = time_ns();
-        enum status status = who->engine->trace(who->self, &stage->trial->ray[i], 1,
-                                                &answers->hit[i], &report, reason);
+        enum status status = stage_trace(stage, who, i, 1, answers, &report, reason);
         answers->flag[i] = status ? ABI_FLAG_EXHAUSTED | report.flags : ABI_FLAG_DONE;
         finished += status == STATUS_OK;
         if (status == STATUS_MEMORY)
             return status;
         if (!status || is_alive(who)) {
-            struct job job = stage_job(stage, who);
-            if (status && who->engine->prepare(who->self, &job, reason))
+            if (status && stage_prepare(stage, who, reason))
                 status = STATUS_UNSUPPORTED;
             if (status != STATUS_UNSUPPORTED)
                 continue;
@@ -125,18 +125,16 @@ static enum status ask_alone(struct fuzz_player *player, size_t seat, struct pla
 {
     const struct seat *who = &player->seat[seat];
     struct answers *answers = &stage->answers[seat];
-    struct job job = stage_job(stage, who);
     struct trace_report report = {0};
     uint64_t start = time_ns();
-    enum status status = who->engine->prepare(who->self, &job, reason);
+    enum status status = stage_prepare(stage, who, reason);
     if (status == STATUS_REFUSED || status == STATUS_LIMIT || status == STATUS_UNSUPPORTED ||
         status == STATUS_INPUT) {
-        fared_by_status(who, answers, status);
+        fared_by_status(who, stage->trial->world.is, answers, status);
         return STATUS_OK;
     }
     if (!status)
-        status = who->engine->trace(who->self, stage->trial->ray, stage->trial->ray_count,
-                                    answers->hit, &report, reason);
+        status = stage_trace(stage, who, 0, stage->trial->ray_count, answers, &report, reason);
     if (status == STATUS_OK) {
         answers->fared = FARED_PLAYED;
         for (uint32_t i = 0; i < stage->trial->ray_count; i++)
@@ -146,13 +144,13 @@ static enum status ask_alone(struct fuzz_player *player, size_t seat, struct pla
     if (status == STATUS_MEMORY)
         return status;
     if (status != STATUS_DEVICE) {
-        fared_by_status(who, answers, status);
+        fared_by_status(who, stage->trial->world.is, answers, status);
         return STATUS_OK;
     }
     if (peer_failed(who, stage, answers))
         return STATUS_OK;
     if (is_alive(who)) {
-        status = who->engine->prepare(who->self, &job, reason);
+        status = stage_prepare(stage, who, reason);
         return status ? status : ask_singly(player, seat, stage, reason);
     }
     fared_badly(answers, time_ns() - start > HANG_NS ? FUZZ_KIND_HANG : FUZZ_KIND_CRASH, 0);
@@ -164,7 +162,7 @@ static bool can_ask(const struct seat *seat, struct play_stage *stage, struct an
 {
     answers->fared = FARED_NOT;
     answers->declined = false;
-    if (!seat->layout || stage->has_packed[seat->layout_index])
+    if (!stage->world.beyond && (!seat->layout || stage->has_packed[seat->layout_index]))
         return true;
     answers->fared = FARED_REFUSED;
     return false;
@@ -209,7 +207,7 @@ static enum status ask_together(struct fuzz_player *player, size_t seat, size_t 
         if (task->status == STATUS_OK || task->status == STATUS_DEVICE)
             answers->fared = FARED_PLAYED;
         else
-            fared_by_status(who, answers, task->status);
+            fared_by_status(who, false, answers, task->status);
         answers->has_work = who->engine->tells_work && task->status == STATUS_OK;
     }
     return status;
@@ -219,7 +217,7 @@ enum status seat_ask(struct fuzz_player *player, size_t seat, size_t count, stru
 {
     enum status status = STATUS_OK;
     const struct seat *who = &player->seat[seat];
-    if (who->engine->trace_tasks) {
+    if (who->engine->trace_tasks && !player->stage[0].trial->world.is) {
         status = ask_together(player, seat, count, reason);
         if (status != STATUS_DEVICE)
             return status;

@@ -1,5 +1,5 @@
 /* A trial's tree, its packed forms and its truth. */
-#include "fuzz/play/stage.h"
+#include "fuzz/play/stage_world.h"
 
 #include "ref/outside/plugin_guard.h"
 
@@ -22,7 +22,7 @@ static enum status make_room(struct play_stage *stage, size_t seats, size_t rays
 {
     size_t truth = padded(rays * sizeof *stage->truth);
     size_t hits = padded(rays * sizeof(struct hit)), flags = padded(rays * sizeof(uint32_t));
-    size_t need = truth + seats * (hits + 2 * flags) + ALIGNMENT;
+    size_t need = truth + seats * (hits + 3 * flags) + ALIGNMENT;
     if (need > stage->room_bytes) {
         free(stage->room);
         stage->room = malloc(need);
@@ -35,9 +35,11 @@ static enum status make_room(struct play_stage *stage, size_t seats, size_t rays
     stage->truth = (void *)at;
     at += truth;
     for (size_t i = 0; i < seats; i++) {
-        stage->answers[i] = (struct answers){
-            .hit = (void *)at, .flag = (void *)(at + hits), .work = (void *)(at + hits + flags)};
-        at += hits + 2 * flags;
+        stage->answers[i] = (struct answers){.hit = (void *)at,
+                                             .flag = (void *)(at + hits),
+                                             .work = (void *)(at + hits + flags),
+                                             .tag = (void *)(at + hits + 2 * flags)};
+        at += hits + 3 * flags;
     }
     return STATUS_OK;
 }
@@ -120,6 +122,8 @@ static enum status pack_all(struct play_stage *stage, const struct fuzz_player *
 static enum status find_truth(struct play_stage *stage, struct reason *reason)
 {
     const struct fuzz_trial *trial = stage->trial;
+    if (trial->world.is)
+        return stage_world_truth(stage, reason);
     enum status status = oracle_make(&trial->scene, &stage->oracle, reason);
     if (status == STATUS_UNSUPPORTED)
         status = STATUS_INTERNAL; /* an engine left the float environment changed */
@@ -130,6 +134,18 @@ static enum status find_truth(struct play_stage *stage, struct reason *reason)
                           stage->truth, NULL, reason);
 }
 
+static enum status build_and_pack(struct play_stage *stage, const struct fuzz_player *player,
+                                  struct reason *reason)
+{
+    if (stage->trial->world.is)
+        return stage_world_set(stage, player, reason);
+    enum status status = fuzz_trial_build(stage->trial, &stage->bvh, reason);
+    stage->has_tree = status == STATUS_OK;
+    if (status && status != STATUS_LIMIT)
+        return status == STATUS_MEMORY ? status : fail(reason, STATUS_INTERNAL, "%s", reason->text);
+    return pack_all(stage, player, reason);
+}
+
 enum status stage_set(struct play_stage *stage, const struct fuzz_player *player,
                       const struct fuzz_trial *trial, struct fuzz_time *time, struct reason *reason)
 {
@@ -138,11 +154,7 @@ enum status stage_set(struct play_stage *stage, const struct fuzz_player *player
     enum status status = make_room(stage, player->seat_count, trial->ray_count);
     if (status)
         return fail(reason, status, "no memory to play %u rays", trial->ray_count);
-    status = fuzz_trial_build(trial, &stage->bvh, reason);
-    stage->has_tree = status == STATUS_OK;
-    if (status && status != STATUS_LIMIT)
-        return status == STATUS_MEMORY ? status : fail(reason, STATUS_INTERNAL, "%s", reason->text);
-    status = pack_all(stage, player, reason);
+    status = build_and_pack(stage, player, reason);
     uint64_t built = time_ns();
     if (!status)
         status = find_truth(stage, reason);
@@ -162,6 +174,7 @@ void stage_clear(struct play_stage *stage)
     bvh_free(&stage->bvh);
     oracle_free(stage->oracle);
     stage->oracle = NULL;
+    stage_world_clear(stage);
     stage->trial = NULL;
 }
 

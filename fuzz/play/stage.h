@@ -7,6 +7,7 @@
 #include "fuzz/play/trial_tree.h"
 #include "ref/oracle/oracle.h"
 #include "ref/packed/packed_check.h"
+#include "ref/two_level/packed_world.h"
 
 /* Contestants, and engine cpu on each layout, which bits are compared with. */
 #define SEATS_MOST   (2 * FUZZ_CONTESTANTS_MOST)
@@ -44,6 +45,7 @@ enum fared {
 
 struct answers {
     struct hit *hit;
+    uint32_t *tag; /* of a world: what is answered beside the hits */
     uint32_t *flag;
     uint32_t *work; /* struct engine_task */
     bool has_work;
@@ -51,6 +53,14 @@ struct answers {
     bool declined;       /* FARED_REFUSED: by the engine, not by its layout or a rule */
     enum fuzz_kind kind; /* of FARED_FAULTY */
     uint32_t ray;        /* at which */
+};
+
+/* A world, its trees and its packed forms, by layout; zero of a scene. */
+struct stage_world {
+    struct trial_meshes meshes;
+    struct world_trees trees;
+    struct packed_world packed[LAYOUTS_MOST];
+    bool beyond; /* the inverse of a transform is beyond float32: no engine is asked */
 };
 
 /* Arrays are kept from trial to trial. */
@@ -61,6 +71,7 @@ struct play_stage {
     struct bvh moved[LAYOUTS_MOST]; /* of a trial that moves: what is packed */
     enum trial_motion motion[LAYOUTS_MOST];
     struct packed packed[LAYOUTS_MOST];
+    struct stage_world world;      /* in place of bvh, moved and packed */
     bool has_packed[LAYOUTS_MOST]; /* else the layout refused */
     /* FUZZ_KIND_TREE: packed_check found faults that the tree had not; a layout from outside did
      * not survive packing; FUZZ_KIND_COUNT: nothing. */
@@ -70,7 +81,7 @@ struct play_stage {
     struct oracle *oracle;
     struct oracle_answer *truth;
     struct answers answers[SEATS_MOST];
-    void *room; /* holds truth, hits, flags and work */
+    void *room; /* holds truth, hits, tags, flags and work */
     size_t room_bytes;
 };
 

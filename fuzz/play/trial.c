@@ -1,5 +1,7 @@
 #include "fuzz/play/trial.h"
 
+#include "fuzz/play/trial_weight.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,8 +39,14 @@ enum status fuzz_trial_copy(const struct fuzz_trial *trial, struct fuzz_trial *o
     if (status)
         return status;
     struct fuzz_trial owned = *out;
+    status = trial_world_copy(&trial->world, trial->ray_count, &owned.world, reason);
+    if (status) {
+        fuzz_trial_free(out);
+        return status;
+    }
     *out = *trial;
     out->scene = owned.scene;
+    out->world = owned.world;
     out->ray = owned.ray;
     memcpy(out->scene.vertex, scene->vertex, 12 * (size_t)scene->vertex_count);
     memcpy(out->scene.index, scene->index, 12 * (size_t)scene->tri_count);
@@ -49,63 +57,63 @@ enum status fuzz_trial_copy(const struct fuzz_trial *trial, struct fuzz_trial *o
 void fuzz_trial_free(struct fuzz_trial *trial)
 {
     scene_free(&trial->scene);
+    trial_world_free(&trial->world);
     free(trial->ray);
     *trial = (struct fuzz_trial){0};
 }
 
-static uint64_t mix_u32(uint64_t hash, uint32_t word)
+struct fuzz_trial fuzz_trial_rays_from(const struct fuzz_trial *trial, uint32_t first,
+                                       uint32_t count)
 {
-    for (int i = 0; i < 4; i++)
-        hash = (hash ^ (word >> (8 * i) & 0xFF)) * 0x100000001B3u;
-    return hash;
-}
-
-static uint64_t mix_float(uint64_t hash, float x)
-{
-    return mix_u32(hash, float_bits(x));
+    struct fuzz_trial part = *trial;
+    part.ray += first;
+    part.ray_count = count;
+    if (part.world.is)
+        part.world.mode += first;
+    return part;
 }
 
 static uint64_t mix_text(uint64_t hash, const char *text)
 {
     for (; *text; text++)
-        hash = mix_u32(hash, (unsigned char)*text);
-    return mix_u32(hash, 0);
+        hash = trial_mix_u32(hash, (unsigned char)*text);
+    return trial_mix_u32(hash, 0);
 }
 
 uint64_t fuzz_trial_hash(const struct fuzz_trial *trial)
 {
     const struct scene *scene = &trial->scene;
     uint64_t hash = 0xCBF29CE484222325u;
-    hash = mix_u32(mix_u32(mix_u32(hash, scene->vertex_count), scene->tri_count), trial->ray_count);
+    hash = trial_mix_u32(trial_mix_u32(trial_mix_u32(hash, scene->vertex_count), scene->tri_count),
+                         trial->ray_count);
     for (size_t i = 0; i < 3 * (size_t)scene->vertex_count; i++)
-        hash = mix_float(hash, scene->vertex[i]);
+        hash = trial_mix_float(hash, scene->vertex[i]);
     for (size_t i = 0; i < 3 * (size_t)scene->tri_count; i++)
-        hash = mix_u32(hash, scene->index[i]);
+        hash = trial_mix_u32(hash, scene->index[i]);
     for (uint32_t i = 0; i < trial->ray_count; i++) {
         const struct ray *ray = &trial->ray[i];
         for (int k = 0; k < 3; k++)
-            hash = mix_float(mix_float(hash, ray->org[k]), ray->dir[k]);
-        hash = mix_float(mix_float(hash, ray->tmin), ray->tmax);
+            hash = trial_mix_float(trial_mix_float(hash, ray->org[k]), ray->dir[k]);
+        hash = trial_mix_float(trial_mix_float(hash, ray->tmin), ray->tmax);
     }
     hash = mix_text(mix_text(mix_text(hash, trial->builder->name), trial->box->name),
                     trial->tri->name);
-    hash = mix_u32(hash, (uint32_t)trial->query);
-    hash = mix_float(mix_u32(hash, trial->build.leaf), trial->build.eps);
+    hash = trial_mix_u32(hash, (uint32_t)trial->query);
+    hash = trial_mix_float(trial_mix_u32(hash, trial->build.leaf), trial->build.eps);
     /* What older trials had not; its default keeps their hashes. */
     if (trial->build.passes > 0)
-        hash = mix_u32(mix_text(hash, "passes"), trial->build.passes);
+        hash = trial_mix_u32(mix_text(hash, "passes"), trial->build.passes);
     if (trial->store != tri_stores[0])
         hash = mix_text(mix_text(hash, "store"), trial->store->name);
     if (trial->move > 0) {
-        hash = mix_float(mix_text(hash, "move"), trial->move);
-        hash =
-            mix_u32(mix_u32(hash, (uint32_t)trial->move_seed), (uint32_t)(trial->move_seed >> 32));
+        hash = trial_mix_float(mix_text(hash, "move"), trial->move);
+        hash = trial_mix_u32(trial_mix_u32(hash, (uint32_t)trial->move_seed),
+                             (uint32_t)(trial->move_seed >> 32));
     }
-    return hash;
+    return trial->world.is ? trial_world_hash(&trial->world, trial->ray_count, hash) : hash;
 }
 
-/* 0 for 0, 1 for 1 and -0, 2 for 2, 1.5 and -1: how long its text is. */
-static uint64_t float_weight(float x)
+uint64_t trial_float_weight(float x)
 {
     uint32_t bits = float_bits(x) & 0x7FFFFFFFu, fraction = bits & 0x7FFFFFu;
     if (bits == 0)
@@ -147,28 +155,34 @@ static uint64_t member_weight(const struct fuzz_trial *trial)
     if (trial->build.leaf != BUILD_LEAF_DEFAULT)
         weight += 1 + (uint64_t)trial->build.leaf;
     if (trial->build.eps != BUILD_EPS_DEFAULT)
-        weight += 1 + float_weight(trial->build.eps);
+        weight += 1 + trial_float_weight(trial->build.eps);
     for (size_t i = 0; tri_stores[i] && tri_stores[i] != trial->store; i++)
         weight++;
     weight += trial->build.passes;
     if (trial->move > 0)
-        weight += 1 + float_weight(trial->move) + (trial->move_seed > 0);
+        weight += 1 + trial_float_weight(trial->move) + (trial->move_seed > 0);
     return weight;
 }
 
 struct fuzz_trial_size fuzz_trial_size(const struct fuzz_trial *trial)
 {
     const struct scene *scene = &trial->scene;
-    struct fuzz_trial_size size = {scene->tri_count, trial->ray_count, scene->vertex_count, 0,
-                                   fuzz_trial_hash(trial)};
+    const struct trial_world *world = &trial->world;
+    struct fuzz_trial_size size = {.instances = world->instance_count,
+                                   .triangles = scene->tri_count,
+                                   .rays = trial->ray_count,
+                                   .vertices = scene->vertex_count,
+                                   .places = trial_world_places(world),
+                                   .bits = trial_world_weight(world, trial->ray_count),
+                                   .hash = fuzz_trial_hash(trial)};
     for (size_t i = 0; i < 3 * (size_t)scene->vertex_count; i++)
-        size.bits += float_weight(scene->vertex[i]);
+        size.bits += trial_float_weight(scene->vertex[i]);
     for (size_t i = 0; i < trial->ray_count; i++) {
         const struct ray *ray = &trial->ray[i];
         for (int k = 0; k < 3; k++)
-            size.bits += float_weight(ray->org[k]) + float_weight(ray->dir[k]);
-        size.bits += float_weight(ray->tmin);
-        size.bits += ray->tmax == INFINITY ? 0 : 1 + float_weight(ray->tmax);
+            size.bits += trial_float_weight(ray->org[k]) + trial_float_weight(ray->dir[k]);
+        size.bits += trial_float_weight(ray->tmin);
+        size.bits += ray->tmax == INFINITY ? 0 : 1 + trial_float_weight(ray->tmax);
     }
     size.bits += disorder(scene) + member_weight(trial);
     return size;
@@ -181,11 +195,15 @@ static int compare(uint64_t a, uint64_t b)
 
 int fuzz_trial_size_compare(const struct fuzz_trial_size *a, const struct fuzz_trial_size *b)
 {
-    int order = compare(a->triangles, b->triangles);
+    int order = compare(a->instances, b->instances);
+    if (!order)
+        order = compare(a->triangles, b->triangles);
     if (!order)
         order = compare(a->rays, b->rays);
     if (!order)
         order = compare(a->vertices, b->vertices);
+    if (!order)
+        order = compare(a->places, b->places);
     if (!order)
         order = compare(a->bits, b->bits);
     return order ? order : compare(a->hash, b->hash);
@@ -215,5 +233,10 @@ enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reas
     if (scene->tri_count > FUZZ_TRIANGLES_MOST || trial->ray_count > FUZZ_RAYS_MOST)
         return fail(reason, STATUS_LIMIT, "a trial has at most %u triangles and %u rays",
                     FUZZ_TRIANGLES_MOST, FUZZ_RAYS_MOST);
-    return scene_check(scene, reason);
+    if (trial->world.is && trial->move > 0)
+        return fail(reason, STATUS_INPUT, "a trial of a world does not move");
+    enum status status = scene_check(scene, reason);
+    if (!status && trial->world.is)
+        status = trial_world_check(&trial->world, scene, trial->ray_count, reason);
+    return status;
 }

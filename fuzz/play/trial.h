@@ -1,9 +1,10 @@
-/* A fuzz trial: everything that decides a test, by value: a scene, how its tree is built, stored
- * and moved, the tests, the query, the rays. Which layouts and engines play it is the campaign's
- * choice. */
+/* A fuzz trial: everything that decides a test, by value: a scene or a world, how its tree is
+ * built, stored and moved, the tests, the query, the rays and what they may meet. Which layouts and
+ * engines play it is the campaign's choice. */
 #ifndef FUZZ_TRIAL_H
 #define FUZZ_TRIAL_H
 
+#include "fuzz/play/trial_world.h"
 #include "ref/tree/bvh.h"
 #include "ref/primitives/primitives.h"
 #include "ref/store.h"
@@ -21,10 +22,11 @@ struct fuzz_origin {
     char recipe[200];     /* what was made, for people */
 };
 
-/* Owns scene and rays (fuzz_trial_free). */
+/* Owns scene, world and rays (fuzz_trial_free). */
 struct fuzz_trial {
     struct fuzz_origin origin;
-    struct scene scene;
+    struct scene scene; /* of a world: its meshes, one after the other */
+    struct trial_world world;
     struct ray *ray;
     uint32_t ray_count;
     const struct builder *builder;
@@ -34,13 +36,13 @@ struct fuzz_trial {
     enum query query; /* closest or any */
     const struct tri_store *store;
     /* The scene is what is traced; the tree is built of it at rest, that is scene_move of it with
-     * these, and then refitted (fuzz/play/trial_tree.h). 0: it never moved. */
+     * these, and then refitted (fuzz/play/trial_tree.h). 0: it never moved, as no world does. */
     float move;
     uint64_t move_seed;
 };
 
-/* A trial of default members with room for that many vertices, triangles and rays, all zero.
- * Errors: STATUS_LIMIT over the most; STATUS_MEMORY. *out is zero on error. */
+/* A trial of a scene, of default members, with room for that many vertices, triangles and rays, all
+ * zero. Errors: STATUS_LIMIT over the most; STATUS_MEMORY. *out is zero on error. */
 enum status fuzz_trial_make(uint32_t vertices, uint32_t triangles, uint32_t rays,
                             struct fuzz_trial *out, struct reason *reason) MUST_USE;
 
@@ -54,9 +56,15 @@ void fuzz_trial_free(struct fuzz_trial *trial); /* a zero one is fine */
  * machine. 64 bits, FNV-1a over the bits in a fixed order. */
 uint64_t fuzz_trial_hash(const struct fuzz_trial *trial);
 
+/* The rays from number `first` on, with what they may meet: a trial that borrows all it has. */
+struct fuzz_trial fuzz_trial_rays_from(const struct fuzz_trial *trial, uint32_t first,
+                                       uint32_t count);
+
 /* How much there is to read: what the shrinker reduces. Compared in this order. */
 struct fuzz_trial_size {
+    uint32_t instances; /* 0 of a scene */
     uint32_t triangles, rays, vertices;
+    uint32_t places; /* trial_world_places */
     uint64_t bits; /* of all numbers: 0 for 0, a tmax of infinity and the defaults of members, else
                       significant ones and those of the exponent; 1 for a vertex out of order */
     uint64_t hash; /* fuzz_trial_hash: so that of two different trials one is the smaller */
@@ -67,8 +75,9 @@ struct fuzz_trial_size fuzz_trial_size(const struct fuzz_trial *trial);
 int fuzz_trial_size_compare(const struct fuzz_trial_size *a, const struct fuzz_trial_size *b);
 
 /* Rejects what no reader may let through: indices out of range, vertices that are not finite, no
- * builder, test or storage, a storage that the triangle test cannot read, limits. Rays may hold any
- * bits. Errors: STATUS_INPUT, STATUS_LIMIT. */
+ * builder, test or storage, a storage that the triangle test cannot read, what trial_world_check
+ * rejects, a world that moves, limits. Rays may hold any bits. Errors: STATUS_INPUT, STATUS_LIMIT;
+ * STATUS_MEMORY of a world. */
 enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reason) MUST_USE;
 
 #endif

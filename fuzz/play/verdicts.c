@@ -1,6 +1,7 @@
 /* Judges what all seats answered to a trial. */
 #include "fuzz/play/coverage.h"
-#include "fuzz/play/stage.h"
+#include "fuzz/play/stage_world.h"
+#include "ref/judge/judge_world.h"
 #include "ref/match/match_edges.h"
 
 #include <stdlib.h>
@@ -34,6 +35,12 @@ static bool same_model(const struct model *a, const struct model *b)
            a->any_unnamed == b->any_unnamed;
 }
 
+/* What is answered beside the hit; 0 of a scene. */
+static uint32_t tag_of(const struct verdicts_judging *j, size_t seat, uint32_t ray)
+{
+    return j->stage->trial->world.is ? j->stage->answers[seat].tag[ray] : 0;
+}
+
 static void keep(struct verdicts_judging *j, size_t seat, enum fuzz_kind kind, uint32_t ray,
                  const struct judgement *judgement)
 {
@@ -54,7 +61,7 @@ static void keep(struct verdicts_judging *j, size_t seat, enum fuzz_kind kind, u
     fuzz_signature_set_engine(&finding->signature, who->engine->name);
     if (answers->fared == FARED_PLAYED && ray < j->stage->trial->ray_count &&
         answers->flag[ray] == ABI_FLAG_DONE)
-        finding->answer = answers->hit[ray];
+        finding->answer = answers->hit[ray], finding->tag = tag_of(j, seat, ray);
     if (judgement)
         finding->judgement = *judgement;
     if (who->layout && j->stage->fault[who->layout_index] == kind)
@@ -72,9 +79,11 @@ static enum status make_judges(struct verdicts_judging *j, struct reason *reason
         if (stage->answers[i].fared != FARED_PLAYED)
             continue;
         const struct seat *seat = &j->player->seat[i];
-        model[i] = seat_model(seat, trial, seat->layout && stage->packed[seat->layout_index].split);
+        model[i] =
+            seat_model(seat, trial, seat->layout && stage_is_split(stage, seat->layout_index));
         j->bits[i] = model[i].bits;
-        if (model[i].formula == TWIN_UNKNOWN &&
+        /* What a transform rounds is more than what counts beside an edge. */
+        if (model[i].formula == TWIN_UNKNOWN && !trial->world.is &&
             !(j->note[i] = alloc_zeroed(trial->ray_count, sizeof *j->note[i])))
             return fail(reason, STATUS_MEMORY, "no memory for %u rays", trial->ray_count);
         for (size_t k = 0; k < i && j->alike[i] == i; k++)
@@ -98,8 +107,11 @@ static void compare_bits(struct verdicts_judging *j, size_t seat, uint32_t i,
     if (!j->bits[seat] || reference >= SEATS_MOST || reference == seat)
         return;
     const struct answers *expected = &stage->answers[reference], *given = &stage->answers[seat];
-    if (expected->fared != FARED_PLAYED || expected->flag[i] != ABI_FLAG_DONE ||
-        judge_bits(&stage->trial->ray[i], &expected->hit[i], &given->hit[i]) != VERDICT_WRONG)
+    const struct ray *ray = &stage->trial->ray[i];
+    if (expected->fared != FARED_PLAYED || expected->flag[i] != ABI_FLAG_DONE)
+        return;
+    if (judge_bits(ray, &expected->hit[i], &given->hit[i]) != VERDICT_WRONG &&
+        (tag_of(j, seat, i) == tag_of(j, reference, i) || !ray_in_contract(ray)))
         return;
     j->out->wrong++;
     keep(j, seat, FUZZ_KIND_BITS, i, judgement);
@@ -112,10 +124,29 @@ static bool is_copy(const struct verdicts_judging *j, size_t seat, uint32_t i)
     const struct answers *answers = &j->stage->answers[seat];
     const struct answers *first = &j->stage->answers[j->alike[seat]];
     return j->alike[seat] != seat && first->flag[i] == ABI_FLAG_DONE &&
-           memcmp(&first->hit[i], &answers->hit[i], sizeof first->hit[i]) == 0;
+           memcmp(&first->hit[i], &answers->hit[i], sizeof first->hit[i]) == 0 &&
+           tag_of(j, seat, i) == tag_of(j, j->alike[seat], i);
 }
 
-/* Judges what one seat answered to the rays from `first` on. */
+/* Judges what one seat answered to the rays from `first` on, of a world. */
+static enum status judge_seat_of_world(struct verdicts_judging *j, size_t seat, uint32_t first,
+                                       uint32_t count)
+{
+    const struct play_stage *stage = j->stage;
+    const struct answers *answers = &stage->answers[seat];
+    enum status status = STATUS_OK;
+    for (uint32_t k = 0; k < count && !status; k++) {
+        uint32_t i = first + k;
+        j->own[seat][k] = answers->flag[i] == ABI_FLAG_DONE && !is_copy(j, seat, i);
+        if (j->own[seat][k])
+            status = judge_world_answer(j->judge[j->alike[seat]], &stage->trial->ray[i],
+                                        stage->trial->world.mode[i], &stage->truth[i],
+                                        &answers->hit[i], answers->tag[i], &j->judgement[seat][k]);
+    }
+    return status;
+}
+
+/* The same of a scene or a world. */
 static enum status judge_seat(struct verdicts_judging *j, size_t seat, uint32_t first,
                               uint32_t count)
 {
@@ -124,6 +155,8 @@ static enum status judge_seat(struct verdicts_judging *j, size_t seat, uint32_t 
     struct judge_question question[PART];
     struct judgement judgement[PART];
     uint32_t ray[PART], asked = 0;
+    if (stage->trial->world.is)
+        return judge_seat_of_world(j, seat, first, count);
     for (uint32_t k = 0; k < count; k++) {
         uint32_t i = first + k;
         j->own[seat][k] = false;
@@ -197,8 +230,8 @@ static enum status judge_rays(struct verdicts_judging *j)
 /* True if the layout could not be made because the program that it reproduces ends there. */
 static bool ends(const struct play_stage *stage, const struct seat *seat)
 {
-    return stage->has_tree && !stage->has_packed[seat->layout_index] && seat->layout->end &&
-           seat->layout->end(&stage->bvh, NULL) != LAYOUT_GOES_ON;
+    return !stage->trial->world.is && stage->has_tree && !stage->has_packed[seat->layout_index] &&
+           seat->layout->end && seat->layout->end(&stage->bvh, NULL) != LAYOUT_GOES_ON;
 }
 
 /* What is not about a single ray: refusals, faults, and, once a layout, bytes that are no tree or
@@ -242,6 +275,10 @@ static void cover(const struct verdicts_judging *j)
     const struct box empty = box_empty();
     const struct box *root = stage->bvh.node_count ? &stage->bvh.node[0].bounds : &empty;
     uint64_t *map = j->out->coverage;
+    if (trial->world.is) {
+        stage_world_cover(stage, j->player, map);
+        return;
+    }
     for (uint32_t i = 0; i < trial->ray_count; i++)
         coverage_add_truth(map, &trial->ray[i], root, &stage->truth[i]);
     if (!stage->has_tree)

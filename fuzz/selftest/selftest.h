@@ -14,7 +14,8 @@ struct selftest_bug {
     char bug[32];     /* a record of tests/planted */
     char unit[48];    /* the C unit or the shader that is compiled with it */
     char engines[48]; /* as of raydiff fuzz --engine; "spirv": shaders are only checked;
-                         "pairs:ENGINE,...": members are drawn, with --pairs */
+                         "pairs:ENGINE,...": members are drawn, with --pairs;
+                         "worlds:ENGINE,...": trials of worlds, with --worlds */
     char layouts[48];
     char kind[24]; /* of bug */
 };

@@ -21,7 +21,8 @@
 #define GRACE_MS 60000u
 #define STOP_NS  2000000000u  /* for a campaign to end by itself after its first finding */
 #define MANY     "1000000000" /* trials: named, so that they are the stream `gen` alone */
-static const char drawn_prefix[] = "pairs:"; /* of engines whose other members are drawn */
+static const char drawn_prefix[] = "pairs:";  /* of engines whose other members are drawn */
+static const char world_prefix[] = "worlds:"; /* of engines that trace worlds */
 #define TRIAL_S "2" /* an engine's time: a bug that hangs costs it several times over */
 
 static bool is_check(const struct selftest_job *job)
@@ -54,6 +55,12 @@ static enum status clear_folder(struct selftest_job *job, struct reason *reason)
     return STATUS_OK;
 }
 
+/* What follows the prefix; NULL: the text has another beginning. */
+static const char *behind(const char *text, const char *prefix)
+{
+    return strncmp(text, prefix, strlen(prefix)) == 0 ? text + strlen(prefix) : NULL;
+}
+
 /* In the child: becomes the program, its output in the log. The pipe stays open, so that the parent
  * sees when the program ends. */
 static void become(struct child *parent, void *user)
@@ -70,17 +77,19 @@ static void become(struct child *parent, void *user)
         argv[count++] = "--self-test";
         argv[count++] = "--shaders";
     } else {
-        bool drawn = strncmp(job->engines, drawn_prefix, strlen(drawn_prefix)) == 0;
-        const char *const always[][2] = {
-            {"--seed", seed},
-            {"--engine", job->engines + (drawn ? strlen(drawn_prefix) : 0)},
-            {"--layout", job->layouts},
-            {"--dir", job->found},
-            {"--json", job->report},
-            {"--jobs", "1"},
-            {"--corpus", "none"},
-            {"--trial-time", TRIAL_S},
-            {"--trials", job->trials ? trials : MANY}};
+        const char *drawn = behind(job->engines, drawn_prefix);
+        const char *worlds = behind(job->engines, world_prefix);
+        const char *const always[][2] = {{"--seed", seed},
+                                         {"--engine", drawn    ? drawn
+                                                      : worlds ? worlds
+                                                               : job->engines},
+                                         {"--layout", job->layouts},
+                                         {"--dir", job->found},
+                                         {"--json", job->report},
+                                         {"--jobs", "1"},
+                                         {"--corpus", "none"},
+                                         {"--trial-time", TRIAL_S},
+                                         {"--trials", job->trials ? trials : MANY}};
         const char *const hunt[][2] = {{"--time", seconds}, {"--until", "1"}};
         argv[count++] = "--no-shrink";
         memcpy(argv + count, always, sizeof always);
@@ -92,6 +101,8 @@ static void become(struct child *parent, void *user)
             argv[count++] = "--pairs";
             argv[count++] = "1";
         }
+        if (worlds)
+            argv[count++] = "--worlds";
     }
     setenv("LP_NUM_THREADS", "0", 0);
     if (log >= 0 && dup2(log, 1) == 1 && dup2(log, 2) == 2 && fcntl(parent->file, F_SETFD, 0) == 0)

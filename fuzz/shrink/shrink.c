@@ -11,7 +11,7 @@
 
 /* Triangles of all candidates of a call, at most, unless one has more. */
 #define BATCH_TRIANGLES 65536u
-/* Triangles or rays that cost one more ask. */
+/* Triangles, rays or instances that cost one more ask. */
 #define THINGS_PER_ASK 64u
 /* The share of all asks that one level of a pass may need: dearer levels are left out. */
 #define LEVEL_SHARE 4u
@@ -45,7 +45,8 @@ const char *shrink_end_name(enum shrink_end end)
 
 static uint64_t cost(const struct fuzz_trial *trial)
 {
-    return 1 + trial->scene.tri_count / THINGS_PER_ASK + trial->ray_count / THINGS_PER_ASK;
+    return 1 + trial->scene.tri_count / THINGS_PER_ASK + trial->ray_count / THINGS_PER_ASK +
+           trial->world.instance_count / THINGS_PER_ASK;
 }
 
 /* --- places of a pass ------------------------------------------------------------------------ */

@@ -1,7 +1,7 @@
-/* Shrinks a trial while it still shows its finding: fewer triangles, rays and vertices, then
- * shorter numbers and plainer members. To "ask" is to play a candidate; asks are counted.
- * Deterministic: the result depends on the trial and the number of asks alone, unless a time is
- * given. */
+/* Shrinks a trial while it still shows its finding: fewer instances, triangles, rays and vertices,
+ * plainer transforms, then shorter numbers and plainer members. To "ask" is to play a candidate;
+ * asks are counted. Deterministic: the result depends on the trial and the number of asks alone,
+ * unless a time is given. */
 #ifndef FUZZ_SHRINK_H
 #define FUZZ_SHRINK_H
 
@@ -32,7 +32,7 @@ const char *shrink_end_name(enum shrink_end end);
 
 struct shrink_stats {
     struct fuzz_trial_size before, after;
-    uint64_t asks;     /* spent; a candidate is one, and one more per 64 triangles and 64 rays */
+    uint64_t asks; /* spent; a candidate is one, and one more per 64 triangles, rays or instances */
     uint64_t tried;    /* candidates played */
     uint64_t accepted; /* of them; each was smaller than the one before it */
     uint32_t rounds;

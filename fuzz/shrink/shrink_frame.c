@@ -18,7 +18,7 @@ static void scale(struct fuzz_trial *trial, uint32_t axis, int by, bool places, 
         bool along = role <= SHRINK_DIR && (axis == 3 || axis == k);
         if (along && (role == SHRINK_DIR ? dirs : places))
             *x = shrink_scaled(*x, by);
-        if (role >= SHRINK_TMIN && places != dirs)
+        if ((role == SHRINK_TMIN || role == SHRINK_TMAX) && places != dirs)
             *x = shrink_scaled(*x, places ? by : -by);
     }
 }
@@ -94,11 +94,14 @@ static bool change_frame(struct fuzz_trial *trial, uint32_t first, uint32_t coun
     }
 }
 
-/* Of trials of one ray: triangles that it may be aimed at. */
+/* Of trials of one ray: triangles that it may be aimed at; of a world those of each instance,
+ * whatever its mesh. */
 static uint32_t aimed(const struct fuzz_trial *trial)
 {
-    return trial->ray_count == 1 && trial->scene.tri_count <= AIMED_MOST ? trial->scene.tri_count
-                                                                         : 0;
+    uint64_t count = trial->scene.tri_count;
+    if (trial->world.is)
+        count *= trial->world.instance_count;
+    return trial->ray_count == 1 && count <= AIMED_MOST ? (uint32_t)count : 0;
 }
 
 #define FEATURES 16 /* corners, middles of edges, points inside */
@@ -154,7 +157,11 @@ static bool change_aim(struct fuzz_trial *trial, uint32_t first, uint32_t count,
     (void)count;
     feature(variant / WAYS, w);
     turn(ray, variant % WAYS, step);
-    scene_tri(&trial->scene, first, v);
+    scene_tri(&trial->scene, first % trial->scene.tri_count, v);
+    for (int c = 0; c < 3 && trial->world.is; c++) {
+        const float p[3] = {v[c][0], v[c][1], v[c][2]};
+        shrink_place(&trial->world.instance[first / trial->scene.tri_count], p, v[c]);
+    }
     for (uint32_t k = 0; k < 3; k++)
         ray->org[k] = (w[0] * v[0][k] + w[1] * v[1][k]) + w[2] * v[2][k] - step[k];
     ray->tmin = 0;

@@ -27,15 +27,36 @@ extern const struct shrink_pass *const shrink_passes[];
 /* 1: a pass over the trial as a whole. */
 uint32_t shrink_one(const struct fuzz_trial *trial);
 
+/* Number of instances. */
+uint32_t shrink_instances_of(const struct fuzz_trial *trial);
+
+/* Removes triangles [first, first + count), and vertices that no triangle has then. */
+void shrink_cut_triangles(struct fuzz_trial *trial, uint32_t first, uint32_t count);
+
+/* The geometries after triangles [first, first + count) went, or with `keep` after they alone
+ * stayed. */
+void shrink_cut_geometries(struct trial_world *world, uint32_t first, uint32_t count, bool keep);
+
+/* Where an instance places a point, in float32. */
+void shrink_place(const struct instance *one, const float p[3], float out[3]);
+
 /* All numbers of a trial in one row: coordinates of vertices, then 8 of each ray in the order of
- * the file. */
+ * the file, then 12 of each instance's transform. */
 uint32_t shrink_number_count(const struct fuzz_trial *trial);
-/* The same of a small trial, else 0: trials of more vertices or rays have too many to try each. */
+/* The same of a small trial, else 0: trials of more vertices, rays or instances have too many to
+ * try each. */
 uint32_t shrink_few_numbers(const struct fuzz_trial *trial);
 float *shrink_number(struct fuzz_trial *trial, uint32_t i);
 
-enum shrink_role { SHRINK_VERTEX, SHRINK_ORG, SHRINK_DIR, SHRINK_TMIN, SHRINK_TMAX };
-/* What number i is, and on which axis (0 for tmin and tmax). */
+enum shrink_role {
+    SHRINK_VERTEX,
+    SHRINK_ORG,
+    SHRINK_DIR,
+    SHRINK_TMIN,
+    SHRINK_TMAX,
+    SHRINK_TRANSFORM
+};
+/* What number i is, and on which axis (0 for tmin, tmax and transforms). */
 enum shrink_role shrink_role(const struct fuzz_trial *trial, uint32_t i, uint32_t *axis);
 
 /* 2^exponent is the largest power of two that is at most |x|; 0 if x is 0 or not finite. */

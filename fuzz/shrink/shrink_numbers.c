@@ -11,7 +11,7 @@
 
 uint32_t shrink_number_count(const struct fuzz_trial *trial)
 {
-    return 3 * trial->scene.vertex_count + 8 * trial->ray_count;
+    return 3 * trial->scene.vertex_count + 8 * trial->ray_count + 12 * trial->world.instance_count;
 }
 
 float *shrink_number(struct fuzz_trial *trial, uint32_t i)
@@ -19,6 +19,11 @@ float *shrink_number(struct fuzz_trial *trial, uint32_t i)
     uint32_t coordinates = 3 * trial->scene.vertex_count;
     if (i < coordinates)
         return &trial->scene.vertex[i];
+    uint32_t of_rays = 8 * trial->ray_count;
+    if (i >= coordinates + of_rays) {
+        uint32_t at = i - coordinates - of_rays;
+        return &trial->world.instance[at / 12].m[at % 12 / 4][at % 4];
+    }
     struct ray *ray = &trial->ray[(i - coordinates) / 8];
     uint32_t k = (i - coordinates) % 8;
     return k < 3 ? &ray->org[k] : k < 6 ? &ray->dir[k - 3] : k == 6 ? &ray->tmin : &ray->tmax;
@@ -28,7 +33,10 @@ enum shrink_role shrink_role(const struct fuzz_trial *trial, uint32_t i, uint32_
 {
     uint32_t coordinates = 3 * trial->scene.vertex_count, k = i % 3;
     enum shrink_role role = SHRINK_VERTEX;
-    if (i >= coordinates) {
+    if (i >= coordinates + 8 * trial->ray_count) {
+        role = SHRINK_TRANSFORM;
+        k = 0;
+    } else if (i >= coordinates) {
         k = (i - coordinates) % 8;
         role = k < 3 ? SHRINK_ORG : k < 6 ? SHRINK_DIR : k == 6 ? SHRINK_TMIN : SHRINK_TMAX;
         k = k < 6 ? k % 3 : 0;
@@ -156,12 +164,14 @@ static bool change_row(struct fuzz_trial *trial, uint32_t first, uint32_t count,
 
 uint32_t shrink_few_numbers(const struct fuzz_trial *trial)
 {
-    return trial->scene.vertex_count <= FEW_MOST && trial->ray_count <= FEW_MOST
+    return trial->scene.vertex_count <= FEW_MOST && trial->ray_count <= FEW_MOST &&
+                   trial->world.instance_count <= FEW_MOST / 4
                ? shrink_number_count(trial)
                : 0;
 }
 
-/* True if the numbers have one magnitude and, if `axis_too`, are places on one axis. */
+/* True if the numbers are both of transforms or both not, have one magnitude and, if `axis_too`,
+ * are places on one axis. */
 static bool alike(struct fuzz_trial *trial, uint32_t a, uint32_t b, bool axis_too)
 {
     uint32_t axis_a, axis_b;
@@ -169,6 +179,8 @@ static bool alike(struct fuzz_trial *trial, uint32_t a, uint32_t b, bool axis_to
     enum shrink_role role_b = shrink_role(trial, b, &axis_b);
     if (axis_too && (axis_a != axis_b || role_a > SHRINK_ORG || role_b > SHRINK_ORG))
         return a == b;
+    if ((role_a == SHRINK_TRANSFORM) != (role_b == SHRINK_TRANSFORM))
+        return false; /* a 1 of a transform must stay, mostly */
     return (float_bits(*shrink_number(trial, a)) << 1) ==
            (float_bits(*shrink_number(trial, b)) << 1);
 }

@@ -33,6 +33,9 @@ enum { KEEP, REMOVE, CUTS };
 
 static bool cut_rays(struct fuzz_trial *trial, uint32_t first, uint32_t count, uint32_t variant)
 {
+    if (trial->world.is)
+        cut(trial->world.mode, trial->ray_count, sizeof *trial->world.mode, first, count,
+            variant == KEEP);
     trial->ray_count =
         cut(trial->ray, trial->ray_count, sizeof *trial->ray, first, count, variant == KEEP);
     return true;
@@ -79,8 +82,14 @@ static bool cut_triangles(struct fuzz_trial *trial, uint32_t first, uint32_t cou
     struct scene *scene = &trial->scene;
     scene->tri_count = cut(scene->index, scene->tri_count, 3 * sizeof *scene->index, first, count,
                            variant == KEEP);
+    shrink_cut_geometries(&trial->world, first, count, variant == KEEP);
     drop_unused(trial);
     return true;
+}
+
+void shrink_cut_triangles(struct fuzz_trial *trial, uint32_t first, uint32_t count)
+{
+    cut_triangles(trial, first, count, REMOVE);
 }
 
 static bool cut_and_change(struct fuzz_trial *trial, uint32_t first, uint32_t count,

@@ -41,8 +41,7 @@ static enum status shows(struct shrink_asking *asking, const struct fuzz_trial *
         if (finding.ray + 1 >= rest.ray_count)
             return STATUS_OK;
         skipped += finding.ray + 1;
-        rest.ray = trial->ray + skipped;
-        rest.ray_count = trial->ray_count - skipped;
+        rest = fuzz_trial_rays_from(trial, skipped, trial->ray_count - skipped);
         status = fuzz_play(asking->player, &rest, 1, &again, NULL, NULL, reason);
         if (status)
             return status;

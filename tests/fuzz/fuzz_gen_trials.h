@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-static const struct gen_options ordinary = {16, 64, 500, false};
+static const struct gen_options ordinary = {16, 64, 500, false, false};
 
 typedef enum status gen_fn(uint64_t seed, uint64_t index, const struct gen_options *options,
                            struct fuzz_trial *out, struct reason *reason);

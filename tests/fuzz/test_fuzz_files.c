@@ -202,7 +202,7 @@ static const struct {
     const char *rule;
 } broken[] = {
     {"raydiff trial 1", "trial 1", 2, "'raydiff' is needed here"},
-    {"raydiff trial 1", "raydiff trial 2", 2, "format version 2"},
+    {"raydiff trial 1", "raydiff trial 3", 2, "format version 3"},
     {"raydiff trial 1", "raydiff trial 1 x", 2, "end of the line"},
     {"expect cpu.rf16.missed.rounded_inward", "expect", 4, "'clean' or a signature"},
     {"expect cpu.rf16.missed.rounded_inward", "expect cpu.rf16.missed.luck", 4, "unknown cause"},

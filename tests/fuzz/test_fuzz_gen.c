@@ -107,7 +107,7 @@ static uint64_t hash_of_many(const struct gen_options *options)
 static void the_first_thousand_trials_are_what_they_were(void **state)
 {
     (void)state;
-    static const struct gen_options published = {16, 64, 100, true};
+    static const struct gen_options published = {16, 64, 100, true, false};
     const uint64_t golden = 0xD62A81F9C9659A4Du, golden_published = 0xD88F5E661B988F93u;
     uint64_t hash = hash_of_many(&ordinary), faithful = hash_of_many(&published);
     if (hash != golden || faithful != golden_published)
@@ -146,7 +146,7 @@ static int by_size(const void *a, const void *b)
 static void ordinary_trials_have_16_to_64_triangles(void **state)
 {
     (void)state;
-    static const struct gen_options short_ones = {16, 64, 4, false};
+    static const struct gen_options short_ones = {16, 64, 4, false, false};
     static uint32_t size[20000];
     uint32_t few = 0, large = 0, edited = 0;
     for (uint32_t i = 0; i < ARRAY_COUNT(size); i++) {
@@ -178,7 +178,7 @@ static void members_as_published_take_part_if_asked_for(void **state)
 {
     (void)state;
     for (int faithful = 0; faithful < 2; faithful++) {
-        struct gen_options options = {16, 64, 4, faithful};
+        struct gen_options options = {16, 64, 4, faithful, false};
         uint32_t seen[3][8] = {{0}}, queries[QUERY_COUNT] = {0}, leaves[17] = {0};
         for (uint32_t i = 0; i < 1000; i++) {
             struct fuzz_trial trial = trial_of(5, i, &options);
@@ -269,7 +269,7 @@ static void trials_are_not_vacuous(void **state)
 static void a_trial_takes_microseconds(void **state)
 {
     (void)state;
-    static const struct gen_options of_32 = {32, 32, 500, false};
+    static const struct gen_options of_32 = {32, 32, 500, false, false};
     struct timespec begin, end;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &begin);
     for (uint32_t i = 0; i < MANY; i++) {

@@ -268,7 +268,7 @@ static void trials_reach_much_of_it(void **state)
 {
     (void)state;
     uint64_t map[COVERAGE_WORDS] = {0};
-    static const struct gen_options options = {16, 64, 200, true};
+    static const struct gen_options options = {16, 64, 200, true, false};
     uint32_t after_ten = 0;
     for (uint32_t i = 0; i < 1000; i++) {
         struct fuzz_trial trial = trial_of(83, i, &options);

@@ -14,7 +14,7 @@
 
 #define TRIALS 150u
 
-static const struct gen_options short_ones = {16, 64, 40, false};
+static const struct gen_options short_ones = {16, 64, 40, false, false};
 
 /* What an edit did to one trial. */
 enum effect {

@@ -34,6 +34,30 @@ static void it_obeys_the_laws(void **state)
     laws.engine->close(laws.self);
 }
 
+/* An instance that is not active keeps the numbers of its triangles, before others and at the end.
+ * */
+static void inactive_instances_keep_their_numbers(void **state)
+{
+    (void)state;
+    static struct laws_shots shots;
+    const struct laws laws = open_device();
+    struct world world = laws_room(2, 4);
+    laws_mesh(&world.mesh[0], (const uint32_t[]){2}, 1);
+    laws_mesh(&world.mesh[1], (const uint32_t[]){2}, 1);
+    for (uint32_t i = 0; i < 4; i++) {
+        world.instance[i].mesh = i % 2;
+        world.instance[i].mask = i % 2 ? 0xFF : 0;
+    }
+    world.instance[3].mask = 0;
+    laws_finish(&world);
+    shots.count = 0;
+    for (uint32_t prim = 0; prim < 2; prim++)
+        laws_add(&shots, laws_aim(&world, 1, prim, 0.25f, 0.25f, true, (struct ray_mode){0xFF, 0}));
+    assert_int_equal(laws_fire(&laws, &world, shots.shot, shots.count), 2);
+    world_free(&world);
+    laws.engine->close(laws.self);
+}
+
 /* One engine's answers. */
 struct brute_answers_of {
     struct hit hit[RAYS * ROOM];
@@ -148,6 +172,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_obeys_the_laws),
+        cmocka_unit_test(inactive_instances_keep_their_numbers),
         cmocka_unit_test(it_has_the_bits_of_brute),
         cmocka_unit_test(parts_cover_a_world_once),
     };

@@ -218,6 +218,19 @@ for file in "$repository"/fuzz/corpus/*.trial; do
     cp "$file" play/
 done
 sed 's/^end/end end/' "$repository/fuzz/corpus/sentinel.trial" >trial/ends-twice
+# Worlds: found and shrunk, as they were found, and some to be refused.
+said "$raydiff" fuzz --worlds --engine cpu --layout rtrs_rf --faithful --trials 64 --rays 6 --triangles 4-12 --jobs 1 \
+    --corpus none --dir worlds
+for file in first smallest; do
+    cp worlds/cpu.rtrs_rf.missed.unexplained/$file.trial trial/world-$file
+    cp worlds/cpu.rtrs_rf.missed.unexplained/$file.trial play/world-$file
+done
+rm -r worlds
+world=$repository/fuzz/corpus/inactive-instance.trial
+sed 's/^instances 2/instances 3/' "$world" >trial/world-cut
+sed 's/^mesh 1/mesh 7/' "$world" >trial/world-mesh
+sed 's/^raydiff trial 2/raydiff trial 1/' "$world" >trial/world-of-scenes
+sed 's/^1 0 255 0 0x1p+0/1 0 255 0 0x0p+0/' "$world" >trial/world-singular
 printf '\001\002\003\004\005\006\007\010\160\170\161\162\163\164\165\166\167' >play/choices
 for i in 1 2 3 4 5 6 7 8; do
     printf "$(awk -v s=$i 'BEGIN { for (i = 0; i < 40 * s; i++) {

@@ -155,6 +155,7 @@ grep -q '<title>the box test has &lt; where' "$dir/page.svg" || bad 'a text is n
 # All causes of the corpus, and answers that are right.
 for file in fuzz/corpus/*.trial; do
     rm -f "$dir/x.svg"
+    [ "$(head -n 1 "$file")" = 'raydiff trial 1' ] || continue # of a world, which explain refuses
     "$raydiff" explain "$file" --html "$dir/x.html" --svg "$dir/x.svg" >"$dir/out" 2>"$dir/err"
     [ $? -le 1 ] || bad "$file: $(cat "$dir/err")"
     [ ! -e "$dir/x.svg" ] || uncut "$dir/x.svg" 3

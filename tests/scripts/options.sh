@@ -24,7 +24,8 @@ every=$(cat "$dir"/knows.* | tr ' ' '\n' | sort -u)
 value_of() {
     case $1 in
     all | as-expected | brief | camera-fixed | camera-orbit | decimal | faithful | feedback | fill-normals | force | \
-        general | handler-* | hard | list | no-shrink | quick | summary | verbose | waves | wide | window | shaders) value= ;;
+        general | handler-* | hard | list | no-shrink | quick | summary | verbose | waves | wide | window | worlds | \
+        shaders) value= ;;
     color) value=always ;;
     engine | require) value=cpu ;;
     layout) value=f32 ;; builder) value=median ;; box) value=robust ;; tri) value=mt ;; store) value=compact ;;
@@ -172,7 +173,8 @@ walk 'diff --path cornell --engine cpu,fast --width 24 --height 18' "pixel=3,3 a
     ~layout=rf16 leaf=1 builder=ploc box=watertight ~tri=woop optimize=reinsert ~waves ~bvh=$dir/cornell.json
     handler=bvh-rf handler-bvh-rf ~handler-bvh handler-blank ~camera-orbit ~camera-fixed"
 walk "fuzz --trials 20 --jobs 1 --engine cpu --layout f32 --corpus none --dir $files/d" 'trials=40 ~time=60 ~until=1 seed=3
-    ~jobs=2 ~shard=1/1 engine=cpu,fast layout=f32,rf16 builder=ploc faithful rays=9 triangles=4-8 ~feedback pairs=1
+    ~jobs=2 ~shard=1/1 engine=cpu,fast layout=f32,rf16 builder=ploc faithful worlds rays=9 triangles=4-8 ~feedback
+    pairs=1
     ~no-shrink ~trial-time=9 ~memory=999 json=@ junit=@ tap=@ jsonl=@ dir=@ ~baseline=fuzz/baseline.txt'
 "$raydiff" check soup:n=40 --count 64 --repeat 1 --engine cpu --layout f32 --json "$dir/check.json" >/dev/null
 "$raydiff" bench builders --scene soup:n=40 --rounds 1 --threads 1 --json "$dir/bench.json" >/dev/null 2>&1
