@@ -10,7 +10,7 @@ published="--engine cpu --layout rtrs_rf --faithful"
 
 # What cannot be.
 expect 2 '--pairs: draws members for scenes, so not with --worlds' fuzz --worlds --pairs 1 --dir "$dir/none"
-expect 77 '^raydiff fuzz: fast traces scenes, not worlds$' fuzz --worlds --engine cpu,fast --trials 64 --dir "$dir/fast"
+expect 77 '^raydiff fuzz: cpu_stackless traces scenes, not worlds$' fuzz --worlds --engine cpu,cpu_stackless --trials 64 --dir "$dir/fast"
 
 # An honest engine is right in every world.
 expect 0 . fuzz --worlds $small --engine cpu,brute --trials 320 --feedback --dir "$dir/clean"
