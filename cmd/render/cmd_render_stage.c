@@ -2,6 +2,7 @@
 #include "cmd/render/cmd_render.h"
 
 #include "scenes/scenes.h"
+#include "scenes/worlds/placed_scene.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -10,9 +11,14 @@
 static enum status open_scene(const struct render_settings *settings, struct render_stage *stage,
                               struct reason *reason)
 {
-    enum status status = scene_open(settings->scene, settings->seed, &stage->scene, reason);
+    uint64_t placed;
+    enum status status =
+        placed_scene_open(settings->scene, settings->seed, &stage->scene, &placed, reason);
     if (status)
         return status;
+    if (placed > stage->scene.tri_count)
+        fprintf(stderr, "raydiff: %s: %u of %llu placed triangles are drawn\n", settings->scene,
+                stage->scene.tri_count, (unsigned long long)placed);
     stage->camera = camera_of_scene(&stage->scene, settings->framing, settings->look.profile,
                                     settings->width, settings->height);
     for (int k = 0; k < 3; k++)
