@@ -15,11 +15,12 @@ static inline bool sees_front(const struct instance *instance, const struct RTCR
     return world_is_front(instance, side < 0.0 ? -1 : 1);
 }
 
-/* The same for the direction in the world: d' = M^-1 d, so d' . Ng has the sign of det M times that
- * of d . (cofactors of M) Ng. */
-static inline bool sees_front_from_world(const struct instance *instance, const struct RTCRay *ray,
-                                         const struct RTCHit *hit)
+/* Leaves in Ng_x which side is seen, for the direction in the world: d' = M^-1 d, so d' . Ng has
+ * the sign of det M times that of d . (cofactors of M) Ng. */
+static inline void face_from_world(const struct instance *instance, struct RTCRayHit *query)
 {
+    const struct RTCRay *ray = &query->ray;
+    const struct RTCHit *hit = &query->hit;
     const double d[3] = {(double)ray->dir_x, (double)ray->dir_y, (double)ray->dir_z};
     const double n[3] = {(double)hit->Ng_x, (double)hit->Ng_y, (double)hit->Ng_z};
     double side = 0, det = 0;
@@ -31,7 +32,8 @@ static inline bool sees_front_from_world(const struct instance *instance, const 
             side += d[k] * cofactor * n[j];
             det += k == 0 ? (double)instance->m[0][j] * cofactor : 0;
         }
-    return world_is_front(instance, (side < 0.0) != (det < 0.0) ? -1 : 1);
+    bool front = world_is_front(instance, (side < 0.0) != (det < 0.0) ? -1 : 1);
+    query->hit.Ng_x = front ? 1.0f : -1.0f;
 }
 
 #endif

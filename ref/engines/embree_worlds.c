@@ -7,7 +7,6 @@
 #if HAVE_EMBREE
 
 #include "ref/engines/embree_facing.h"
-#include "ref/engines/embree_inner.h"
 #include "ref/world/world_boxes.h"
 
 #include <math.h>
@@ -133,6 +132,8 @@ struct embree_walk {
     struct hit *hit;
     uint32_t *tag;
     uint32_t capacity, found;
+    bool nearest; /* the nearest hit is wanted, not lists and not any */
+    bool ended;   /* it was a hit whose t is NaN, which is then in *hit and *tag */
 };
 
 /* Where Embree's numbers are. Returns false if there is no such triangle. */
@@ -173,6 +174,8 @@ static void filter_candidate(const struct RTCFilterFunctionNArguments *args)
     const struct RTCRay *ray = (const struct RTCRay *)args->ray;
     struct RTCHit *hit = (struct RTCHit *)args->hit;
     struct place place;
+    if (walk->ended)
+        args->valid[0] = 0;
     if (args->N != 1 || args->valid[0] != -1)
         return;
     if (place_of(world, hit, &place)) {
@@ -187,6 +190,13 @@ static void filter_candidate(const struct RTCFilterFunctionNArguments *args)
             return;
         }
         hit->Ng_x = front ? 1.0f : -1.0f;
+    }
+    /* With a NaN for its length the ray would be invalid in the next instance, and Embree with its
+     * assertions aborts. */
+    if (walk->nearest && ray->tfar != ray->tfar) {
+        take_hit(world, hit, ray->tfar, walk->hit, walk->tag);
+        walk->ended = true;
+        args->valid[0] = 0;
     }
     if (!walk->lists)
         return;
@@ -323,17 +333,16 @@ static void trace_one(const struct embree *embree, const struct ray *ray, struct
             hit->prim = 0;
         return;
     }
+    walk.nearest = true;
+    walk.hit = hit;
+    walk.tag = tag;
     embree_intersect(embree->world->top, &walk.context, &query);
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID || walk.ended)
         return;
-    const struct world *world = embree->world->world;
     struct place place;
-    if (embree->world->bare && place_of(world, &query.hit, &place)) {
-        bool front =
-            sees_front_from_world(&world->instance[place.instance], &query.ray, &query.hit);
-        query.hit.Ng_x = front ? 1.0f : -1.0f;
-    }
-    take_hit(world, &query.hit, query.ray.tfar, hit, tag);
+    if (embree->world->bare && place_of(embree->world->world, &query.hit, &place))
+        face_from_world(&embree->world->world->instance[place.instance], &query);
+    take_hit(embree->world->world, &query.hit, query.ray.tfar, hit, tag);
 }
 
 static uint32_t list_one(const struct embree *embree, const struct ray *ray, struct ray_mode mode,

@@ -168,6 +168,33 @@ static void a_ray_too_long_for_one_instance_meets_the_others(void **state)
         }
 }
 
+/* A hit whose t is NaN, of a determinant that is subnormal, ends the ray: Embree would abort in the
+ * next instance. */
+static void a_hit_without_a_number_ends_the_ray(void **state)
+{
+    (void)state;
+    const struct ray ray = {.dir = {0, 0x1p-29f, 0}, .tmax = INFINITY};
+    for (size_t which = 0; which < ARRAY_COUNT(names); which++) {
+        struct laws laws = open_named(which);
+        struct world world = laws_room(1, 2);
+        struct trace_report report;
+        struct hit hit = {.prim = 7};
+        uint32_t tag;
+        laws_mesh(&world.mesh[0], (const uint32_t[]){1}, 1);
+        const float vertex[9] = {0x1p-53f, 0, 0, 0, 1, 0, 0, 0, 0x1p-48f};
+        memcpy(world.mesh[0].scene->vertex, vertex, sizeof vertex);
+        memcpy(world.instance[1].m, world.instance[0].m, sizeof world.instance[0].m);
+        laws_finish(&world);
+        laws_prepare(&laws, &world, QUERY_CLOSEST);
+        assert_int_equal(
+            laws.engine->worlds->trace_world(laws.self, &ray, NULL, 1, &hit, &tag, &report, NULL),
+            STATUS_OK);
+        assert_true(hit.prim < 2 || hit.prim == ABI_NO_PRIM);
+        laws.engine->close(laws.self);
+        world_free(&world);
+    }
+}
+
 /* Transforms whose inverse Embree cannot compute are refused by the instance's number. */
 static void near_singular_transforms_are_refused(void **state)
 {
@@ -279,6 +306,7 @@ int main(void)
         cmocka_unit_test(worlds_and_scenes_follow_each_other),
         cmocka_unit_test(bad_rays_are_misses),
         cmocka_unit_test(a_ray_too_long_for_one_instance_meets_the_others),
+        cmocka_unit_test(a_hit_without_a_number_ends_the_ray),
         cmocka_unit_test(near_singular_transforms_are_refused),
         cmocka_unit_test(bare_worlds_have_the_same_answers),
         cmocka_unit_test(no_generator_has_what_rounding_does_not_explain),
