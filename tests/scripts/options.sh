@@ -24,7 +24,7 @@ every=$(cat "$dir"/knows.* | tr ' ' '\n' | sort -u)
 value_of() {
     case $1 in
     all | as-expected | brief | camera-fixed | camera-orbit | decimal | faithful | feedback | fill-normals | force | \
-        general | handler-* | hard | list | no-shrink | quick | summary | verbose | waves | wide | window | shaders) value= ;;
+        general | handler-* | hard | list | no-shrink | quick | summary | verbose | waves | wide | window | worlds | shaders) value= ;;
     color) value=always ;;
     engine | require) value=cpu ;;
     layout) value=f32 ;; builder) value=median ;; box) value=robust ;; tri) value=mt ;; store) value=compact ;;
@@ -147,6 +147,8 @@ walk 'conform closest.cpu.f32.median.robust.mt.soup.random.1' "list count=70 ~br
     ~threads=1 ~wide color=always"
 walk 'conform hard.01-* --list --engine cpu' 'engine=brute layout=rf16 builder=ploc box=watertight tri=woop ~list ~hard
     ~quick'
+walk 'conform world.*.identity.*.1.1 --list --engine cpu' 'engine=brute layout=rf16 builder=ploc box=watertight tri=woop ~list
+    ~worlds'
 walk 'bench builders --scene soup:n=40 --rounds 1 --threads 1' 'scene=soup:n=41 ~rounds=2 csv=@ json=@ threads=2 wide color=always'
 walk 'bench fuzz --count 3 --rounds 1 --engine cpu --layout f32' '~count=4 ~rounds=2 csv=@ ~seed=3 json=@ engine=cpu_stackless
     layout=f32,rf16'
