@@ -76,6 +76,7 @@ plain)
     suite fields sh tests/values/fields.sh
     suite shipped sh tests/scripts/shipped.sh "$build/raydiff"
     suite hard_lists sh tests/scripts/hard_lists.sh "$build/raydiff"
+    suite leaks_worlds sh tests/worlds/leaks_worlds.sh "$build/raydiff"
     suite worlds_named sh tests/worlds/conform_worlds.sh "$build/raydiff"
     suite options sh tests/scripts/options.sh "$build/raydiff"
     suite help sh tests/scripts/help.sh "$build/raydiff"
