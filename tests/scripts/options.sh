@@ -127,6 +127,9 @@ walk 'explain soup:n=40 --index 3 --engine cpu --builder ploc --layout f32' \
 walk 'leaks sphere:n=4 --count 100 --engine cpu --builder sah_binned' \
     'layout=f32 store=compact engine=fast ~bins=2 ~leaf=1 ~optimize=reinsert ~builder=sah_binned box=robust tri=mt count=70
     ~seed=3 profile=dxr json=@ ~threads=1 wide color=always'
+walk 'leaks wall:n=2 --count 100 --engine cpu --builder sah_binned' \
+    'layout=f32 engine=cpu_stackless ~bins=2 ~leaf=1 ~optimize=reinsert ~builder=sah_binned box=robust tri=mt count=70
+    ~seed=3 profile=dxr json=@ ~threads=1 wide color=always'
 # Files and formats.
 walk 'gen soup:n=9 --count 5' 'rays=vertices count=6 seed=3 query=any decimal out=@'
 "$raydiff" gen sphere:n=2 --count 5 >"$dir/rays"
