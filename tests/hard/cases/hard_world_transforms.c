@@ -53,19 +53,19 @@ static void make_inverse(struct hard_made *made)
     }
 }
 
-/* Far and near instances in turn. A ray that went to a far one and back has lost what the near one
- * after it can tell. */
+/* Small instances within large ones that are not around the origin, in turn. A ray that went to a
+ * large one and back has lost what the small one after it can tell. */
 static void make_forth(struct hard_made *made)
 {
-    struct hard_part *part = part_world(made, 1, 8, "far and near");
+    struct hard_part *part = part_world(made, 1, 8, "small in large");
     struct rng rng = rng_make(103, 0);
     mesh_open(part, 0, "sphere:n=3");
     for (uint32_t i = 0; i < 8 && !part->failed; i++) {
-        const float far = i % 2 ? 0 : 32768;
+        const float away = i % 2 ? 0 : 8192;
         double m[3][3];
-        rotation_draw(&rng, 0.5, m);
+        rotation_draw(&rng, i % 2 ? 0.5 : 32768, m);
         place_linear(part_instance(part, i), m);
-        place_at(part_instance(part, i), far + 2 * (float)i, -far, far / 2);
+        place_at(part_instance(part, i), away + 2 * (float)i, -away, away / 2);
     }
     for (uint32_t i = 0; i < 8; i++)
         aim_at(part, &rng, i, 24, 3);
@@ -132,7 +132,7 @@ const struct hard_case hard_world_transforms_cases[] = {
     {
         .number = 103,
         .name = "forth-and-back",
-        .recipe = "turned spheres near the origin and 40000 away, in turn",
+        .recipe = "small spheres within large ones that lie around another point, in turn, turned",
         .expected = "each instance gets the ray of the world, not one that was taken back",
         .source = "design of worlds: a ray that is transformed back differs by u |T| each time",
         .flags = HARD_WORLD,
