@@ -127,7 +127,8 @@ enum status world_trial_parse(const char *name, struct world_trial *out, struct 
     for (int f = 0; f < WORLD_FIELDS; f++) {
         char *dot = at ? strchr(at + 1, '.') : NULL;
         if (!dot)
-            return fail(reason, STATUS_INPUT, "trial: '%s' is not %s", name, shape);
+            return fail(reason, STATUS_INPUT, "trial: '%s' is not %s, as --worlds --list prints",
+                        name, shape);
         field[f] = at + 1;
         *dot = '\0';
         at = dot;

@@ -1,5 +1,6 @@
 #include "scenes/worlds/composed.h"
 
+#include "ref/base/nearest_name.h"
 #include "ref/base/text.h"
 #include "scenes/worlds/placer.h"
 
@@ -83,14 +84,17 @@ enum status composed_find(enum composed_axis axis, const char *name, uint32_t *m
     static const char *const titles[COMPOSED_AXES] = {
         "transform", "masks",     "instance flags",     "geometry",
         "filter",    "ray flags", "number of instances"};
-    char known[300] = "";
+    char known[300] = "", hint[NEAREST_HINT];
+    struct nearest_name nearest = nearest_make(name, strlen(name));
     for (*member = 0; composed_name(axis, *member); ++*member) {
         const char *one = composed_name(axis, *member);
         if (strcmp(one, name) == 0)
             return STATUS_OK;
+        nearest_try(&nearest, one);
         text_append(known, sizeof known, "%s%s", *member ? ", " : "", one);
     }
-    return fail(reason, STATUS_INPUT, "unknown %s '%s'; known are: %s", titles[axis], name, known);
+    return fail(reason, STATUS_INPUT, "unknown %s '%s'; known are: %s%s", titles[axis], name, known,
+                nearest_hint(&nearest, hint));
 }
 
 static uint32_t value_of(const struct composition *of, enum composed_axis axis)

@@ -16,11 +16,11 @@ for name in $one $two $less; do
     expect 0 . conform $name --list
     [ "$(cat "$dir/out")" = $name ] || bad "conform $name --list: another name"
 done
-expect 2 "trial: unknown masks 'bitz'; known are: all, bits, drawn, idle$" conform $(echo $one | sed 's/bits/bitz/')
+expect 2 "trial: unknown masks 'bitz'; known are: all, bits, drawn, idle; did you mean bits" conform $(echo $one | sed 's/bits/bitz/')
 expect 2 "trial: unknown layout 'f31'$" conform $(echo $one | sed s/f32/f31/)
 expect 2 "trial: unknown layout 'f31'$" conform $(echo $two | sed s/rf16/f31/)
 expect 2 "trial: unknown builder 'lb'$" conform $(echo $two | sed s/lbvh/lb/)
-expect 2 "trial: unknown number of instances '13'; known are: 1, 3, 12, 40$" conform $(echo $one | sed s/12/13/)
+expect 2 "trial: unknown number of instances '13'; known are: 1, 3, 12, 40" conform $(echo $one | sed s/12/13/)
 expect 2 "trial: engine brute takes '-', not 'f32'$" conform $(echo $one | sed s/cpu/brute/)
 expect 2 "trial: seed 'x' is not a number$" conform ${one%.1}.x
 expect 2 "is not world.query.engine" conform world.closest.cpu
