@@ -30,6 +30,8 @@ static enum status mesh_make(const struct scene *scene, struct closed_mesh *out,
 {
     *out = (struct closed_mesh){.scene = scene};
     enum status status = topology_make(scene, &out->topology, reason);
+    if (status == STATUS_MEMORY)
+        return fail(reason, status, "no memory for a mesh of %u triangles", scene->tri_count);
     if (!status)
         status = topology_is_closed(&out->topology, scene, reason);
     return status ? status : oracle_make(scene, &out->oracle, reason);
@@ -254,6 +256,8 @@ enum status world_rays_inside_make(const struct world *world, uint64_t seed, siz
                                 &inside->origins, reason);
         else if (status == STATUS_INPUT)
             inside->seams = true;
+        else
+            status = fail(reason, status, "instance %u: %s", open, why.text);
         mesh_free(&mesh);
         for (size_t r = from; r < to; r++)
             mode[r] = mode_of_instance(inside, open);
