@@ -16,23 +16,21 @@ uint trouble = 0u;
 instance at;
 tri_ray tri;
 
-/* Enters an instance, if the ray meets it. Returns the number behind its last triangle in `end`:
- * the next instance's first, since an instance that is not active has no mesh in its record, but
- * keeps the numbers of its triangles. */
+/* Enters an instance, if the ray meets it. `end` is the number behind its last triangle: where the
+ * next instance begins. One that is not active has triangles, too, if it has a mesh. */
 bool enter(uint index, vec4 org, vec4 dir, uvec2 mode, out uint end)
 {
     at = instance_load(index);
-    bool met = instance_is_met(at, mode);
+    end = world.last;
+    if (index + 1u < world.instance_count)
+        end = instance_load(index + 1u).first;
     if (at.mesh != ABI_NO_PRIM) {
         vec3 o, d;
         tree_use(1u + at.mesh);
         instance_ray(at, org.xyz, dir.xyz, o, d);
         tri = tri_ray_make(o, d, org.w, dir.w);
     }
-    end = world.last;
-    if (index + 1u < world.instance_count)
-        end = instance_load(index + 1u).first;
-    return met;
+    return instance_is_met(at, mode);
 }
 
 void main()

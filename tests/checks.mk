@@ -177,6 +177,7 @@ slow: all tests
 	RAYDIFF_SLOW=1 $(B)/tests/test_vulkan_render
 	for test in $(BOUNDS_TESTS); do RAYDIFF_SLOW=1 $$test || exit 1; done
 	$(B)/raydiff conform --hard
+	$(B)/raydiff conform --worlds
 	sh tests/house/stubs.sh $(B) all
 	sh tests/house/rules_planted.sh
 	sh tests/house/constants_planted.sh

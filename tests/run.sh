@@ -49,6 +49,7 @@ plain)
     suite conform_hard sh tests/conform/conform.sh "$build/raydiff" "$logs/hard.xml" 8000 --hard --quick
     suite agree sh tests/scripts/agree.sh "$build" quick "$logs/agree"
     suite conform sh tests/conform/conform.sh "$build/raydiff" "$logs/conform.xml" 400
+    suite conform_worlds sh tests/conform/conform.sh "$build/raydiff" "$logs/worlds.xml" 250 --worlds --count 200
     suite rules sh tests/house/rules.sh
     suite constants sh tests/house/constants.sh
     suite honest_planted sh tests/house/honest_planted.sh
@@ -75,6 +76,8 @@ plain)
     suite fields sh tests/values/fields.sh
     suite shipped sh tests/scripts/shipped.sh "$build/raydiff"
     suite hard_lists sh tests/scripts/hard_lists.sh "$build/raydiff"
+    suite leaks_worlds sh tests/worlds/leaks_worlds.sh "$build/raydiff"
+    suite worlds_named sh tests/worlds/conform_worlds.sh "$build/raydiff"
     suite options sh tests/scripts/options.sh "$build/raydiff"
     suite help sh tests/scripts/help.sh "$build/raydiff"
     suite named sh tests/scripts/named.sh "$build/raydiff"
@@ -143,6 +146,7 @@ sanitize)
     suite corpus sh tests/conform/corpus.sh "$build/raydiff"
     suite readers sh tests/scripts/readers.sh "$build"
     suite conform "$build/raydiff" conform --count 200
+    suite conform_worlds "$build/raydiff" conform --worlds --engine cpu,brute --count 100
     suite conform_hard "$build/raydiff" conform 'hard.*.cpu.*.median.watertight.*'
     suite cli sh tests/scripts/cli.sh "$build/raydiff"
     suite watertight sh tests/scripts/watertight.sh "$build/raydiff"

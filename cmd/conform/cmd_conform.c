@@ -6,6 +6,8 @@
 #include "cmd/conform/cmd_conform_hard.h"
 #include "cmd/conform/cmd_conform_report.h"
 #include "cmd/conform/cmd_conform_suite.h"
+#include "cmd/conform/cmd_conform_worlds.h"
+#include "cmd/conform/cmd_world_trial.h"
 #include "ref/base/text.h"
 
 #include <stdlib.h>
@@ -71,6 +73,12 @@ static const struct option_row rows[] = {
      "begins with 'hard.' means them too. Not with --count, --brute, --store, --all, "
      "--displacement, --require watertight",
      OF_FLAG(hard)},
+    {"worlds", NULL,
+     "a covering array of worlds: transforms, masks, flags, opacity, filters, ray flags, numbers "
+     "of "
+     "instances, and the members that trace them. A PATTERN that begins with 'world.' takes those "
+     "of it whose name matches, a whole name whatever it names",
+     OF_FLAG(worlds)},
     {"quick", NULL, "hard cases without members of which two parts or more are as published",
      OF_FLAG(quick)},
     {"summary", NULL, "the hard cases as a matrix", OF_FLAG(summary)},
@@ -259,12 +267,13 @@ static int check_name(const struct conform_options *o)
     struct list engine, layout = {.count = 0};
     struct trial trial;
     struct reason why;
-    char never[100];
+    char never[120];
     if (trial_parse(o->pattern, &trial, &why))
         return -1; /* not a valid name: suite_make reports that */
     engine = list_of_one(TABLE_ENGINES, trial.engine);
     const bool outside = trial.layout && trial.layout->outside;
-    snprintf(never, sizeof never, "%s%s store builder box tri hard quick summary markdown html",
+    snprintf(never, sizeof never,
+             "%s%s store builder box tri hard worlds quick summary markdown html",
              engine_is_peer(trial.engine) ? "" : "engine ", outside ? "" : "layout");
     const struct option_use use = {.by = "a trial's whole name",
                                    .never = never,
@@ -288,6 +297,7 @@ static int check_use(const struct conform_options *o, bool hard)
                    "html threads driver device workgroup peer-time peer-memory wide color"
                  : ""},
         {.by = "a PATTERN, whose trials are all played", .never = o->pattern ? "all" : ""},
+        {.by = "a PATTERN that does not begin with 'world.'", .never = o->pattern ? "worlds" : ""},
         {.by = "--tap, which has a line per trial",
          .never = o->tap ? "verbose summary wide color" : ""},
         {.engine = o->list[TABLE_ENGINES].count ? &o->list[TABLE_ENGINES] : &engine,
@@ -297,6 +307,27 @@ static int check_use(const struct conform_options *o, bool hard)
     for (size_t i = 0; i < ARRAY_COUNT(modes) - named && code < 0; i++)
         code = options_refused("conform", &modes[i]);
     return code;
+}
+
+/* The same of worlds. */
+static int check_worlds(const struct conform_options *o)
+{
+    struct list engine = table_all(TABLE_ENGINES), layout = table_all(TABLE_LAYOUTS);
+    const struct option_use use = {
+        .by = "the trials of worlds",
+        .never = "all store displacement hard quick summary markdown html",
+        .engine = o->list[TABLE_ENGINES].count ? &o->list[TABLE_ENGINES] : &engine,
+        .layout = o->list[TABLE_LAYOUTS].count ? &o->list[TABLE_LAYOUTS] : &layout};
+    const struct option_use list = {
+        .by = "--list",
+        .never = "count brute require waivers verbose tap junit threads driver device workgroup "
+                 "peer-time peer-memory wide color"};
+    int code = options_refused("conform", &use);
+    if (code < 0 && o->list_only)
+        code = options_refused("conform", &list);
+    return code < 0 && o->demands.watertight
+               ? usage_error("conform", "--require watertight: not used by the trials of worlds")
+               : code;
 }
 
 int cmd_conform(int argc, char **argv)
@@ -313,13 +344,20 @@ int cmd_conform(int argc, char **argv)
         if (o.list[TABLE_ENGINES].count > 0 && !list_names(&o.list[TABLE_ENGINES], engine))
             return usage_error("conform", "--require %s: --engine leaves it out", engine->name);
     }
+    const bool worlds =
+        o.pattern ? strncmp(o.pattern, WORLD_TRIAL_PREFIX, strlen(WORLD_TRIAL_PREFIX)) == 0
+                  : o.worlds;
     bool hard = o.hard || o.summary || o.quick || o.markdown || o.html ||
                 (o.pattern && strncmp(o.pattern, "hard.", 5) == 0);
     static struct list named[TABLE_COUNT];
     named_of(&o, named);
-    code = check_use(&o, hard);
+    code = worlds ? check_worlds(&o) : check_use(&o, hard);
     if (code >= 0)
         return code;
+    if (worlds) {
+        o.count = o.count ? o.count : 1000;
+        return conform_worlds(&o, named);
+    }
     if (hard && o.demands.watertight)
         return usage_error("conform", "--require watertight: not used by the hard cases");
     if (hard)

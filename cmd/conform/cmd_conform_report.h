@@ -12,7 +12,7 @@
 /* Options of raydiff conform. */
 struct conform_options {
     const char *pattern, *junit, *waivers, *markdown, *html; /* each may be NULL */
-    bool list_only, verbose, tap, hard, summary, quick;
+    bool list_only, verbose, tap, hard, summary, quick, worlds;
     struct list list[TABLE_COUNT], require; /* per table, the members to play; empty: the default */
     bool all;
     struct match_demands demands;

@@ -46,10 +46,13 @@ static const struct option_row rows[] = {
 static const struct option_set set = {
     .command = "leaks",
     .usage = "leaks SCENE... [OPTIONS]",
-    .about = "Aims rays from inside a closed mesh at its vertices, edge middles, edge points and "
-             "a hair beside them. Every such ray must leave the mesh: counted are those that hit "
-             "nothing (misses), those that hit two triangles where the edge or vertex they share "
-             "has room for one (double), and those that cross the mesh an even number of times.",
+    .about =
+        "Aims rays from inside a closed mesh at its vertices, edge middles, edge points and "
+        "a hair beside them. Every such ray must leave the mesh: counted are those that hit "
+        "nothing (misses), those that hit two triangles where the edge or vertex they share "
+        "has room for one (double), and those that cross the mesh an even number of times. Of a "
+        "world, rays start inside its instances, and misses alone are counted; where instances "
+        "are closed only together, nothing is judged.",
     .group = {GROUP(rows), GROUP_AT(build_rows, build), GROUP_AT(engine_rows, engines),
               GROUP_AT(outside_rows, engines), GROUP_AT(screen_rows, screen)},
     .notes = " profile  miss        double hit  range of t        degenerate triangles\n"

@@ -47,7 +47,10 @@ struct leak_row {
 struct leak_scene {
     const char *spec;
     const struct leak_profile *profile;
-    uint32_t tri_count, point_count, edge_count;
+    uint32_t tri_count, point_count, edge_count; /* of a world placed triangles, 0, 0 */
+    bool is_world;
+    bool seams;         /* a world whose instances are closed only together: nothing is judged */
+    uint32_t instances; /* of a world: that rays start in, or all */
     size_t ray_count;
     uint64_t seed;
     struct inside inside;
@@ -62,6 +65,10 @@ struct leak_scene {
 enum status leaks_play(const struct leaks_options *options, struct pool *pool,
                        struct progress *progress, const char *spec, struct leak_scene *result,
                        struct reason *reason) MUST_USE;
+
+/* Adds a row. Errors: STATUS_MEMORY. */
+enum status leaks_add_row(struct leak_scene *result, const struct leak_row *row,
+                          struct reason *reason) MUST_USE;
 
 /* Fills in row->broken from the row's counts. */
 void leak_row_judge(struct leak_row *row, const struct leak_profile *profile);

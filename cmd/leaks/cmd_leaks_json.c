@@ -61,12 +61,13 @@ enum status leaks_write_json(const char *path, const struct leak_scene *scene, s
     json_t *scenes = json_array(), *rows = json_array();
     for (size_t s = 0; s < scene_count; s++) {
         const struct inside *inside = &scene[s].inside;
-        json_array_append_new(scenes,
-                              json_record("scene=%s triangles=%u points=%u edges=%u rays=%zu "
-                                          "origins=%zu aimed_exactly=%zu vacuous=%s",
-                                          scene[s].spec, scene[s].tri_count, scene[s].point_count,
-                                          scene[s].edge_count, scene[s].ray_count, inside->origins,
-                                          inside->exact, scene[s].vacuous));
+        json_array_append_new(
+            scenes, json_record("scene=%s triangles=%u points=%u edges=%u rays=%zu "
+                                "origins=%zu aimed_exactly=%zu instances=%u seams=%i vacuous=%s",
+                                scene[s].spec, scene[s].tri_count, scene[s].point_count,
+                                scene[s].edge_count, scene[s].ray_count, inside->origins,
+                                inside->exact, scene[s].is_world ? scene[s].instances : 1,
+                                (int)scene[s].seams, scene[s].vacuous));
         for (size_t i = 0; i < scene[s].row_count; i++)
             json_array_append_new(rows, row_json(&scene[s], &scene[s].row[i]));
     }

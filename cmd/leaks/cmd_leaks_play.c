@@ -1,9 +1,10 @@
 /* raydiff leaks on one scene: runs every named engine on every tree and test. */
 #include "cmd/leaks/cmd_leaks.h"
 #include "cmd/common/cmd_tree.h"
+#include "cmd/leaks/cmd_leaks_world.h"
 #include "ref/base/text.h"
 #include "ref/twin/twin.h"
-#include "scenes/scenes.h"
+#include "scenes/worlds.h"
 #include "ref/store.h"
 
 #include <stdio.h>
@@ -17,6 +18,7 @@ struct play {
     struct progress *progress;
     size_t rows; /* at most */
     struct leak_scene *result;
+    struct world world; /* which scene borrows its own from, if it is a plain one */
     struct scene scene;
     struct topology topology;
     struct oracle *oracle;
@@ -29,9 +31,9 @@ struct play {
     struct packed packed;
 };
 
-static enum status add_row(struct play *play, const struct leak_row *row, struct reason *reason)
+enum status leaks_add_row(struct leak_scene *result, const struct leak_row *row,
+                          struct reason *reason)
 {
-    struct leak_scene *result = play->result;
     size_t capacity = result->row_count; /* grows one by one, since rows are few */
     void *rows = result->row;
     if (array_reserve(&rows, &capacity, result->row_count + 1, sizeof *row))
@@ -116,7 +118,7 @@ static enum status play_row(struct play *play, struct leak_row row, struct reaso
     count_row(play, &row);
     if (row.status == STATUS_OK)
         leak_row_judge(&row, play->result->profile);
-    return add_row(play, &row, reason);
+    return leaks_add_row(play->result, &row, reason);
 }
 
 /* The triangle test that an engine with one of its own reports, or NULL: none of the table, or it
@@ -197,7 +199,7 @@ static enum status play_layouts(struct play *play, const struct bvh *bvh, struct
                                      &row.reason)
                 : tree_file_pack(&play->tree, row.layout, &play->scene, &play->packed, &row.reason);
         if (row.status == STATUS_LIMIT)
-            status = add_row(play, &row, reason);
+            status = leaks_add_row(play->result, &row, reason);
         else if (row.status)
             status = fail(reason, row.status, "%s", row.reason.text);
         else
@@ -249,8 +251,8 @@ static enum status prepare(struct play *play, struct reason *reason)
     const struct leaks_options *o = play->options;
     struct leak_scene *result = play->result;
     size_t count = result->ray_count;
-    enum status status = scene_open(result->spec, o->seed, &play->scene, reason);
-    if (!status && o->bvh)
+    enum status status = STATUS_OK;
+    if (o->bvh)
         status = tree_open("leaks", o->bvh, &play->scene, &play->tree, reason);
     if (!status)
         status = topology_make(&play->scene, &play->topology, reason);
@@ -287,6 +289,12 @@ static void look_whether_vacuous(struct leak_scene *result)
                  inside->near);
 }
 
+/* No storage is named but the default. */
+static bool only_indexed(const struct leaks_options *o)
+{
+    return o->store.count == 1 && tri_stores[o->store.index[0]] == tri_stores[0];
+}
+
 enum status leaks_play(const struct leaks_options *o, struct pool *pool, struct progress *progress,
                        const char *spec, struct leak_scene *result, struct reason *reason)
 {
@@ -295,8 +303,18 @@ enum status leaks_play(const struct leaks_options *o, struct pool *pool, struct 
     *result = (struct leak_scene){
         .spec = spec, .profile = o->profile, .ray_count = (size_t)o->count, .seed = o->seed};
     progress_step(progress, "%s: aiming", spec);
-    enum status status = prepare(&play, &why);
-    if (!status) {
+    enum status status = world_open(spec, o->seed, &play.world, &why);
+    const bool is_world = !status && !world_is_plain(&play.world);
+    if (is_world && (o->bvh || !only_indexed(o)))
+        status = fail(&why, STATUS_INPUT, "%s: is of scenes, not of worlds",
+                      o->bvh ? "--bvh" : "--store");
+    else if (is_world)
+        status = leaks_play_world(o, pool, progress, &play.world, result, &why);
+    else if (!status)
+        play.scene = *play.world.mesh[0].scene;
+    if (!status && !is_world)
+        status = prepare(&play, &why);
+    if (!status && !is_world) {
         look_whether_vacuous(result);
         status = play_rows(&play, &why);
     }
@@ -307,7 +325,7 @@ enum status leaks_play(const struct leaks_options *o, struct pool *pool, struct 
     oracle_free(play.oracle);
     topology_free(&play.topology);
     tree_file_free(&play.tree);
-    scene_free(&play.scene);
+    world_free(&play.world);
     if (status)
         return fail(reason, status, "%s%s%s", strstr(why.text, spec) ? "" : spec,
                     strstr(why.text, spec) ? "" : ": ", why.text);

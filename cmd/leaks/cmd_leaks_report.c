@@ -61,10 +61,21 @@ static void print_reasons(const struct leak_scene *scene, const struct screen *s
         screen_text(screen, "  nothing ran on a layout: every one refuses\n");
 }
 
-void leaks_print(const struct leak_scene *scene, const struct screen *screen)
+static void print_world(const struct leak_scene *scene, const struct screen *screen)
+{
+    screen_text(screen,
+                "%s: %u placed triangles, %u instances, %s; %zu rays from %zu points inside, "
+                "seed %llu\n",
+                scene->spec, scene->tri_count, scene->instances,
+                scene->seams ? "closed only together" : "each closed, that rays start in",
+                scene->ray_count, scene->inside.origins, (unsigned long long)scene->seed);
+    if (scene->seams)
+        screen_text(screen, "seams between instances: counted, not judged\n");
+}
+
+static void print_scene(const struct leak_scene *scene, const struct screen *screen)
 {
     const struct inside *inside = &scene->inside;
-    const struct leak_profile *profile = scene->profile;
     screen_text(
         screen,
         "%s: %s, %s, %s, closed; %s from %s inside, seed %llu; %.1f %% of them aimed without "
@@ -73,6 +84,12 @@ void leaks_print(const struct leak_scene *scene, const struct screen *screen)
         COUNTED(scene->edge_count, "edge"), COUNTED(scene->ray_count, "ray"),
         COUNTED(inside->origins, "point"), (unsigned long long)scene->seed,
         100.0 * (double)inside->exact / (double)scene->ray_count);
+}
+
+void leaks_print(const struct leak_scene *scene, const struct screen *screen)
+{
+    const struct leak_profile *profile = scene->profile;
+    (scene->is_world ? print_world : print_scene)(scene, screen);
     screen_text(screen, "profile %s: %s\n", profile->name, profile->summary);
     if (screen->wide)
         leaks_print_wide(scene);

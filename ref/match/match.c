@@ -261,8 +261,10 @@ static bool is_judged(const struct match *match, const struct engine *engine)
 {
     if (!engine->needs_packed)
         return true;
-    return !match_layout(match)->faithful && !match->options.builder->faithful &&
-           !match->options.box->faithful;
+    const struct match_options *o = &match->options;
+    return !match_layout(match)->faithful && !o->builder->faithful && !o->box->faithful &&
+           !(o->top_layout && o->top_layout->faithful) &&
+           !(o->top_builder && o->top_builder->faithful);
 }
 
 /* Lists all hits and judges them, beside engine cpu's if they must have its bits. */

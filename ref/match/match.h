@@ -49,6 +49,8 @@ struct match_options {
     const struct tri_store *store; /* of trees that are packed here; NULL: indexed */
     const struct box_test *box;
     const struct tri_test *tri;
+    const struct builder *top_builder; /* of a world's top tree; NULL: `builder` */
+    const struct layout *top_layout;   /* likewise; NULL: that which is packed */
     const struct scene *rest; /* borrowed: the scene before its vertices moved. Trees are built of
                                  it and packed, then refitted to the match's; NULL: nothing moved */
     enum query query;
@@ -230,7 +232,7 @@ enum status match_make_world(const struct world *world, const struct ray *ray,
                              const struct match_options *options, struct pool *pool,
                              struct match *out, struct reason *reason) MUST_USE;
 
-/* The layout that is packed; NULL: none. */
+/* The layout that is packed, of a world that of its meshes; NULL: none. */
 const struct layout *match_layout(const struct match *match);
 
 /* Triangles of the scene, or placed ones of the world. */

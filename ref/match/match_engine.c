@@ -64,7 +64,10 @@ bool match_same_bits(const struct hit *a, const struct hit *b, const uint32_t *a
 
 const struct layout *match_layout(const struct match *match)
 {
-    return match->world ? match->packed_world.top.layout : match->packed.layout;
+    const struct packed_world *packed = &match->packed_world;
+    if (!match->world)
+        return match->packed.layout;
+    return packed->mesh_count > 0 ? packed->bottom[0].layout : packed->top.layout;
 }
 
 uint32_t match_tri_count(const struct match *match)
@@ -129,7 +132,8 @@ static struct bvh_stats stats_of(const struct world *world, const struct world_t
 
 enum status match_rebuild_world(struct match *match, struct reason *reason)
 {
-    const struct world_build build = {.top = match->options.builder,
+    const struct builder *top = match->options.top_builder;
+    const struct world_build build = {.top = top ? top : match->options.builder,
                                       .bottom = match->options.builder,
                                       .top_options = match->options.build,
                                       .bottom_options = match->options.build};
@@ -143,7 +147,8 @@ enum status match_pack_world(struct match *match, const struct layout *layout,
                              struct reason *reason)
 {
     const struct tri_store *store = match->options.store ? match->options.store : tri_stores[0];
-    return packed_world_make(match->world, &match->trees, layout, layout, store,
+    const struct layout *top = match->options.top_layout;
+    return packed_world_make(match->world, &match->trees, top ? top : layout, layout, store,
                              &match->packed_world, reason);
 }
 

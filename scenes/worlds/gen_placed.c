@@ -3,10 +3,7 @@
 
 enum { N, COUNT };
 
-/* Draws the transform of instance i: M, and T where it is not 4 i along x. */
-typedef struct linear draw_fn(struct placer *placer, uint32_t i, double t[3]);
-
-static enum status make(struct placer *placer, const double *value, draw_fn *draw,
+static enum status make(struct placer *placer, const double *value, placed_draw *draw,
                         struct reason *reason)
 {
     uint32_t count = (uint32_t)value[COUNT];
@@ -31,7 +28,7 @@ static double draw_sign(struct placer *placer)
 static struct linear draw_identity(struct placer *placer, uint32_t i, double t[3])
 {
     (void)placer, (void)i;
-    t[0] = 0;
+    t[0] = t[1] = t[2] = 0;
     return linear_diagonal(1, 1, 1);
 }
 
@@ -144,3 +141,10 @@ PLACED(stretched, "spheres scaled by 1e3 and 1e-3 along two axes", 4, false)
 PLACED(mirrored, "spheres in a mirror", 4, false)
 PLACED(sheared, "sheared spheres", 4, false)
 PLACED(thin, "spheres almost flat: det M is 2^-20", 4, false)
+
+const struct placed_kind placed_kinds[] = {
+    {"identity", draw_identity}, {"far", draw_far},
+    {"turned", draw_turned},     {"scaled", draw_scaled},
+    {"tiny", draw_tiny},         {"stretched", draw_stretched},
+    {"mirrored", draw_mirrored}, {"sheared", draw_sheared},
+    {"thin", draw_thin},         {NULL, NULL}};

@@ -42,6 +42,16 @@ struct instance *placer_add(struct placer *placer, uint32_t mesh, const struct l
 /* 2^k, -126 <= k <= 127. */
 double placer_power(int k);
 
+/* Draws a transform of a kind for instance i: M, and T where it is not what t holds before. */
+typedef struct linear placed_draw(struct placer *placer, uint32_t i, double t[3]);
+
+/* Kinds of transforms, each that of the generator "placed-NAME"; ends at one without a name. */
+struct placed_kind {
+    const char *name;
+    placed_draw *draw;
+};
+extern const struct placed_kind placed_kinds[];
+
 struct linear linear_diagonal(double x, double y, double z);
 /* What is placed by b, then by a. */
 struct linear linear_multiply(const struct linear *a, const struct linear *b);

@@ -5,7 +5,8 @@
 
 extern const struct world_generator gen_placed_identity, gen_placed_far, gen_placed_turned,
     gen_placed_scaled, gen_placed_tiny, gen_placed_stretched, gen_placed_mirrored,
-    gen_placed_sheared, gen_placed_thin, gen_wall, gen_nest, gen_crowd, gen_twins, gen_mixed;
+    gen_placed_sheared, gen_placed_thin, gen_wall, gen_nest, gen_crowd, gen_twins, gen_room,
+    gen_mixed;
 
 const struct world_generator *const world_generators[] = {&gen_placed_identity,
                                                           &gen_placed_far,
@@ -20,6 +21,7 @@ const struct world_generator *const world_generators[] = {&gen_placed_identity,
                                                           &gen_nest,
                                                           &gen_crowd,
                                                           &gen_twins,
+                                                          &gen_room,
                                                           &gen_mixed,
                                                           NULL};
 

@@ -133,6 +133,44 @@ static void it_has_the_bits_of_brute(void **state)
     cpu.engine->close(cpu.self);
 }
 
+/* Those of mask 0 have numbers, at the end as in between. */
+static void instances_that_are_not_active_keep_their_triangles(void **state)
+{
+    (void)state;
+    static struct brute_answers_of a, b;
+    static struct ray ray[RAYS];
+    static struct ray_mode mode[RAYS];
+    const struct laws gpu = open_device();
+    struct laws cpu = {.engine = engine_find("brute")};
+    const struct engine_options options = {.threads = 1, .device = -1};
+    assert_int_equal(cpu.engine->open(&options, &cpu.self, NULL), STATUS_OK);
+    for (uint32_t masked = 1; masked < 16; masked++) {
+        struct world world = laws_room(1, 4);
+        laws_mesh(&world.mesh[0], (const uint32_t[]){2}, 1);
+        for (uint32_t i = 0; i < 4; i++)
+            world.instance[i].mask = masked >> i & 1 ? 0 : 0xFF;
+        laws_finish(&world);
+        for (uint32_t i = 0; i < RAYS; i++) {
+            ray[i] = laws_aim(&world, i % 4, i / 4 % 2, 0.25f, 0.25f, true, ray_mode_all()).ray;
+            mode[i] = ray_mode_all();
+        }
+        for (int query = QUERY_CLOSEST; query <= QUERY_ALL; query++) {
+            const struct world_job job = {.world = &world,
+                                          .box = box_tests[0],
+                                          .tri = tri_tests[0],
+                                          .query = (enum query)query};
+            answer(&gpu, &job, ray, mode, &a);
+            answer(&cpu, &job, ray, mode, &b);
+            assert_memory_equal(&a, &b, sizeof a);
+            for (size_t i = 0; i < 8 && query == QUERY_CLOSEST; i++)
+                assert_int_equal(a.hit[i].prim == ABI_NO_PRIM, masked >> i % 4 & 1);
+        }
+        world_free(&world);
+    }
+    gpu.engine->close(gpu.self);
+    cpu.engine->close(cpu.self);
+}
+
 /* Every placed triangle is in one part, and no part goes through more than it may. */
 static void parts_cover_a_world_once(void **state)
 {
@@ -174,6 +212,7 @@ int main(void)
         cmocka_unit_test(it_obeys_the_laws),
         cmocka_unit_test(inactive_instances_keep_their_numbers),
         cmocka_unit_test(it_has_the_bits_of_brute),
+        cmocka_unit_test(instances_that_are_not_active_keep_their_triangles),
         cmocka_unit_test(parts_cover_a_world_once),
     };
     return cmocka_run_group_tests_name("brute_world", tests, NULL, NULL);

@@ -15,9 +15,34 @@ static bool in_range(const struct scene *scene)
     return true;
 }
 
+static enum status make_world(const struct hard_part *part, struct hard_cache *out,
+                              struct reason *reason)
+{
+    const struct match_options options = {
+        .builder = builders_all[0],
+        .build = {.leaf = part->leaf ? part->leaf : BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT},
+        .box = box_tests[0],
+        .tri = tri_tests[0],
+        .repeats = 2,
+        .brute_budget = UINT64_MAX};
+    return match_make_world(&part->world, part->ray, part->mode, part->ray_count, &options, NULL,
+                            &out->match, reason);
+}
+
+size_t cache_truly(const struct hard_cache *cache)
+{
+    const struct oracle_answer *truth = cache->match.truth ? cache->match.truth : cache->truth;
+    size_t count = 0;
+    for (size_t i = 0; truth && i < cache->part->ray_count; i++)
+        count += truth[i].prim != ABI_NO_PRIM;
+    return count;
+}
+
 enum status cache_make(const struct hard_part *part, struct hard_cache *out, struct reason *reason)
 {
     *out = (struct hard_cache){.part = part};
+    if (part->is_world)
+        return make_world(part, out, reason);
     out->answer = alloc_zeroed(part->ray_count + 1, sizeof *out->answer);
     out->again = alloc_zeroed(part->ray_count + 1, sizeof *out->again);
     out->cpu = alloc_zeroed(part->ray_count + 1, sizeof *out->cpu);
@@ -44,6 +69,7 @@ void cache_free(struct hard_cache *cache)
         judge_free(cache->judge[i].judge);
     for (size_t i = 0; i < CACHE_TRIS; i++)
         free(cache->brute[i]);
+    match_free(&cache->match);
     oracle_free(cache->oracle);
     bvh_free(&cache->bvh);
     packed_free(&cache->packed);

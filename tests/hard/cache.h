@@ -20,7 +20,9 @@ struct hard_judge {
 struct hard_cache {
     const struct hard_part *part;
     struct oracle *oracle;
-    struct oracle_answer *truth; /* NULL: a bad scene */
+    struct oracle_answer *truth; /* NULL: a bad scene, or a world */
+    struct match match;          /* of a world, in place of all that follows but `reason` */
+    const struct layout *top;    /* of its top tree; `layout`: of the others */
     struct hit *brute[CACHE_TRIS];
     const struct builder *builder; /* of bvh; NULL: none yet */
     struct bvh bvh;
@@ -49,6 +51,9 @@ struct hard_cache {
 enum status cache_make(const struct hard_part *part, struct hard_cache *out,
                        struct reason *reason) MUST_USE;
 void cache_free(struct hard_cache *cache);
+
+/* How many of the part's rays truly hit something. */
+size_t cache_truly(const struct hard_cache *cache);
 
 /* The member's tree in its layout. Returns the status of building and packing; the reason is in
  * cache->reason. */

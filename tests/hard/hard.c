@@ -8,7 +8,9 @@
 void hard_part_free(struct hard_part *part)
 {
     scene_free(&part->scene);
+    world_free(&part->world);
     free(part->ray);
+    free(part->mode);
     free(part->want);
     free(part->id);
     free(part->prim_of);
@@ -29,12 +31,15 @@ enum status hard_make(const struct hard_case *one, struct hard_made *out, struct
         out->part[i] = (struct hard_part){0};
     one->make(out);
     for (size_t i = 0; i < out->part_count; i++) {
-        const struct hard_part *part = &out->part[i];
+        struct hard_part *part = &out->part[i];
         struct reason why;
         if (part->failed)
             return fail(reason, STATUS_MEMORY, "hard case %u, part %s: no memory, or no such scene",
                         one->number, part->label);
-        if (!part->bad_scene && scene_check(&part->scene, &why))
+        const enum status rules = part->is_world    ? world_finish(&part->world, &why)
+                                  : part->bad_scene ? STATUS_OK
+                                                    : scene_check(&part->scene, &why);
+        if (rules)
             return fail(reason, STATUS_INPUT, "hard case %u, part %s: %.200s", one->number,
                         part->label, why.text);
     }
@@ -46,7 +51,7 @@ const char *hard_property_name(enum hard_property property)
     static const char *const names[PROPERTY_COUNT] = {
         "kept",   "verdict", "hit",       "miss",   "id",     "t",    "ends",
         "like",   "culled",  "bits",      "repeat", "any",    "mode", "stray",
-        "finite", "refusal", "structure", "budget", "parity",
+        "finite", "refusal", "structure", "budget", "parity", "tag",
     };
     return (size_t)property < PROPERTY_COUNT ? names[property] : "unknown";
 }

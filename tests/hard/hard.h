@@ -8,6 +8,7 @@
 #include "ref/explain/repair.h"
 #include "ref/twin/model.h"
 #include "ref/scene/scene.h"
+#include "ref/world/world.h"
 
 #define HARD_PARTS_MOST   72
 #define HARD_LABEL_MOST   24
@@ -37,12 +38,14 @@ enum hard_scope {
     16u               /* its exact t is an end of the range: a hit where ends count, else a miss   \
                        */
 #define WANT_LIKE 32u /* the same as another ray's answer, up to HARD_LIKE_* */
+#define WANT_TAG  64u /* a hit in a world has this tag; ignored for any-hit */
 
 struct hard_want {
     unsigned what; /* 0: nothing */
     enum hard_scope scope;
     uint32_t id_first, id_count; /* WANT_ID: of part.id */
     float t;                     /* WANT_T */
+    uint32_t tag;                /* WANT_TAG */
     uint32_t like;               /* WANT_LIKE: a ray of part.like */
     int shift;                   /* its t times 2^shift is this one's ... */
     float add;                   /* ... minus add */
@@ -53,16 +56,19 @@ struct hard_want {
 #define HARD_LIKE_MT   1u
 #define HARD_LIKE_WOOP 2u
 
-/* One scene with its rays; owns its arrays. Zero-initialized it is empty. */
+/* One scene, or one world, with its rays; owns its arrays. Zero-initialized it is empty. */
 struct hard_part {
     char label[HARD_LABEL_MOST]; /* "k=-30" */
     struct scene scene;
+    bool is_world;      /* then the scene is empty, and hits name placed triangles */
+    struct world world; /* its meshes are complete before the first ray is added */
     struct ray *ray;
+    struct ray_mode *mode;  /* of a world: one per ray */
     struct hard_want *want; /* one per ray */
     uint32_t *id;           /* the sets of WANT_ID */
     uint32_t *prim_of;      /* like: triangle i is triangle prim_of[i] there; NULL: i */
     size_t ray_count, id_count;
-    size_t vertex_room, index_room, ray_room, want_room, id_room;
+    size_t vertex_room, index_room, ray_room, mode_room, want_room, id_room;
     size_t like;             /* part that WANT_LIKE points into */
     unsigned like_bits;      /* HARD_LIKE_* */
     uint32_t leaf;           /* items per leaf; 0: the default */
@@ -103,9 +109,10 @@ struct hard_defect {
 #define HARD_PARITY     32u  /* a closed mesh: an even number of crossings from outside */
 #define HARD_STRUCTURE  64u  /* packed_check of every member, as published ones too */
 #define HARD_NO_TREES   128u /* not played on engines with a tree */
+#define HARD_WORLD      256u /* every part is a world: for engines that trace worlds, all queries */
 
 struct hard_case {
-    unsigned number; /* 1 to 64: open questions; from 70 on: known truths; docs/hard-cases.md */
+    unsigned number; /* 1 to 64: open questions; from 70: known truths; from 101: worlds */
     const char *name;
     const char *recipe, *expected, *source; /* one line each */
     unsigned flags;
@@ -147,6 +154,7 @@ enum hard_property {
     PROPERTY_STRUCTURE, /* packed_check found a fault */
     PROPERTY_BUDGET,    /* more box tests than the case allows */
     PROPERTY_PARITY,    /* an odd number of crossings */
+    PROPERTY_TAG,       /* WANT_TAG */
     PROPERTY_COUNT
 };
 

@@ -22,6 +22,9 @@ struct hard_play {
 /* Notes that a property is broken: of ray `i`, or of the whole part (SIZE_MAX). */
 void play_broken(struct hard_play *play, enum hard_property property, size_t i);
 
+/* Notes that a builder, layout or engine refuses the part. It must give a reason. */
+void play_refused(struct hard_play *play, const struct reason *why);
+
 /* Traces all rays into `out`, which has room for one more: nothing may be written there.
  * Errors: those of the engine, or STATUS_DEVICE something was. */
 enum status play_trace(struct hard_play *play, void *self, struct hit *out) MUST_USE;

@@ -118,6 +118,87 @@ static void each_other_layout(const struct hard_case *one, hard_visit *visit, vo
         }
 }
 
+/* --- worlds ---------------------------------------------------------------------------------- */
+
+static bool traces_worlds(const struct engine *engine, enum query query)
+{
+    return engine->worlds && (query != QUERY_ALL || engine->worlds->trace_world_all);
+}
+
+/* Every query of each engine that walks such trees. The vulkan engine has one layout for both. */
+static void each_tree_of_worlds(const struct hard_case *one, struct hard_member *m,
+                                hard_visit *visit, void *user)
+{
+    for (size_t e = 0; engines[e]; e++)
+        for (enum query q = QUERY_CLOSEST; q < QUERY_COUNT; q++) {
+            if (!engines[e]->needs_packed || !traces_worlds(engines[e], q) ||
+                (m->top && engines[e] != engine_reference(true)))
+                continue;
+            m->engine = engines[e];
+            m->query = q;
+            visit(user, one, m);
+        }
+}
+
+/* Repaired members alone: what is as published loses instances as it does triangles. */
+static void each_test_in_world(const struct hard_case *one, const struct hard_tables *tables,
+                               struct hard_member m, hard_visit *visit, void *user)
+{
+    for (size_t x = 0; tables->box[x]; x++)
+        for (size_t t = 0; tables->tri[t]; t++) {
+            m.box = tables->box[x];
+            m.tri = tables->tri[t];
+            if (hard_member_published(&m) == 0)
+                each_tree_of_worlds(one, &m, visit, user);
+        }
+}
+
+/* The layouts with one builder. Without a choice of the user's each is once the layout of the
+ * meshes below the one before it. */
+static void each_layout_in_world(const struct hard_case *one, const struct hard_tables *tables,
+                                 const struct builder *builder, hard_visit *visit, void *user)
+{
+    struct hard_member m = {.builder = builder};
+    const struct layout *before = NULL;
+    for (size_t l = 0; tables->layout[l]; l++) {
+        m.layout = tables->layout[l];
+        m.top = NULL;
+        if (m.layout->faithful)
+            continue;
+        each_test_in_world(one, tables, m, visit, user);
+        m.top = tables->chosen ? NULL : before;
+        if (m.top)
+            each_test_in_world(one, tables, m, visit, user);
+        before = m.layout;
+    }
+}
+
+static void each_treeless_in_world(const struct hard_case *one, const struct hard_tables *tables,
+                                   hard_visit *visit, void *user)
+{
+    for (size_t e = 0; engines[e]; e++)
+        for (size_t t = 0; tables->tri[t] && (t == 0 || !engines[e]->own_tri); t++)
+            for (enum query q = QUERY_CLOSEST; q < QUERY_COUNT; q++)
+                if (!engines[e]->needs_packed && traces_worlds(engines[e], q) &&
+                    !tables->tri[t]->faithful)
+                    visit(user, one,
+                          &(struct hard_member){
+                              .query = q, .engine = engines[e], .tri = tables->tri[t]});
+}
+
+/* Without a choice of the user's the builder is one that comes by turns. */
+static void each_in_world(const struct hard_case *one, const struct hard_tables *tables,
+                          hard_visit *visit, void *user)
+{
+    const struct builder *turn = NULL;
+    (void)repaired_builders(&turn, one->number % repaired_builders(NULL, 0));
+    for (size_t b = 0; tables->chosen && tables->builder[b]; b++)
+        each_layout_in_world(one, tables, tables->builder[b], visit, user);
+    if (!tables->chosen)
+        each_layout_in_world(one, tables, turn, visit, user);
+    each_treeless_in_world(one, tables, visit, user);
+}
+
 struct hard_tables hard_tables_all(void)
 {
     return (struct hard_tables){layouts, builders, box_tests, tri_tests, false};
@@ -131,6 +212,10 @@ void hard_each_member(const struct hard_case *one, const struct hard_tables *tab
         m.engine = engine_find("vulkan");
         m.tri = tri_tests[0];
         visit(user, one, &m);
+        return;
+    }
+    if (one->flags & HARD_WORLD) {
+        each_in_world(one, tables, visit, user);
         return;
     }
     for (size_t b = 0; tables->builder[b] && !(one->flags & HARD_NO_TREES); b++)

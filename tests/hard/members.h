@@ -1,5 +1,5 @@
 /* All members that a hard case is played on: every combination of the tables, and the case's own
- * members that are wrong on purpose. */
+ * members that are wrong on purpose. A case of worlds is played on what traces worlds. */
 #ifndef HARD_MEMBERS_H
 #define HARD_MEMBERS_H
 

@@ -27,7 +27,7 @@ static void add_counts(struct result_line *line, const struct hard_result *resul
     for (enum verdict v = 0; v < VERDICT_COUNT; v++)
         if (result->count[v] && v != VERDICT_WRONG)
             add(line, ", %s %zu", verdict_name(v), result->count[v]);
-    for (enum wrong w = 0; w < WRONG_COUNT; w++)
+    for (enum wrong w = WRONG_NOT + 1; w < WRONG_COUNT; w++)
         if (result->wrong[w])
             add(line, ", WRONG %s %zu", wrong_name(w), result->wrong[w]);
     for (enum hard_property p = PROPERTY_VERDICT + 1; p < PROPERTY_COUNT; p++)

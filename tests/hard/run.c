@@ -1,6 +1,7 @@
 #include "tests/hard/run.h"
 
 #include "tests/hard/hard_crossings.h"
+#include "tests/hard/hard_world.h"
 #include "ref/packed/packed_check.h"
 
 #include <stdio.h>
@@ -17,9 +18,9 @@ unsigned hard_member_published(const struct hard_member *m)
 
 void hard_member_print(const struct hard_member *m, char name[HARD_NAME_MOST])
 {
-    snprintf(name, HARD_NAME_MOST, "%s.%s.%s.%s.%s.%s", query_name(m->query), m->engine->name,
-             m->layout ? m->layout->name : "-", m->builder ? m->builder->name : "-",
-             m->box ? m->box->name : "-", m->tri->name);
+    snprintf(name, HARD_NAME_MOST, "%s.%s.%s%s%s.%s.%s.%s", query_name(m->query), m->engine->name,
+             m->top ? m->top->name : "", m->top ? "/" : "", m->layout ? m->layout->name : "-",
+             m->builder ? m->builder->name : "-", m->box ? m->box->name : "-", m->tri->name);
 }
 
 void hard_name_print(const struct hard_case *one, const struct hard_member *member,
@@ -108,8 +109,7 @@ static bool names(const char *list, const char *name)
     return false;
 }
 
-/* A builder, layout or engine refuses the part. It must give a reason. */
-static void refused(struct hard_play *play, const struct reason *why)
+void play_refused(struct hard_play *play, const struct reason *why)
 {
     play->result->refused++;
     if (why->text[0] == '\0')
@@ -128,7 +128,7 @@ static enum status play_tree(struct hard_play *play, bool *go)
     if (status == STATUS_MEMORY)
         return fail(play->reason, status, "%s", cache->reason.text);
     if (status) {
-        refused(play, &cache->reason);
+        play_refused(play, &cache->reason);
         return STATUS_OK;
     }
     if (names(play->part->must_refuse, m->layout->name) && !m->builder->faithful) {
@@ -158,6 +158,8 @@ static enum status play_part(struct hard_play *play)
     bool go = true;
     enum status status = STATUS_OK;
     play->cache->answered = false;
+    if (play->part->is_world)
+        return play_world(play);
     if (m->engine->needs_packed)
         status = play_tree(play, &go);
     if (status || !go)
@@ -167,7 +169,7 @@ static enum status play_part(struct hard_play *play)
     status = m->engine->prepare(play->self, &play->job, play->reason);
     if (is_refusal(status) || status == STATUS_UNSUPPORTED) {
         play->result->declined += is_refusal(status);
-        refused(play, play->reason);
+        play_refused(play, play->reason);
         return STATUS_OK;
     }
     if (status)
@@ -182,7 +184,7 @@ static enum status play_part(struct hard_play *play)
     if (status == STATUS_REFUSED) {
         play->result->played--;
         play->result->declined++;
-        refused(play, play->reason);
+        play_refused(play, play->reason);
         return STATUS_OK;
     }
     return status ? status : play_check(play);
@@ -205,8 +207,7 @@ static void sum_up(const struct hard_stage *stage, struct hard_result *out)
     bool hits_wanted = !(stage->one->flags & HARD_NO_HITS);
     size_t truly = 0;
     for (size_t p = 0; p < stage->made->part_count; p++)
-        for (size_t i = 0; stage->cache[p].truth && i < stage->made->part[p].ray_count; i++)
-            truly += stage->cache[p].truth[i].prim != ABI_NO_PRIM;
+        truly += cache_truly(&stage->cache[p]);
     if (hits_wanted && truly == 0) {
         out->outcome = HARD_FAILED;
         (void)fail(&out->reason, STATUS_OK, "vacuous: no ray of this case truly hits anything");

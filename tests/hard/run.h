@@ -12,6 +12,7 @@ struct hard_member {
     enum query query;
     const struct engine *engine;
     const struct layout *layout; /* NULL for engines without a tree, as are the next two */
+    const struct layout *top;    /* of a world's top tree; NULL: `layout` */
     const struct builder *builder;
     const struct box_test *box;
     const struct tri_test *tri;
@@ -20,7 +21,8 @@ struct hard_member {
 /* How many of layout, builder, box test and triangle test are as published, faults included. */
 unsigned hard_member_published(const struct hard_member *member);
 
-/* "closest.cpu.rf16.median.robust.woop"; "-" where there is none. */
+/* "closest.cpu.rf16.median.robust.woop"; "-" where there is none, "f32/rf16" for another layout of
+ * the top. */
 void hard_member_print(const struct hard_member *member, char name[HARD_NAME_MOST]);
 
 /* "hard.05-grid-vertices.closest.cpu.rf16.median.robust.woop" */

@@ -1,9 +1,9 @@
 #!/bin/sh
 # Leaks of closed meshes on every driver that needs no GPU:
 #   sh tests/scripts/leaks.sh BUILD OUTPUT [RAYS [LAYOUTS]]
-# Three meshes, triangle test woop with box test watertight, on cpu and vulkan; a driver or mesh that
-# is not here is said and left out (generated ones stand in for meshes). Writes OUTPUT.txt; fails if any
-# ray leaks, if vulkan differs from cpu in a bit, or if nothing could be run.
+# Three meshes and a sphere under four transforms, triangle test woop with box test watertight, on cpu and
+# vulkan; a driver or mesh that is not here is said and left out (generated ones stand in for meshes). Writes
+# OUTPUT.txt; fails if any ray leaks, if vulkan differs from cpu in a bit, or if nothing could be run.
 set -u
 raydiff=$1/raydiff out=$2 rays=${3:-1000000} layouts=${4:-rf16}
 mkdir -p "$(dirname "$out")"
@@ -18,6 +18,7 @@ done
 for made in flake platonic; do
     [ "$(echo "$scenes" | wc -w)" -ge 3 ] || scenes="$scenes $made"
 done
+scenes="$scenes placed-identity placed-turned placed-stretched placed-mirrored"
 # An answer for each scene and layout, of either engine.
 answers=$(($(echo "$scenes" | wc -w) * $(echo "$layouts" | tr , '\n' | grep -c .)))
 code=0 ran=0

@@ -128,6 +128,9 @@ walk 'explain soup:n=40 --index 3 --engine cpu --builder ploc --layout f32' \
 walk 'leaks sphere:n=4 --count 100 --engine cpu --builder sah_binned' \
     'layout=f32 store=compact engine=fast ~bins=2 ~leaf=1 ~optimize=reinsert ~builder=sah_binned box=robust tri=mt count=70
     ~seed=3 profile=dxr json=@ ~threads=1 wide color=always'
+walk 'leaks wall:n=2 --count 100 --engine cpu --builder sah_binned' \
+    'layout=f32 engine=cpu_stackless ~bins=2 ~leaf=1 ~optimize=reinsert ~builder=sah_binned box=robust tri=mt count=70
+    ~seed=3 profile=dxr json=@ ~threads=1 wide color=always'
 # Files and formats.
 walk 'gen soup:n=9 --count 5' 'rays=vertices count=6 seed=3 query=any decimal out=@'
 "$raydiff" gen sphere:n=2 --count 5 >"$dir/rays"
@@ -148,6 +151,8 @@ walk 'conform closest.cpu.f32.median.robust.mt.soup.random.1' "list count=70 ~br
     ~threads=1 ~wide color=always"
 walk 'conform hard.01-* --list --engine cpu' 'engine=brute layout=rf16 builder=ploc box=watertight tri=woop ~list ~hard
     ~quick'
+walk 'conform world.*.identity.*.1.1 --list --engine cpu' 'engine=brute layout=rf16 builder=ploc box=watertight tri=woop ~list
+    ~worlds'
 walk 'bench builders --scene soup:n=40 --rounds 1 --threads 1' 'scene=soup:n=41 ~rounds=2 csv=@ json=@ threads=2 wide color=always'
 walk 'bench fuzz --count 3 --rounds 1 --engine cpu --layout f32' '~count=4 ~rounds=2 csv=@ ~seed=3 json=@ engine=cpu_stackless
     layout=f32,rf16'

@@ -267,6 +267,46 @@ static void a_world_without_hits_is_vacuous(void **state)
     world_free(&world);
 }
 
+/* The top has a builder and a layout of its own where the options name them. */
+static void tops_may_be_others(void **state)
+{
+    (void)state;
+    struct world world = fixture_world("soup:n=60,size=0.6", WORLD_TURNED, 9, 3);
+    struct world_play *p = play_world(&world, RAY_MODES_ALL, RAYS);
+    const struct layout *f32 = layout_find("f32"), *rf16 = layout_find("rf16");
+    for (int other = 0; other < 2; other++) {
+        struct match_options options = p->options;
+        options.top_builder = other ? builder_find("lbvh") : NULL;
+        options.top_layout = other ? rf16 : NULL;
+        struct match match;
+        if (match_make_world(&world, p->ray, p->mode, RAYS, &options, &p->pool, &match,
+                             &p->reason) ||
+            match_pack(&match, f32, &p->reason))
+            fail_msg("%s", p->reason.text);
+        assert_ptr_equal(match.packed_world.top.layout, other ? rf16 : f32);
+        assert_ptr_equal(match.packed_world.bottom[0].layout, f32);
+        assert_ptr_equal(match_layout(&match), f32);
+        const struct bvh *mine = &match.trees.top, *its = &p->match.trees.top;
+        const bool same = mine->node_count == its->node_count &&
+                          memcmp(mine->prim, its->prim, its->prim_count * sizeof *its->prim) == 0;
+        assert_int_equal(same, !other);
+        match_run(&match, engine_find("cpu"), &p->row);
+        assert_world_agrees(p, "top of its own");
+        assert_true(p->row.judged);
+        match_free(&match);
+        options.top_layout = layout_find("rtrs_direct");
+        if (match_make_world(&world, p->ray, p->mode, RAYS, &options, &p->pool, &match,
+                             &p->reason) ||
+            match_pack(&match, f32, &p->reason))
+            fail_msg("%s", p->reason.text);
+        match_run(&match, engine_find("cpu"), &p->row);
+        assert_false(p->row.judged); /* as published */
+        match_free(&match);
+    }
+    play_done(p);
+    world_free(&world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -278,6 +318,7 @@ int main(void)
         cmocka_unit_test(no_modes_are_all_modes),
         cmocka_unit_test(long_matches_have_their_modes),
         cmocka_unit_test(a_world_without_hits_is_vacuous),
+        cmocka_unit_test(tops_may_be_others),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

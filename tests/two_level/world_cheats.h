@@ -39,13 +39,27 @@ enum world_cheat {
     CHEAT_NOT_CARRIED,    /* each instance begins with the whole range */
     CHEAT_LAST_TRANSFORM, /* each has the transform of the one before */
     CHEAT_LENGTH,         /* t counts in units of length */
-    CHEAT_COUNT
+    CHEAT_COUNT,
+    /* Found by hard cases alone, whose worlds are made for them. */
+    CHEAT_CORNERS = CHEAT_COUNT, /* boxes of eight corners placed in float32 */
+    CHEAT_STALE,                 /* boxes of the world before, if it has as many instances */
+    CHEAT_FLOAT_INVERSE,         /* inverses computed in float32 */
+    CHEAT_FORTH_AND_BACK,        /* the ray is taken back from an instance to the next */
+    CHEAT_EMPTY,                 /* where no instance is active, those of the world before are */
+    CHEAT_COMPACT,               /* instances are numbered without those that are not active */
+    CHEAT_GEOMETRY,              /* triangles are numbered within their geometries */
+    CHEAT_NORMALS,               /* normals are transformed by M */
+    CHEAT_HARD_COUNT
 };
 
 static struct {
     enum world_cheat cheat;
     struct world_job job;
     struct instance_record *record;
+    struct box *stale; /* of the world before, `stale_count` of them */
+    struct box *box;
+    uint32_t stale_count, box_count;
+    struct ray carried;    /* from instance to instance */
     const struct ray *ray; /* whose hit, of a list the farthest, is spoilt; NULL: none */
     unsigned spoilt;       /* how often */
     void (*spoil)(unsigned spoilt, struct hit *hit, uint32_t *tag);
@@ -55,6 +69,8 @@ static inline bool cheats(enum world_cheat cheat)
 {
     return cheater.cheat == cheat;
 }
+
+#include "tests/two_level/cheat_parts.h"
 
 static bool cheat_meets(const struct instance *in, struct ray_mode mode)
 {
@@ -110,12 +126,17 @@ static bool cheat_counts(uint32_t index, const struct ray *inside, struct ray_mo
     const struct place place = world_place_in(world, index, hit->prim);
     float v[3][3];
     scene_tri(world_scene(world, index), hit->prim, v);
-    bool front = cheat_front(in, candidate_side(inside->dir, v));
+    bool front = cheat_front(in, cheats(CHEAT_NORMALS) ? side_by_m(in, inside->dir, v)
+                                                       : candidate_side(inside->dir, v));
     bool opaque = cheat_opaque(in, world->mesh[in->mesh].geometry[place.geometry].opaque, mode);
     uint32_t custom = cheats(CHEAT_INDEX) || cheats(CHEAT_EXCHANGE) ? index : in->custom;
     uint32_t shown = index;
     if (cheats(CHEAT_EXCHANGE) && in->custom < world->instance_count)
         shown = in->custom;
+    if (cheats(CHEAT_COMPACT))
+        shown = compact_number(world, index);
+    if (cheats(CHEAT_GEOMETRY))
+        hit->prim = place.tri;
     custom = cheats(CHEAT_CUT) ? custom & 0xFFFF : custom;
     *tag = custom | ((front != cheats(CHEAT_OTHER_FACE)) ? ABI_TAG_FRONT : 0);
     hit->prim += world->first[shown];
@@ -130,6 +151,16 @@ static struct ray cheat_inside(uint32_t index, const struct ray *ray)
 {
     bool last = cheats(CHEAT_LAST_TRANSFORM) && index > 0 &&
                 cheater.record[index - 1].mesh != WORLD_NO_MESH;
+    struct instance_record record = cheater.record[index];
+    if (cheats(CHEAT_FLOAT_INVERSE))
+        float_inverse(cheater.job.world->instance[index].m, record.w);
+    if (cheats(CHEAT_FLOAT_INVERSE))
+        return transform_ray(&record, ray);
+    if (cheats(CHEAT_FORTH_AND_BACK)) {
+        const struct ray inside = transform_ray(&record, &cheater.carried);
+        cheater.carried = ray_back(&cheater.job.world->instance[index], &inside);
+        return inside;
+    }
     return transform_ray(&cheater.record[last ? index - 1 : index], ray);
 }
 
@@ -188,12 +219,13 @@ static void cheat_ray(const struct ray *ray, struct ray_mode mode, struct cheat_
 {
     const struct world *world = cheater.job.world;
     bool ends = false;
+    cheater.carried = *ray;
     f->best = hit_none();
     f->tag = f->listed = 0;
     f->any = !f->all && (cheater.job.query == QUERY_ANY ||
                          ((mode.flags & ABI_RAY_FIRST) && !cheats(CHEAT_NO_FIRST)));
     for (uint32_t i = 0; i < world->instance_count && !ends; i++)
-        if (cheat_meets(&world->instance[i], mode))
+        if (cheat_meets(&world->instance[i], mode) && cheat_box_is_met(i, ray))
             ends = cheat_enter(i, ray, mode, f);
 }
 
@@ -215,6 +247,10 @@ static enum status cheat_prepare_world(void *self, const struct world_job *job,
                                        struct reason *reason)
 {
     (void)self;
+    if (cheats(CHEAT_EMPTY) && cheater.record && !any_is_active(job->world))
+        return STATUS_OK;
+    if (!keep_boxes(job->world))
+        return STATUS_MEMORY;
     free(cheater.record);
     cheater.record = NULL;
     cheater.job = *job;
@@ -262,7 +298,11 @@ static void cheat_close(void *self)
 {
     (void)self;
     free(cheater.record);
+    free(cheater.box);
+    free(cheater.stale);
     cheater.record = NULL;
+    cheater.box = cheater.stale = NULL;
+    cheater.box_count = cheater.stale_count = 0;
 }
 
 static const struct world_tracer cheat_worlds = {

@@ -69,6 +69,7 @@ static const struct {
     {"nest", 0xf96d366cb93c4089},
     {"crowd", 0x3ce0e70c5582e508},
     {"twins", 0xfb55baf5e2476b24},
+    {"room", 0xb077598c86ebe944},
     {"mixed", 0xdd198f7123cc350b},
 };
 

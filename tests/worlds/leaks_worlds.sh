@@ -1,0 +1,61 @@
+#!/bin/sh
+# raydiff leaks on worlds: watertight members miss nothing inside an instance, however it is placed; seams between
+# instances are counted and not judged; text and JSON have the same numbers.
+#   sh tests/worlds/leaks_worlds.sh BUILD/raydiff
+set -u
+raydiff=$1
+. tests/scripts/expect.sh
+few='--count 4000 --layout f32 --builder median'
+
+# One row's misses: ENGINE TRI.
+misses() {
+    awk -v engine="$1" -v tri="$2" '
+        /^verdict/ { for (i = 1; i <= NF; i++) at[$i] = i; next }
+        at["engine"] && $at["engine"] == engine && (!at["tri"] || $at["tri"] == tri) { print $at["misses"] }' "$dir/out"
+}
+
+# Inside one instance: Moeller and Trumbore's test leaks and promises nothing, Woop's is kept.
+for world in placed-identity placed-turned placed-stretched placed-mirrored placed-far placed-sheared nest mixed wall crowd:n=30; do
+    expect 0 . leaks $world --engine cpu,brute --tri mt,woop --box watertight $few --json "$dir/leaks.json"
+    grep -q "^$world: [0-9]* placed triangles, [0-9]* instances, each closed" "$dir/out" || bad "leaks $world: is not told of"
+    for engine in cpu brute; do
+        [ "$(misses $engine woop)" = 0 ] || bad "leaks $world: $engine leaks with woop"
+        [ "$(misses $engine mt)" -gt 4 ] || bad "leaks $world: $engine does not leak with mt: rays meet no edges"
+        grep -Eq "^kept  *[-f32]* *$engine  *woop" "$dir/out" || bad "leaks $world: $engine with woop promises nothing"
+        grep -Eq "^counted  *[-f32]* *$engine  *mt" "$dir/out" || bad "leaks $world: $engine with mt promises something"
+    done
+    told=$(misses cpu mt)
+    grep -q "\"misses\": $told[,}]" "$dir/leaks.json" || grep -A3 '"misses"' "$dir/leaks.json" | grep -qw "$told" ||
+        bad "leaks $world: not $told misses in JSON"
+    tail -n 1 "$dir/out" | grep -qx 'conclusion: 4 rows: 2 kept, 0 broken, 2 counted' || bad "leaks $world: another conclusion"
+done
+grep -Eq '"seams": false' "$dir/leaks.json" && grep -Eq '"instances": 30' "$dir/leaks.json" || bad "leaks --json: instances"
+[ "$(wc -L <"$dir/out")" -le 80 ] || bad "leaks: lines are longer than 80 columns"
+
+# A box test that is not watertight promises nothing.
+expect 0 . leaks placed-turned --engine cpu --tri woop --box robust $few
+grep -q '^counted ' "$dir/out" || bad "leaks: robust boxes promise something"
+
+# Seams: nothing is judged, not even by the profile that forbids misses.
+expect 0 . leaks room --engine cpu --tri mt,woop --box watertight $few --profile dxr --json "$dir/leaks.json"
+grep -q '^room: 192 placed triangles, 6 instances, closed only together' "$dir/out" || bad "leaks room: seams are not told of"
+grep -q '^seams between instances: counted, not judged$' "$dir/out" || bad "leaks room: is judged"
+[ "$(grep -c '^counted' "$dir/out")" -eq 2 ] && [ "$(misses cpu mt)" -gt 4 ] || bad "leaks room: seams are not counted"
+grep -Eq '"seams": true' "$dir/leaks.json" || bad "leaks --json: no seams"
+expect 1 . leaks placed-turned --engine cpu --tri mt --box watertight $few --profile dxr
+grep -q 'BROKEN: [0-9]* missed' "$dir/out" || bad "leaks: DXR forbids misses inside an instance"
+
+# What is no world to be closed, and options that are of scenes.
+cat >"$dir/open.world.json" <<'JSON'
+{"raydiff_world": 1, "meshes": [{"scene": "sphere:n=2"}, {"scene": "terrain:k=2"}],
+ "instances": [{"mesh": 0}, {"mesh": 1, "transform": [1, 0, 0, 5,  0, 1, 0, 0,  0, 0, 1, 0]}]}
+JSON
+expect 2 'instance 1: no closed mesh: .*; all instances together: no closed mesh' leaks "$dir/open.world.json" --engine cpu $few
+expect 2 '^raydiff leaks: wall: --store: is of scenes, not of worlds$' leaks wall --store compact --engine cpu $few
+expect 77 . leaks wall --engine cpu_stackless $few
+grep -q 'cpu_stackless traces scenes, not worlds' "$dir/out" || bad "leaks: an engine of scenes is not told of"
+expect 1 . leaks wall --engine cpu --count 999 --layout f32
+grep -q 'vacuous: 999 rays are aimed' "$dir/out" || bad "leaks: 999 rays are taken for a proof"
+
+echo "leaks_worlds: $failed failed"
+[ "$failed" -eq 0 ]
