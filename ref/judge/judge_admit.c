@@ -224,7 +224,10 @@ enum status judge_is_anothers(const struct judge *judge, const struct ray *ray,
         return STATUS_OK;
     struct judge_at named = judge_locate(judge, answer->prim);
     enum status status = judge_crossings(judge, ray, (double)INFINITY, &list, &capacity, &count);
-    for (size_t i = 0; i < count && !status && !*found; i++) {
+    bool own = false; /* its t is that of the triangle it names */
+    for (size_t i = 0; i < count && !status && !own; i++)
+        own = list[i].prim == answer->prim && fits(judge, ray, &list[i], answer->t);
+    for (size_t i = 0; i < count && !status && !own && !*found; i++) {
         struct judge_at other = judge_locate(judge, list[i].prim);
         *found = oracle_is_hit(&list[i].pair) && other.instance != named.instance &&
                  other.mesh == named.mesh && other.prim == named.prim &&

@@ -116,7 +116,8 @@ bool judge_surely_counts(const struct judge *judge, const struct ray *ray, uint3
 bool judge_may_count(const struct judge *judge, const struct ray *ray, uint32_t prim);
 
 /* True if another instance has the answered triangle where it was answered: WRONG is then
- * WRONG_INSTANCE. *found is false in a scene. Errors: STATUS_MEMORY. */
+ * WRONG_INSTANCE. *found is false in a scene, and where the named triangle itself is at that t.
+ * Errors: STATUS_MEMORY. */
 enum status judge_is_anothers(const struct judge *judge, const struct ray *ray,
                               const struct hit *answer, bool *found);
 

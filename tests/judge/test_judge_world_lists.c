@@ -237,6 +237,51 @@ static void a_hit_without_a_triangle_must_be_possible(void **state)
     assert_true(phantom > 50 && hidden > 20 && excused > 0);
 }
 
+/* Of two instances at one place the one that is named is meant: what is wrong with u is that. */
+static void instances_at_one_place_are_not_exchanged(void **state)
+{
+    (void)state;
+    const struct model model = {.formula = TWIN_UNKNOWN};
+    struct world world = {.mesh_count = 1, .instance_count = 2};
+    struct judged_world w;
+    struct judge *judge;
+    world.mesh = calloc(1, sizeof *world.mesh);
+    world.instance = calloc(2, sizeof *world.instance);
+    struct scene *scene = calloc(1, sizeof *scene);
+    assert_int_equal(scene_open("grid:n=1,height=0", 1, scene, NULL), STATUS_OK);
+    world.mesh[0] = (struct world_mesh){scene, calloc(1, sizeof *world.mesh[0].geometry), 1};
+    world.mesh[0].geometry[0] = (struct geometry){0, scene->tri_count, true};
+    for (int i = 0; i < 2; i++)
+        world.instance[i] = (struct instance){
+            .m = {{1, 0, 0, 3}, {0, 1, 0, 0}, {0, 0, 1, 0}}, .mask = 0xFF, .custom = 5};
+    assert_int_equal(world_finish(&world, NULL), STATUS_OK);
+    judged_world_of(world, &w);
+    assert_int_equal(judge_make(w.oracle, &model, QUERY_CLOSEST, &judge, NULL), STATUS_OK);
+    struct lying l = {.w = &w,
+                      .judge = judge,
+                      .ray = {{3.25f, 0.125f, -1}, 0, {0, 0, 1}, 10},
+                      .mode = ray_mode_all()};
+    l.truth = judged_world_truth(&w, &l.ray, l.mode);
+    uint32_t seen = 0;
+    for (uint32_t prim = 0; prim < 4; prim++) {
+        struct oracle_pair pair;
+        oracle_pair(w.oracle, &l.ray, prim, &pair);
+        if (!oracle_is_hit(&pair))
+            continue;
+        struct hit hit = exact_hit(&l, prim, &pair);
+        struct hit off = hit;
+        off.u += 0.25f;
+        seen++;
+        bool front = judged(&l, &hit, 5 | ABI_TAG_FRONT).wrong == WRONG_NOT;
+        uint32_t tag = 5 | (front ? ABI_TAG_FRONT : 0);
+        assert_int_equal(judged(&l, &hit, tag).wrong, WRONG_NOT);
+        assert_int_equal(judged(&l, &off, tag).wrong, WRONG_BARYCENTRIC);
+    }
+    assert_int_equal(seen, 2);
+    judge_free(judge);
+    judged_world_free(&w);
+}
+
 /* In a world of more triangles than are all looked at, flat grids side by side: a hit one unit in
  * the last place beside a grid is excused in every instance, and one between two grids in none. */
 static void large_worlds_are_looked_into_near_the_ray(void **state)
@@ -329,6 +374,7 @@ int main(void)
         cmocka_unit_test(every_kind_of_lie_is_found_in_lists),
         cmocka_unit_test(nothing_of_it_is_excused_of_a_black_box),
         cmocka_unit_test(a_hit_without_a_triangle_must_be_possible),
+        cmocka_unit_test(instances_at_one_place_are_not_exchanged),
         cmocka_unit_test(large_worlds_are_looked_into_near_the_ray),
         cmocka_unit_test(out_of_contract_in_an_instance_is_not_judged),
     };
