@@ -36,6 +36,7 @@ static const struct world_defect_about about[WORLD_DEFECT_COUNT] = {
     [WORLD_DEFECT_MASK_ANY_BIT] = {"takes any mask but 0 for all bits", WORLD_CAUSE_MASK},
     [WORLD_DEFECT_SKIP_IGNORED] = {"ignores the flag that skips triangles", WORLD_CAUSE_CULL},
     [WORLD_DEFECT_CULL_IGNORED] = {"culls neither side", WORLD_CAUSE_CULL},
+    [WORLD_DEFECT_CULLS_IGNORED] = {"culls nothing", WORLD_CAUSE_CULL},
     [WORLD_DEFECT_CULL_OTHER] = {"culls the front for the back", WORLD_CAUSE_CULL},
     [WORLD_DEFECT_DISABLE_IGNORED] = {"culls where the instance disables it", WORLD_CAUSE_CULL},
     [WORLD_DEFECT_FLIP_IGNORED] = {"ignores the flag that flips facing", WORLD_CAUSE_CULL},
@@ -59,6 +60,7 @@ static const struct world_defect_about about[WORLD_DEFECT_COUNT] = {
                                        WORLD_CAUSE_INDEX},
     [WORLD_DEFECT_CUSTOM_16] = {"keeps 16 bits of the custom index", WORLD_CAUSE_INDEX},
     [WORLD_DEFECT_CUSTOM_8] = {"keeps 8 bits of the custom index", WORLD_CAUSE_INDEX},
+    [WORLD_DEFECT_NUMBER_10] = {"keeps 10 bits of an instance's number", WORLD_CAUSE_INDEX},
     [WORLD_DEFECT_CUSTOM_OF_BEFORE] = {"reports the custom index of the instance before",
                                        WORLD_CAUSE_INDEX},
     [WORLD_DEFECT_INACTIVE_COUNT_NOT] = {"numbers instances without the inactive ones",
@@ -204,6 +206,8 @@ static bool culls(const struct world_look *look, const struct instance *instance
                   bool front, struct ray_mode mode)
 {
     struct instance as = *instance;
+    if (has(look, WORLD_DEFECT_CULLS_IGNORED))
+        return false;
     if (has(look, WORLD_DEFECT_CULL_IGNORED))
         mode.flags &= ~(ABI_RAY_CULL_BACK | ABI_RAY_CULL_FRONT);
     if (has(look, WORLD_DEFECT_OPACITY_CULL_IGNORED))
@@ -240,6 +244,8 @@ static uint32_t number_of(const struct world_look *look, uint32_t i, const struc
         return look->world->first[i] + place->tri;
     for (uint32_t k = 0; k < i && has(look, WORLD_DEFECT_INACTIVE_COUNT_NOT); k++)
         shown -= look->record[k].mesh == WORLD_NO_MESH;
+    if (has(look, WORLD_DEFECT_NUMBER_10))
+        shown &= 1023;
     return look->world->first[shown] + place->prim;
 }
 

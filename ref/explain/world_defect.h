@@ -29,7 +29,8 @@ enum world_defect {
     WORLD_DEFECT_MASK_ANY_BIT, /* a mask that is not 0 meets every other */
     WORLD_DEFECT_SKIP_IGNORED, /* triangles are not skipped */
     WORLD_DEFECT_CULL_IGNORED,
-    WORLD_DEFECT_CULL_OTHER, /* back for front */
+    WORLD_DEFECT_CULLS_IGNORED, /* by facing and by opacity */
+    WORLD_DEFECT_CULL_OTHER,    /* back for front */
     WORLD_DEFECT_DISABLE_IGNORED,
     WORLD_DEFECT_FLIP_IGNORED,
     WORLD_DEFECT_MIRROR,        /* a mirror exchanges the sides */
@@ -48,6 +49,7 @@ enum world_defect {
     WORLD_DEFECT_CUSTOM_IS_NUMBER,  /* custom index: the instance's number */
     WORLD_DEFECT_CUSTOM_16,
     WORLD_DEFECT_CUSTOM_8,
+    WORLD_DEFECT_NUMBER_10,          /* 10 bits of an instance's number are kept */
     WORLD_DEFECT_CUSTOM_OF_BEFORE,   /* that of the instance before */
     WORLD_DEFECT_INACTIVE_COUNT_NOT, /* instances are numbered without those that are inactive */
     WORLD_DEFECT_MESH_NUMBERS,       /* hits name triangles of meshes */

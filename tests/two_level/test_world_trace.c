@@ -98,6 +98,28 @@ static void trees_of_every_builder_lose_nothing(void **state)
     }
 }
 
+/* More than 10 bits can number: the custom index tells which one was hit. */
+static void instances_are_told_apart_however_many(void **state)
+{
+    (void)state;
+    struct world world = fixture_world("soup:n=2,size=0.5", WORLD_TURNED, 1500, 90);
+    struct packed_world packed = stand_world(&world, "f32");
+    struct world_job job = stand_job(&world, &packed, QUERY_CLOSEST);
+    uint32_t high = 0;
+    for (uint64_t i = 0; i < STAND_RAYS; i++) {
+        struct ray ray = stand_aim(&packed, 300, i);
+        struct tagged hit = stand_trace(&job, &ray, ray_mode_all());
+        if (hit.hit.prim == ABI_NO_PRIM)
+            continue;
+        uint32_t at = world_instance_of(&world, hit.hit.prim);
+        assert_int_equal(hit.tag & ABI_TAG_CUSTOM, world.instance[at].custom);
+        high += at > 1023;
+    }
+    assert_true(high > 10);
+    packed_world_free(&packed);
+    world_free(&world);
+}
+
 static void every_layout_is_a_top_and_a_bottom(void **state)
 {
     (void)state;
@@ -123,6 +145,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(brute_is_each_mesh_alone),
         cmocka_unit_test(trees_of_every_builder_lose_nothing),
+        cmocka_unit_test(instances_are_told_apart_however_many),
         cmocka_unit_test(every_layout_is_a_top_and_a_bottom),
     };
     return cmocka_run_group_tests_name("world_trace", tests, NULL, NULL);
