@@ -50,7 +50,10 @@ enum status fast_world_make(const struct world *world, const struct bvh *top,
                             struct reason *reason)
 {
     struct reason why = {""};
-    *out = (struct fast_world){.world = world, .record = record, .plain = is_plain(world)};
+    *out = (struct fast_world){.mesh_count = world->mesh_count,
+                               .world = world,
+                               .record = record,
+                               .plain = is_plain(world)};
     enum status status = make_instances(world, out, reason);
     if (!status) {
         status = fast_make_items(top, items, &out->top, &why);
@@ -71,7 +74,7 @@ enum status fast_world_make(const struct world *world, const struct bvh *top,
 
 void fast_world_free(struct fast_world *fast)
 {
-    for (uint32_t i = 0; fast->bottom && i < fast->world->mesh_count; i++)
+    for (uint32_t i = 0; fast->bottom && i < fast->mesh_count; i++)
         fast_free(&fast->bottom[i]);
     fast_free(&fast->top);
     free(fast->bottom);
@@ -82,7 +85,7 @@ void fast_world_free(struct fast_world *fast)
 uint64_t fast_world_bytes(const struct fast_world *fast)
 {
     uint64_t bytes = fast_bytes(&fast->top);
-    for (uint32_t i = 0; i < fast->world->mesh_count; i++)
+    for (uint32_t i = 0; i < fast->mesh_count; i++)
         bytes += fast_bytes(&fast->bottom[i]);
     return bytes + sizeof *fast->instance * fast->world->instance_count;
 }

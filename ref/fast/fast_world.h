@@ -18,10 +18,12 @@ struct fast_instance {
 };
 _Static_assert(sizeof(struct fast_instance) == 64, "one line");
 
-/* Owns its arrays (see fast_world_free), and borrows the world and the records. */
+/* Owns its arrays (see fast_world_free), and borrows the world and the records, which need not be
+ * there any more when it is freed. */
 struct fast_world {
     struct fast_tree top;
-    struct fast_tree *bottom; /* one per mesh */
+    struct fast_tree *bottom; /* one per mesh, mesh_count of them */
+    uint32_t mesh_count;
     struct fast_instance *instance;
     const struct instance_record *record;
     const struct world *world;

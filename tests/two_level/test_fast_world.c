@@ -270,6 +270,30 @@ static void an_engine_goes_from_worlds_to_scenes_and_back(void **state)
     world_free(&world);
 }
 
+/* A world is gone when the next one is prepared, or the engine is closed: neither reads it. */
+static void worlds_may_go_before_the_engine(void **state)
+{
+    (void)state;
+    const struct engine *fast = engine_find("fast");
+    const struct engine_options options = {.threads = 1, .device = -1};
+    struct reason reason = {""};
+    void *self;
+    assert_int_equal(fast->open(&options, &self, &reason), STATUS_OK);
+    for (uint32_t turn = 0; turn < 6; turn++) {
+        struct world world = fixture_room(1 + turn % 3, 4);
+        for (uint32_t m = 0; m < world.mesh_count; m++)
+            fixture_mesh(&world, m, "sphere:n=2", 1);
+        fixture_finish(&world);
+        struct packed_world packed = stand_world(&world, "f32");
+        const struct world_job job = stand_job(&world, &packed, QUERY_CLOSEST);
+        assert_int_equal(fast->worlds->prepare_world(self, &job, &reason), STATUS_OK);
+        packed_world_free(&packed);
+        world_free(&world);
+        memset(&world, 0xA5, sizeof world); /* as a stack would be used again */
+    }
+    fast->close(self);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -278,6 +302,7 @@ int main(void)
         cmocka_unit_test(odd_rays_are_traced_with_care),
         cmocka_unit_test(small_worlds_are_worlds),
         cmocka_unit_test(an_engine_goes_from_worlds_to_scenes_and_back),
+        cmocka_unit_test(worlds_may_go_before_the_engine),
     };
     return cmocka_run_group_tests_name("fast_world", tests, NULL, NULL);
 }
