@@ -2,7 +2,7 @@
 
 #include "ref/world/bake.h"
 #include "ref/world/world_boxes.h"
-#include "scenes/opening.h"
+#include "scenes/worlds.h"
 
 #include <string.h>
 
@@ -63,8 +63,10 @@ enum status placed_scene_open(const char *spec, uint64_t seed, struct scene *out
     enum status status = world_open(spec, seed, &world, reason);
     if (status)
         return status;
-    if (world_only_scene(&world))
-        return world_take_scene(spec, &world, out, reason);
+    if (world_only_scene(&world)) {
+        world_free(&world);
+        return scene_open(spec, seed, out, reason);
+    }
     for (uint32_t i = 0; i < world.instance_count; i++)
         if (world_is_active(&world, i))
             *placed += world_scene(&world, i)->tri_count;

@@ -47,7 +47,7 @@ both 30 check soup:n=100 --engine cpu --layout f32 --query all --count 200 --rep
 both 100 check crowd:n=12 sphere:n=4 mixed:count=20 --layout f32,rf16 --engine cpu,brute $small
 both 60 check mixed:count=20 --layout f32 --engine cpu,brute --query closest,any,all --count 200 --repeat 1
 run check placed-mirrored:count=3 --layout f32 --count 200 --repeat 1 --json "$dir/json" && awk -f tests/values/flat.awk "$dir/json" >"$dir/flat" &&
-    grep -q '^scenes.0.scenes_only=.*fast' "$dir/flat" && ! grep -q '^rows.*engine=fast' "$dir/flat" || bad "$ran: engine fast"
+    grep -q '^scenes.0.scenes_only=.*stackless' "$dir/flat" && ! grep -q '^rows.*engine=.*stackless' "$dir/flat" || bad "$ran: engines of scenes"
 both 200 leaks sphere:n=8 --engine cpu,fast --layout f32,rf16 --count 4000 --threads 1
 all_seen check leaks
 echo "values: $failed failed"

@@ -45,7 +45,7 @@ grep -q 'not kept' "$dir/out" || bad 'lights are not kept, and that is not told'
 # ASCII STL is read, too.
 printf 'solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n' >"$dir/t.stl"
 expect 0 . scene convert "$dir/t.stl" "$dir/t.ply"
-is_told "$dir/t.ply" '1 triangles, 3 vertices'
+is_told "$dir/t.ply" '1 triangle, 3 vertices'
 
 # What a glTF file has and a world has not.
 cat >"$dir/points.gltf" <<'END'
@@ -79,8 +79,8 @@ done
 grep -q '(by default 1 mesh, 64 instances, 768 placed triangles)' "$dir/out" || bad 'scene list counts what a wall has'
 
 # One line each, and nothing is written.
-expect 2 'mixed: is a world of 3 meshes, 32 instances, 1900 placed triangles; this command takes a scene' explain mixed
-expect 2 'is a world of 1 mesh, 2 instances' render "$dir/a.json" --out "$dir/no.png"
+expect 2 'mixed: is a world of 3 meshes, 32 instances, 1900 placed triangles; this command takes a scene' gen mixed
+expect 2 'is a world of 1 mesh, 2 instances' bench layouts --scene "$dir/a.json"
 expect 2 'x.stl: this format holds one mesh in one instance' scene convert crowd "$dir/x.stl"
 expect 2 'x.obj: this format holds one mesh in one instance' scene convert crowd "$dir/x.obj"
 expect 2 'x.gltf: mesh [02]: .* which glTF cannot hold' scene convert mixed "$dir/x.gltf"

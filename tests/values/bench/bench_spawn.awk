@@ -22,7 +22,8 @@ function rate(what, text, events, count,  number) {
     equal(name "seed", word[11], v[p ".seed"])
     equal(name "hits", word[12], v[p ".hits"])
     truth(name "more hits than rays", word[12] + 0 <= rays + 0)
-    near_most = word[16]
+    near_most = "?"
+    if (match($0, /moved: up to [0-9]+ \(/)) near_most = substr($0, RSTART + 13, RLENGTH - 15)
     blocks++
     equal(name "undecided", substr($(NF - 1), 2), v[p ".undecided"])
     next
