@@ -35,7 +35,7 @@ if plays min; then
     expect 2 "no finding of $first is on mine" min "$first" --layout ./liar.so,./mine.so --out small.trial
     # shellcheck disable=SC2086
     expect 0 . $printed
-    grep -q '^found: 1 findings, 1 of them smaller now' out || bad "min shrank nothing"
+    grep -q '^found: 1 finding, 1 of them smaller now' out || bad "min shrank nothing"
     expect 0 . min "$first" --layout ./liar.so --out small.trial
     grep -q '^  replay   raydiff replay small.trial --layout ./liar.so$' out || bad "min does not say how to replay"
     expect 2 "unknown layout 'liar' .one from outside: --layout FILE.so first." merge --to merged found
