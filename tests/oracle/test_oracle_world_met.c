@@ -69,8 +69,8 @@ static void flat_meshes_are_met(void **state)
         for (int n = 0; n < 3 * TRIS; n++) {
             scene.index[n] = (uint32_t)n;
             scene.vertex[3 * n + k] = 0.25f;
-            scene.vertex[3 * n + i] = (float)(4 * (n / 3 % SIDE) + n % 3);
-            scene.vertex[3 * n + j] = (float)(4 * (n / 3 / SIDE) + n % 3 % 2);
+            scene.vertex[3 * n + i] = (float)(1 + 4 * (n / 3 % SIDE) + n % 3);
+            scene.vertex[3 * n + j] = (float)(1 + 4 * (n / 3 / SIDE) + n % 3 % 2);
         }
         struct oracle *oracle = placed(&scene, m, &world);
         for (int n = 0; n < 2 * TRIS; n++) {
@@ -78,8 +78,8 @@ static void flat_meshes_are_met(void **state)
             struct oracle_answer answer;
             ray.org[k] = m[k][k] * 0.25f + m[k][3] + (n % 2 ? 8 : -8);
             ray.dir[k] = n % 2 ? -1 : 1;
-            ray.org[i] = m[i][i] * (float)(4 * (n / 2 % SIDE) + 1) + m[i][3];
-            ray.org[j] = m[j][j] * ((float)(4 * (n / 2 / SIDE)) + 0.5f) + m[j][3];
+            ray.org[i] = m[i][i] * (float)(4 * (n / 2 % SIDE) + 2) + m[i][3];
+            ray.org[j] = m[j][j] * ((float)(4 * (n / 2 / SIDE)) + 1.5f) + m[j][3];
             closest(oracle, &ray, &answer);
             assert_int_equal(answer.prim, n / 2);
         }
