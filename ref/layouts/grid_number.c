@@ -188,9 +188,9 @@ bool number_encode(const struct number_format *format, const struct number_frame
         if (!is_subnormal(value))
             return true;
         if (up)
-            target = value < 0 ? 0 : (double)FLT_MIN;
+            target = signbit(value) ? 0 : (double)FLT_MIN;
         else
-            target = value > 0 ? 0 : -(double)FLT_MIN;
+            target = signbit(value) ? -(double)FLT_MIN : 0;
     }
 }
 
@@ -201,7 +201,7 @@ static float normal_bound(float bound, bool up)
 {
     if (!is_subnormal((double)bound))
         return bound + 0.0f;
-    if (up == (bound < 0))
+    if (up == (signbit(bound) != 0))
         return 0;
     return up ? FLT_MIN : -FLT_MIN;
 }

@@ -278,7 +278,7 @@ static enum status rebound(struct packed *packed, uint32_t ref, const struct box
     struct box stored;
     decode(packed, &place, slot);
     wide_nodes_boxes(packed, slot, 2 * packed->node_count, node, box);
-    memset(word + 4, 0, (place.f32 ? 24 : 12) * sizeof *word);
+    memset(word + 4, 0, 12 * sizeof *word); /* halves are put beside each other */
     for (uint32_t s = 0; s < WIDTH; s++) {
         if (!box[s])
             continue;

@@ -44,7 +44,10 @@ static struct standing standing_of(const struct oracle *oracle, struct ray_mode 
 
 static int cell_of(double x)
 {
-    return x >= 1 ? GRID - 1 : x > 0 ? (int)(x * GRID) : 0;
+    int cell = GRID - 1;
+    while (cell > 0 && x < (double)cell / GRID)
+        cell--;
+    return cell;
 }
 
 /* The cell of an exact weight: a line between two cells belongs to the upper one. */
@@ -105,8 +108,10 @@ bool oracle_filter_is_open(const struct oracle *oracle, const struct ray *ray, s
     if (standing.opaque || !filter_reads_uv(standing.filter))
         return false;
     oracle_weights(oracle, ray, prim, u, v);
-    int left = cell_of(nextafter(u[0] - du, -1)), right = cell_of(nextafter(u[1] + du, 2));
-    int low = cell_of(nextafter(v[0] - dv, -1)), high = cell_of(nextafter(v[1] + dv, 2));
+    /* A line belongs to the cell above it: a difference below one may be rounded to it, while a sum
+     * that is not below one is not rounded to below it. */
+    int left = cell_of(nextafter(u[0] - du, -INFINITY)), right = cell_of(u[1] + du);
+    int low = cell_of(nextafter(v[0] - dv, -INFINITY)), high = cell_of(v[1] + dv);
     bool first = passes(&standing, left, low);
     for (int i = left; i <= right; i++)
         for (int j = low; j <= high; j++)

@@ -96,7 +96,8 @@ bool medium_multiply(const struct medium_input *in, struct medium_products *out)
     if (in->way_bits + 2 * in->place_bits > 314 || 3 * in->place_bits > 314)
         return false;
     struct medium_pair n[3];
-    for (int c = 2; c >= 0; c--) {
+    for (int turn = 0; turn < 3; turn++) {
+        int c = (turn + 1) % 3; /* 0 last: T has its n */
         const __int128 *x = in->a[(c + 1) % 3], *y = in->a[(c + 2) % 3];
         for (int k = 0; k < 3; k++) {
             int i = (k + 1) % 3, j = (k + 2) % 3;

@@ -22,7 +22,7 @@ static void enclose_ratio(double num, double num_err, double den, double den_err
     double t = fabs(num), d = fabs(den);
     double least = (t - num_err) / (d + den_err) * (1 - ENCLOSE_PAD);
     double most = (t + num_err) / (d - den_err) * (1 + ENCLOSE_PAD);
-    bool positive = (num > 0) == (den > 0);
+    bool positive = !signbit(num) == !signbit(den);
     *lo = positive ? least : -most;
     *hi = positive ? most : -least;
 }

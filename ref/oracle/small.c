@@ -102,7 +102,8 @@ bool small_multiply(const struct small *small, struct small_products *out)
     if (small->way_bits + 2 * small->place_bits > 122 || 3 * small->place_bits > 124)
         return false;
     __int128 n[3];
-    for (int c = 2; c >= 0; c--) {
+    for (int i = 0; i < 3; i++) {
+        int c = (i + 1) % 3; /* 0 last: T has its n */
         cross(small->a[(c + 1) % 3], small->a[(c + 2) % 3], n);
         out->w[c] = dot(small->d, n);
     }

@@ -44,10 +44,7 @@ static bool part_of(const struct placing *placing, uint32_t at, struct oracle_pa
     if (instance->mask == 0 || !scene || scene->tri_count == 0)
         return false;
     out->prim = at;
-    for (int k = 0; k < 3; k++) {
-        out->box.lo[k] = INFINITY;
-        out->box.hi[k] = -INFINITY;
-    }
+    out->box = box_empty();
     add_placed(&placing->mesh[instance->mesh]->tree, 0, PLACED_LEVELS, instance->m, &out->box);
     for (int k = 0; k < 3; k++)
         out->middle[k] = 0.5f * finite(out->box.lo[k]) + 0.5f * finite(out->box.hi[k]);

@@ -91,7 +91,8 @@ static enum status walk_forth(const struct walking *walking, uint32_t instance,
     return status;
 }
 
-/* At t < 0, of the opposite ray: from the visitor's reach on, as far as tmin. */
+/* At t < 0, of the opposite ray: from the visitor's reach on, as far as tmin. It meets the nearest
+ * first, so a lower reach would save next to nothing before the next instance. */
 static enum status walk_back(const struct walking *walking, uint32_t instance,
                              const struct tree *tree, const struct sight *sight,
                              const struct early_ray *early)
@@ -101,10 +102,8 @@ static enum status walk_back(const struct walking *walking, uint32_t instance,
     enum status status = STATUS_OK;
     double most = -(double)walking->ray->tmin;
     placed_walk_start(&walk, tree, sight, true, fmax(-walking->visitor->reach, 0), most);
-    while (!status && placed_walk_next(&walk, most, &leaf)) {
+    while (!status && placed_walk_next(&walk, most, &leaf))
         status = meet_leaf(walking, instance, early, &leaf, HALF_BACK);
-        walk.walk.tmin = fmax(-walking->visitor->reach, 0);
-    }
     return status;
 }
 

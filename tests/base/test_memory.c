@@ -86,10 +86,32 @@ static void what_is_too_large_is_refused_before(void **state)
     scene_free(&scene);
 }
 
+/* Number and size of the elements may be exchanged: as many bytes, all zero, or none. */
+static void number_and_size_commute(void **state)
+{
+    (void)state;
+    static const size_t count[] = {0, 1, 3, 8, 24, 100, 4097, SIZE_MAX / 8};
+    for (size_t i = 0; i < ARRAY_COUNT(count); i++)
+        for (size_t j = 0; j < ARRAY_COUNT(count); j++) {
+            unsigned char *one = alloc_zeroed(count[i], count[j]);
+            unsigned char *two = alloc_zeroed(count[j], count[i]);
+            assert_int_equal(one != NULL, two != NULL);
+            if (one && two) {
+                size_t bytes = count[i] * count[j];
+                assert_true(malloc_usable_size(one) >= bytes && malloc_usable_size(two) >= bytes);
+                for (size_t at = 0; at < bytes; at++)
+                    assert_true(one[at] == 0 && two[at] == 0);
+            }
+            free(one);
+            free(two);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(builders_take_what_they_say),
+        cmocka_unit_test(number_and_size_commute),
         cmocka_unit_test(what_is_too_large_is_refused_before),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

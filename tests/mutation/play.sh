@@ -31,18 +31,20 @@ mkdir -p "$dir/tree/$(dirname "$file")" "$dir/units"
 
 # The units of a folder of objects that include the file or are it.
 units_of() { find "$build/obj/$1" -name '*.d' -exec grep -lF " $file" {} + 2>/dev/null | sed "s|^$build/obj/||; s|\.d$||"; }
-# Unit, object: from standard input, so that no name of a file is in the object.
-compile() { $CC_CMD -w -g0 -iquote "$dir/tree" -x c -c -o "$2" - <"$1" 2>>"$dir/compile.log" || tell broken compiler; }
+# Source, object, flags.
+mutated() { sh tests/mutation/compile.sh "$dir/tree" "$@" -g0 2>>"$dir/compile.log"; }
+healthy() { sh tests/mutation/compile.sh "$dir/none" "$@" -g0 2>>"$dir/compile.log"; }
+compile() { mutated "$1" "$2" -w || tell broken compiler; }
 # A warning stops `make check`: whether there is one with the mutation and none without it.
 warns() { # unit
-    $CC_CMD -Werror -g0 -iquote "$dir/tree" -x c -c -o "$dir/strict.o" - <"$(source_of "$1.c")" 2>>"$dir/compile.log" && return 1
-    $CC_CMD -Werror -g0 -x c -c -o "$dir/strict.o" - <"$1.c" 2>>"$dir/compile.log"
+    mutated "$(source_of "$1.c")" "$dir/strict.o" -Werror && return 1
+    healthy "$1.c" "$dir/strict.o" -Werror
 }
 source_of() { [ -e "$dir/tree/$1" ] && echo "$dir/tree/$1" || echo "$1"; }
 # Without the mutation, made once for all.
 healthy_object() { # unit
     kept=$out/healthy/$(echo "$1" | tr / .).o
-    [ -e "$kept" ] || { $CC_CMD -w -g0 -x c -c -o "$dir/healthy.o" - <"$1.c" && mv "$dir/healthy.o" "$kept"; } || exit 4
+    [ -e "$kept" ] || { healthy "$1.c" "$dir/healthy.o" -w && mv "$dir/healthy.o" "$kept"; } || exit 4
     echo "$kept"
 }
 compile_units() { # the library's and the commands'

@@ -126,6 +126,25 @@ same ;; a.c ;; int h(int n) { int d[4][1], e = d[n][0], k[4]; } ;; constant 4 =>
 other ;; a.c ;; g(c, c); ;; statement g(c, c) =>
 same ;; a.c ;; g(c, c);
 T
+# A header of the mutated tree is compiled in place of the checkout's, from a header between them, too; and an
+# object does not tell where its parts lie.
+mkdir -p "$dir/checkout/ref" "$dir/tree/ref" "$dir/copy/ref"
+echo '#define VALUE __FILE__ "1"' >"$dir/checkout/ref/inner.h"
+echo '#include "ref/inner.h"' >"$dir/checkout/ref/outer.h"
+printf '#include "ref/outer.h"\nconst char *value = VALUE __FILE__;\n' >"$dir/checkout/unit.c"
+cp "$dir/checkout/unit.c" "$dir/copy"
+compile() { (cd "$dir/checkout" && CC_CMD="${CC:-cc} -I." sh "$here/tests/mutation/compile.sh" "$1" "$2" "$3" 2>&1); }
+compile "$dir/none" unit.c "$dir/plain.o" || bad "the unit does not compile"
+for header in inner outer; do
+    cp "$dir/checkout/ref/$header.h" "$dir/tree/ref"
+    compile "$dir/tree" "$dir/copy/unit.c" "$dir/moved.o" || bad "the unit does not compile elsewhere"
+    cmp -s "$dir/plain.o" "$dir/moved.o" || bad "an object tells where $header.h lies"
+    sed '1s/1/2/; 1s|^#include.*|#define VALUE ""|' "$dir/checkout/ref/$header.h" >"$dir/tree/ref/$header.h"
+    compile "$dir/tree" unit.c "$dir/moved.o" || bad "the unit does not compile with another $header.h"
+    cmp -s "$dir/plain.o" "$dir/moved.o" && bad "a mutation of $header.h is not compiled"
+    rm "$dir/tree/ref/$header.h"
+done
+
 # The product's own table fits, and each invariant's suite is one of `make check`.
 perl tests/mutation/order.pl "$build/mutate" tests/mutation/equivalent.txt check \
     $(sed -n 's/^[^#]* ;; \([a-z][^ ;]*\.[a-z]*\) ;; .*/\1/p' tests/mutation/equivalent.txt | sort -u) >"$dir/invariants" ||

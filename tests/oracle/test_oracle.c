@@ -204,6 +204,8 @@ static void t_is_told_exactly(void **state)
         {0.1f, 1, 0.25f, "= 13421773/134217728, about 0.1000000014901"},
         {2048, 1, 0.25f, "= 2048"},
         {0x1.8p-20f, 1, 0.25f, "= 1.430511474609375e-06"},
+        {0x1p-24f, 1, 0.25f, "= 5.9604644775390625e-08"}, /* 17 digits, and 18 */
+        {0x1p-25f, 1, 0.25f, "= 1/33554432, about 2.980232238769"},
         {0x1.fffffep+30f, 0x1.234567p-3f, 0.25f, "about 15"},
         {1, 1, 7, "is none"},
     };
@@ -224,6 +226,17 @@ static void t_is_told_exactly(void **state)
     }
 }
 
+static void what_is_no_class_has_no_name(void **state)
+{
+    (void)state;
+    for (int a = 0; a < ORACLE_CLASS_COUNT; a++)
+        for (int b = 0; b <= ORACLE_CLASS_COUNT; b++)
+            assert_int_equal(strcmp(oracle_class_name((enum oracle_class)a),
+                                    oracle_class_name((enum oracle_class)b)) == 0,
+                             a == b);
+    assert_string_equal(oracle_class_name(ORACLE_CLASS_COUNT), "unknown");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -231,6 +244,7 @@ int main(void)
         cmocka_unit_test(oracle_compare_agrees_with_rationals),
         cmocka_unit_test(oracle_rational_is_t_in_lowest_terms),
         cmocka_unit_test(t_is_told_exactly),
+        cmocka_unit_test(what_is_no_class_has_no_name),
     };
     return cmocka_run_group_tests_name("oracle", tests, NULL, NULL) ? 1 : 0;
 }

@@ -1,10 +1,12 @@
 /* A ray in a triangle's plane by integers of 128 bits (ref/oracle/small.h) and by GMP rationals: at
  * every size that is taken, and where two ends are closer than doubles tell. */
+#include "ref/oracle/exact.h"
 #include "ref/oracle/small.h"
 #include "ref/base/rng.h"
 
 #include <gmp.h>
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <setjmp.h>
@@ -225,8 +227,44 @@ static void the_overlap_is_exact(void **state)
     assert_true(overlaps[0] > 1000 && overlaps[1] > 1000 && none > 1000 && refused > 1000);
 }
 
+/* The normal is on either side by the order of the vertices: the overlap does not depend on it, in
+ * numbers too wide for small integers as well. */
+static void either_side_has_the_same_overlap(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(91, 0);
+    size_t met = 0;
+    for (uint32_t n = 0; n < 3000; n++) {
+        int k = (int)(n % 3), i = (k + 1) % 3, j = (k + 2) % 3;
+        float v[3][3] = {{0}}, turned[3][3];
+        struct ray ray = {{0}, 0, {0}, INFINITY};
+        for (int c = 0; c < 3; c++) {
+            v[c][i] = rng_range(&rng, -1, 1);
+            v[c][j] = ldexpf(rng_range(&rng, -1, 1), n % 2 ? -60 : 0);
+        }
+        ray.org[i] = -2;
+        ray.dir[i] = 1;
+        ray.dir[j] = v[0][j] / 4;
+        for (int k2 = 0; k2 < 3; k2++) {
+            turned[0][k2] = v[0][k2];
+            turned[1][k2] = v[2][k2];
+            turned[2][k2] = v[1][k2];
+        }
+        struct fraction in[2], out[2];
+        bool any = exact_in_plane(&ray, v, NULL, &in[0], &out[0]);
+        assert_int_equal(exact_in_plane(&ray, turned, NULL, &in[1], &out[1]), any);
+        if (!any)
+            continue;
+        assert_int_equal(fraction_compare(&in[0], &in[1]), 0);
+        assert_int_equal(fraction_compare(&out[0], &out[1]), 0);
+        met++;
+    }
+    assert_true(met > 500);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(the_overlap_is_exact)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_overlap_is_exact),
+                                       cmocka_unit_test(either_side_has_the_same_overlap)};
     return cmocka_run_group_tests_name("oracle_in_plane", tests, NULL, NULL) ? 1 : 0;
 }

@@ -1,11 +1,12 @@
 /* Ties of triangles that share vertices, edges or all three: found without arithmetic
  * (ref/oracle/nearest.c), so they are compared with the fractions here; and hits that are apart by
  * less than any enclosure tells. */
-#include "ref/oracle/oracle.h"
+#include "ref/oracle/pair.h"
 #include "ref/base/rng.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -103,8 +104,146 @@ static void only_equal_fractions_tie(void **state)
     assert_true(ties > 1000 && near_ties > 300);
 }
 
+static struct oracle *make(const struct scene *scene)
+{
+    struct oracle *oracle;
+    struct reason reason = {""};
+    assert_int_equal(oracle_make(scene, &oracle, &reason), STATUS_OK);
+    return oracle;
+}
+
+/* Puts two triangles into the plane across an axis, and turns the ray with them. */
+static void turn_to_plane(int k, float vertex[18], struct ray *ray)
+{
+    int i = (k + 1) % 3, j = (k + 2) % 3;
+    for (int c = 0; c < 6; c++) {
+        float *v = &vertex[3 * c], x = v[0], y = v[1];
+        v[i] = x;
+        v[j] = y;
+        v[k] = 4;
+    }
+    *ray = (struct ray){.tmax = INFINITY};
+    ray->org[i] = 0.5f;
+    ray->org[j] = 0.75f;
+    ray->org[k] = -1;
+    ray->dir[i] = 0.03125f;
+    ray->dir[j] = 0.0625f;
+    ray->dir[k] = 1;
+}
+
+/* Copies of a triangle, its vertices in any order, are in one place without integers; so are
+ * triangles in a plane across an axis. */
+static void copies_need_no_integers(void **state)
+{
+    (void)state;
+    static const uint32_t order[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1},
+                                         {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
+    for (int kind = 0; kind < 4; kind++) {
+        float vertex[18] = {-3, -2, 5, 4, -1.5f, 6, 1, 7, 8, -5, -4, 5, 6, -2.5f, 6, 1, 9, 8};
+        uint32_t index[21] = {3, 4, 5}, tris = kind < 3 ? 7 : 6;
+        struct ray ray = {{0.5f, 0.75f, -1}, 0, {0.03125f, 0.0625f, 1}, INFINITY};
+        if (kind < 3)
+            turn_to_plane(kind, vertex, &ray);
+        for (uint32_t i = 0; i < 18; i++)
+            index[i + (kind < 3 ? 3 : 0)] = order[i / 3][i % 3];
+        struct scene scene = {
+            .vertex = vertex, .index = index, .vertex_count = 6, .tri_count = tris};
+        struct oracle *oracle = make(&scene);
+        for (uint32_t a = 0; a < tris; a++)
+            for (uint32_t b = 0; b < tris; b++) {
+                struct decided pair[2];
+                for (int n = 0; n < 2; n++) {
+                    uint32_t prim = n ? b : a;
+                    struct located at = pair_locate(oracle, prim);
+                    pair_decide(&at, &ray, prim, PAIR_FULL, &pair[n], NULL);
+                    assert_int_equal(pair[n].pair.class, ORACLE_INSIDE);
+                    assert_false(pair[n].have_exact);
+                }
+                assert_int_equal(pair_order(&ray, &pair[0], &pair[1]), 0);
+                assert_false(pair[0].have_exact || pair[1].have_exact);
+            }
+        oracle_free(oracle);
+    }
+}
+
+/* A hit and a touch in plane that begin at the same exact t = 1 / d: the answer tells of the touch;
+ * in the list it is first if its t_lo is rounded down, else the smaller number. */
+static void touches_begin_at_t_lo(void **state)
+{
+    (void)state;
+    float vertex[18] = {0, 0, 1, 1, 0, 1, 0, 1, 1, 0, 0, 1, 0, 1, 3, 0, -1, 3};
+    size_t rounded = 0;
+    for (int n = 0; n < 18; n++) {
+        uint32_t index[6] = {0, 1, 2, 3, 4, 5};
+        for (uint32_t i = 0; i < 6 && n % 2; i++)
+            index[i] = (i + 3) % 6;
+        struct scene scene = {.vertex = vertex, .index = index, .vertex_count = 6, .tri_count = 2};
+        struct oracle *oracle = make(&scene);
+        const struct ray ray = {{0, 0, 0}, 0, {0, 0, (float)(n / 2 + 1)}, INFINITY};
+        struct oracle_crossing *list = NULL;
+        struct oracle_answer answer;
+        struct reason reason = {""};
+        size_t capacity = 0, count;
+        assert_int_equal(
+            oracle_crossings(oracle, &ray, INFINITY, &list, &capacity, &count, &reason), STATUS_OK);
+        assert_int_equal(count, 2);
+        bool swapped = list[0].pair.class == ORACLE_IN_PLANE;
+        const struct oracle_pair *touch = &list[swapped ? 0 : 1].pair;
+        bool below = (n / 2 + 1) * (long double)touch->t_lo < 1;
+        assert_int_equal(touch->class, ORACLE_IN_PLANE);
+        assert_int_equal(swapped, below || n % 2);
+        rounded += below;
+        for (int path = 0; path < 2; path++) {
+            assert_int_equal(oracle_closest(oracle, path ? ORACLE_TREE : ORACLE_BRUTE,
+                                            ORACLE_CLOSED, &ray, 1, 1, &answer, NULL, &reason),
+                             STATUS_OK);
+            assert_int_equal(answer.prim, n % 2);
+            assert_true(answer.flags & ORACLE_SAW_IN_PLANE);
+        }
+        free(list);
+        oracle_free(oracle);
+    }
+    assert_true(rounded > 4 && rounded < 18);
+}
+
+/* Where hits alone count, a triangle that is met on an edge out of the range needs no integers;
+ * one along whose plane the ray runs does. Whichever side it shows and wherever the range is. */
+static void out_of_range_needs_no_integers(void **state)
+{
+    (void)state;
+    float vertex[9] = {-1, 0.1f, 3, 1, -0.1f, 3, 0, 7, 3};
+    for (int n = 0; n < 16; n++) {
+        const float sense = n & 1 ? -1 : 1, d = n & 2 ? -0.7f : 0.7f;
+        uint32_t index[3] = {0, n & 4 ? 2 : 1, n & 4 ? 1 : 2};
+        for (int c = 0; c < 3; c++)
+            vertex[3 * c + 2] = 3 * sense;
+        struct scene scene = {.vertex = vertex, .index = index, .vertex_count = 3, .tri_count = 1};
+        struct oracle *oracle = make(&scene);
+        struct ray ray = {{0, 0, 0}, n & 8 ? 90 : -2, {0, 0, d}, n & 8 ? 99 : 2};
+        struct located at = pair_locate(oracle, 0);
+        struct decided pair;
+        pair_decide(&at, &ray, 0, PAIR_HITS, &pair, NULL);
+        assert_int_equal(pair.pair.class, ORACLE_MISS);
+        assert_false(pair.have_exact);
+        ray.tmin = -10;
+        ray.tmax = 10;
+        pair_decide(&at, &ray, 0, PAIR_HITS, &pair, NULL);
+        assert_true(pair.have_exact && pair.pair.class == ORACLE_EDGE);
+        assert_int_equal(pair.pair.range, ORACLE_WITHIN);
+        const struct ray along = {{-7, 0.3f, 3 * sense}, n & 8 ? 90 : -2, {d, d / 3, 0}, 99};
+        pair_decide(&at, &along, 0, PAIR_HITS, &pair, NULL);
+        assert_true(pair.have_exact && pair.pair.class == ORACLE_IN_PLANE);
+        oracle_free(oracle);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(only_equal_fractions_tie)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(only_equal_fractions_tie),
+        cmocka_unit_test(copies_need_no_integers),
+        cmocka_unit_test(touches_begin_at_t_lo),
+        cmocka_unit_test(out_of_range_needs_no_integers),
+    };
     return cmocka_run_group_tests_name("oracle_ties", tests, NULL, NULL) ? 1 : 0;
 }

@@ -4,7 +4,7 @@
  * search finds to be cheaper is taken. */
 #include "ref/base/rng.h"
 #include "ref/oracle/early.h"
-#include "ref/oracle/oracle_tree.h"
+#include "ref/oracle/tree_walk.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -329,12 +329,25 @@ static void a_part_is_split_as_if_alone(void **state)
     assert_true(parts > 200);
 }
 
+/* The larger and the smaller of two numbers are the same in either order. */
+static void order_does_not_matter_to_the_larger(void **state)
+{
+    (void)state;
+    static const double x[] = {-INFINITY, -1, -0x1p-1074, 0, 0x1p-1074, 1, 1.5, INFINITY};
+    for (size_t i = 0; i < ARRAY_COUNT(x); i++)
+        for (size_t j = 0; j < ARRAY_COUNT(x); j++) {
+            assert_true(tree_max(x[i], x[j]) == x[i > j ? i : j]);
+            assert_true(tree_min(x[i], x[j]) == x[i < j ? i : j]);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_is_in_one_place_and_bounded),
         cmocka_unit_test(uneven_scenes_do_not_get_too_deep),
         cmocka_unit_test(the_cheapest_split_is_taken),
+        cmocka_unit_test(order_does_not_matter_to_the_larger),
         cmocka_unit_test(a_part_is_split_as_if_alone),
     };
     return cmocka_run_group_tests_name("oracle_tree", tests, NULL, NULL);

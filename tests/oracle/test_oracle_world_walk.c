@@ -112,6 +112,9 @@ static void the_first_look_knows_what_it_may(void **state)
         assert_int_equal(got.bound < INFINITY, h < 0x1p-10);
         assert_int_equal(got.beside < INFINITY, h < 0x1p-10);
         if (h < 0x1p-10)
+            assert_true(got.bound == EARLY_BOUND * (1 + h / EARLY_SHARE) &&
+                        got.beside == EARLY_BESIDE * (1 + h / EARLY_SHARE));
+        if (h < 0x1p-10)
             assert_true(got.bound >= 65.3 * 0x1p-53 + 8.04 * h && got.beside >= 6.1 * 0x1p-53 + h);
         got = early_ray_about(o, d, err, none);
         assert_true(got.more * 6.1 * 0x1p-53 >= err[1] + err[0]);

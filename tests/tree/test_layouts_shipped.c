@@ -110,6 +110,41 @@ static void no_hair_is_lost_beside_a_plane(void **state)
         }
 }
 
+/* Of cwbvh80, as Ylitie, Karras and Laine have it: a child that is a node has 1 in the upper three
+ * bits of its byte and 24 + its slot in the lower five; a leaf has as many ones as items, and where
+ * they begin; a free slot has 0. */
+static void bytes_of_children_are_as_published(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(87, 0);
+    struct scene scene = cloud(&rng, 200, 0, 10, 1, -1);
+    struct bvh bvh = trees_make(&scene, 3, TREES_BALANCED);
+    struct packed packed = pack("cwbvh80", &bvh, &scene);
+    uint32_t nodes = 0, leaves = 0, free_slots = 0;
+    for (uint32_t r = 0; r < packed.node_count; r++) {
+        const uint32_t *word = packed.word + 20 * (size_t)r;
+        uint32_t items = 0;
+        for (uint32_t s = 0; s < 8; s++) {
+            uint32_t meta = word[6 + s / 4] >> s % 4 * 8 & 0xFF, upper = meta >> 5;
+            if (word[3] >> (24 + s) & 1) {
+                assert_int_equal(meta, 1u << 5 | (24 + s));
+                nodes++;
+            } else if (meta) {
+                assert_int_equal(meta & 31, items);
+                assert_true(upper == 1 || upper == 3 || upper == 7);
+                items += upper == 7 ? 3 : upper == 3 ? 2 : 1;
+                leaves++;
+            } else {
+                free_slots++;
+            }
+        }
+    }
+    assert_true(nodes > 5 && leaves > 20 && free_slots > 0);
+    packed_free(&packed);
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
 /* Said before anything is looked at: there is no tree. */
 static void too_many_items_are_refused(void **state)
 {
@@ -315,6 +350,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_box_is_too_small),
         cmocka_unit_test(no_hair_is_lost_beside_a_plane),
+        cmocka_unit_test(bytes_of_children_are_as_published),
         cmocka_unit_test(too_many_items_are_refused),
         cmocka_unit_test(the_range_of_floats_is_held_or_refused),
         cmocka_unit_test(words_are_as_published),
