@@ -17,6 +17,7 @@ struct world_generator {
     /* Draws the world. `value` has one checked entry per param. */
     enum status (*make)(struct placer *placer, const double *value, struct reason *reason);
     bool seedless; /* the world does not depend on the seed */
+    bool undrawn;  /* made for one measurement: campaigns do not draw it */
 };
 
 /* NULL-terminated. */

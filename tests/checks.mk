@@ -112,6 +112,7 @@ lint:
 # `make check` plays an eighth), those for the rules of the house included. What finds few bugs of the product
 # for its time stands here.
 deep: sanitize-check tsan-check validate-check validate-gpu-check slow mutants
+	@sh tests/conform/conform.sh $(B)/raydiff $(B)/check/hard-deep.xml 8000 --hard --quick
 
 sanitize-check:
 	@sh .ci/deps.sh check

@@ -76,15 +76,23 @@ static enum status take_world(const struct world *world, uint32_t rays, struct f
     return STATUS_OK;
 }
 
+/* One of the generators that campaigns draw. */
+static const struct world_generator *draw_generator(struct rng *rng)
+{
+    uint32_t count = 0, at = 0;
+    for (size_t i = 0; world_generators[i]; i++)
+        count += !world_generators[i]->undrawn;
+    for (uint32_t left = rng_below(rng, count) + 1; left > 0; at++)
+        left -= !world_generators[at]->undrawn;
+    return world_generators[at - 1];
+}
+
 enum status gen_world_of_scenes(struct rng *rng, uint32_t rays, struct fuzz_trial *out,
                                 const char **name, struct reason *reason)
 {
     double value[GENERATOR_PARAMS] = {0};
-    uint32_t count = 0;
     struct world world;
-    while (world_generators[count])
-        count++;
-    const struct world_generator *generator = world_generators[rng_below(rng, count)];
+    const struct world_generator *generator = draw_generator(rng);
     draw_values(rng, generator, value);
     uint64_t seed = rng_u64(rng);
     *name = generator->name;

@@ -44,4 +44,5 @@ const struct world_generator gen_room = {
               {"offset", "added to every coordinate", 0, -8000000, 8000000, true}},
     .make = make_room,
     .seedless = true,
+    .undrawn = true,
 };

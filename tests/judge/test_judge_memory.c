@@ -188,7 +188,7 @@ static void a_judge_is_made_or_not(void **state)
                 judge_free(judge);
                 assert_int_equal(held, before);
             }
-            assert_int_equal(n, two_levels ? 5 : 4);
+            assert_int_equal(n, two_levels ? 6 : 4);
             judged_world_free(&w);
             judge_fixture_close(c);
         }

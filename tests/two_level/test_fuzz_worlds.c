@@ -69,7 +69,7 @@ static void what_is_played_together_makes_no_difference(void **state)
 static void engines_of_scenes_decline_worlds(void **state)
 {
     (void)state;
-    const struct engine *const who[] = {engine_find("fast"), engine_reference(true)};
+    const struct engine *const who[] = {engine_find("cpu_stackless"), engine_reference(true)};
     const struct layout *const on[] = {layout_find("f32")};
     struct fuzz_player *player = open_all(who, 2, on, 1);
     struct fuzz_trial trial;
