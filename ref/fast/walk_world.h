@@ -103,7 +103,7 @@ INLINE void walk_world(const struct fast_world *fast, const struct ray *ray, str
     }
     do {
         while (!(at.now & FAST_LEAF))
-            if (!descend(&top, &fast->top, false, &stack, &at))
+            if (!descend(&top, &fast->top, any, &stack, &at))
                 goto missed;
         if (enter(fast, &top, ray, mode, any, all_count, at.now & ~FAST_LEAF, &best)) {
             if (any)
@@ -111,7 +111,7 @@ INLINE void walk_world(const struct fast_world *fast, const struct ray *ray, str
             narrow(&top, best.in.t);
         }
     missed:;
-    } while (pop(&top, false, &stack, &at));
+    } while (pop(&top, any, &stack, &at));
     write_world_hit(fast, ray, &best, hit, tag);
 }
 
