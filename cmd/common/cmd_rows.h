@@ -50,7 +50,7 @@ typedef enum status option_take_fn(void *options, const struct option_value *giv
 
 struct option_row {
     const char *name; /* without dashes; NULL ends the rows */
-    const char *word; /* placeholder of the value in help texts; NULL: no value */
+    const char *word; /* stands for the value in help texts; NULL: no value */
     const char *help;
     enum option_type type;
     size_t place, size;   /* offset and size of the member */

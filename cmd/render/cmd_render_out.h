@@ -5,9 +5,8 @@
 #include "cmd/render/cmd_render.h"
 
 /* Builds the path of picture `frame` (1 ..) of `count`. A single picture uses `out` unless it
- * contains a placeholder for the number, %d or %04d. With several pictures the number replaces the
- * placeholder or goes before the ending. Errors: STATUS_INPUT no ending .png, another %, or too
- * long. */
+ * has a place for the number, %d or %04d. With several pictures the number stands there, or else
+ * before the ending. Errors: STATUS_INPUT no ending .png, another %, or too long. */
 enum status frame_path(const char *out, uint32_t frame, uint32_t count, char *path,
                        size_t path_bytes, struct reason *reason) MUST_USE;
 

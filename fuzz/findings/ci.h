@@ -9,7 +9,7 @@
 enum ci_state {
     CI_PASSED,
     CI_FAILED,
-    CI_KNOWN,   /* a known failure: TODO in TAP, skipped in JUnit, which has no such state */
+    CI_KNOWN,   /* a known failure: "not ok" that counts as none in TAP, skipped in JUnit */
     CI_SKIPPED, /* was not run */
 };
 

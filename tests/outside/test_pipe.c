@@ -110,7 +110,7 @@ static void what_a_peer_says_of_itself_is_its_model(void **state)
         assert_true(hit[i].prim == 0 || hit[i].prim == ABI_NO_PRIM);
 }
 
-/* Every way to break the protocol, and what is said of it. */
+/* Every way to break the protocol, and its error. */
 static const struct hostile {
     const char *what;
     enum status status;

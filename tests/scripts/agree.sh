@@ -1,6 +1,6 @@
 #!/bin/sh
 # Everybody against everybody: sh tests/scripts/agree.sh BUILD quick|full OUTPUT
-# Every generated scene and three real meshes (what is not fetched is said and left out), all three
+# Every generated scene and three real meshes (what is not fetched is left out, with a line), all three
 # queries, all triangle tests: layouts f32 and rf16 with the box tests robust and watertight; the
 # published box test on scenes up to 4k triangles. Writes OUTPUT.txt, with the tables only if a check fails; then it fails, too.
 set -u

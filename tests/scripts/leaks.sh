@@ -2,7 +2,7 @@
 # Leaks of closed meshes on every driver that needs no GPU:
 #   sh tests/scripts/leaks.sh BUILD OUTPUT [RAYS [LAYOUTS]]
 # Three meshes and a sphere under four transforms, triangle test woop with box test watertight, on cpu and
-# vulkan; a driver or mesh that is not here is said and left out (generated ones stand in for meshes). Writes
+# vulkan; a driver or mesh that is not here is left out, with a line (generated ones stand in for meshes). Writes
 # OUTPUT.txt; fails if any ray leaks, if vulkan differs from cpu in a bit, or if nothing could be run.
 set -u
 raydiff=$1/raydiff out=$2 rays=${3:-1000000} layouts=${4:-rf16}

@@ -137,7 +137,7 @@ static void rays_keep_their_modes(void **state)
     fuzz_trial_free(&trial);
 }
 
-/* One change of the trial above that makes it none, and what is said of it. */
+/* One change that makes the trial above invalid, and its error. */
 static void break_it(struct fuzz_trial *trial, uint32_t how)
 {
     struct trial_world *world = &trial->world;
