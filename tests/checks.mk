@@ -113,6 +113,7 @@ lint:
 # for its time stands here.
 deep: sanitize-check tsan-check validate-check validate-gpu-check slow mutants
 	@sh tests/conform/conform.sh $(B)/raydiff $(B)/check/hard-deep.xml 8000 --hard --quick
+	@sh tests/scripts/agree.sh $(B) deep $(B)/check/agree-deep
 
 sanitize-check:
 	@sh .ci/deps.sh check

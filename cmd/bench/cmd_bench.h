@@ -108,6 +108,9 @@ enum status bench_tree_open(const struct bench *bench, const struct scene *scene
 enum status bench_tree_make(const struct bench *bench, const struct scene *scene, struct bvh *out,
                             struct reason *reason) MUST_USE;
 
+/* As bench_each, on one thread unless the user named a number; prints how times are taken first. */
+int bench_on_core(struct bench *bench, const struct benchmark *benchmark);
+
 /* Rays per trace: the user's number, or the benchmark's own. */
 size_t bench_rays_count(const struct bench *bench, size_t own);
 

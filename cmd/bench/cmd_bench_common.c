@@ -4,6 +4,7 @@
 #include "bench/chart/csv.h"
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"
+#include "ref/base/text.h"
 #include "scenes/scenes.h"
 
 #include <stdio.h>
@@ -93,6 +94,16 @@ int bench_each(struct bench *bench, const struct benchmark *benchmark)
         fflush(stdout);
     }
     return bench->code;
+}
+
+int bench_on_core(struct bench *bench, const struct benchmark *benchmark)
+{
+    if (bench->engines.threads == 0)
+        bench->engines.threads = 1;
+    printf("\n%s: %u thread%s, %s\n", benchmark->name, bench->engines.threads,
+           plural(bench->engines.threads),
+           bench->engines.threads == 1 ? "the core's own time" : "time on the wall");
+    return bench_each(bench, benchmark);
 }
 
 size_t bench_rays_count(const struct bench *bench, size_t own)

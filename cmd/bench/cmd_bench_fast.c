@@ -84,19 +84,6 @@ static enum status make_rays(struct contest *c, size_t kind, struct reason *reas
     return status;
 }
 
-/* Number of rays that contestant i misses and another contestant hits. */
-static size_t missed_by(const struct contest *c, size_t i)
-{
-    size_t missed = 0;
-    for (size_t n = 0; n < c->count; n++) {
-        bool hit = false;
-        for (size_t k = 0; k < c->race.count; k++)
-            hit = hit || c->hit[k][n].prim != ABI_NO_PRIM;
-        missed += hit && c->hit[i][n].prim == ABI_NO_PRIM;
-    }
-    return missed;
-}
-
 static void print_rows(struct contest *c, size_t kind, double *log_ratio)
 {
     size_t rounds = c->bench->rounds;
@@ -107,7 +94,7 @@ static void print_rows(struct contest *c, size_t kind, double *log_ratio)
             ratio = (struct spread){NAN, NAN, NAN};
         log_ratio[i] += log(ratio.median);
         double bytes = (double)r->memory_bytes / (double)c->scene->tri_count;
-        size_t missed = missed_by(c, i);
+        size_t missed = race_missed(&c->race, c->hit, c->count, i);
         const char *name = entries[c->entry[i]].name;
         printf("  %-8s %-14s %8.3f  %6.3f (%.3f-%.3f) %8.1f %8zu\n", kinds[kind], name,
                mrays.median, ratio.median, ratio.least, ratio.most, bytes, missed);
@@ -207,12 +194,7 @@ static enum status bench_scene(struct bench *bench, const char *spec, const stru
 
 static int run(struct bench *bench)
 {
-    if (bench->engines.threads == 0)
-        bench->engines.threads = 1;
-    printf("\nfast: %u thread%s, %s\n", bench->engines.threads,
-           bench->engines.threads == 1 ? "" : "s",
-           bench->engines.threads == 1 ? "the core's own time" : "time on the wall");
-    return bench_each(bench, &bench_fast);
+    return bench_on_core(bench, &bench_fast);
 }
 
 const struct benchmark bench_fast = {

@@ -156,6 +156,18 @@ void race_enter(struct race *race)
     }
 }
 
+size_t race_missed(const struct race *race, struct hit *const *hit, size_t count, size_t i)
+{
+    size_t missed = 0;
+    for (size_t n = 0; n < count; n++) {
+        bool any = false;
+        for (size_t k = 0; k < race->count; k++)
+            any = any || hit[k][n].prim != ABI_NO_PRIM;
+        missed += any && hit[i][n].prim == ABI_NO_PRIM;
+    }
+    return missed;
+}
+
 void race_leave(struct race *race)
 {
     for (size_t i = 0; i < race->count; i++) {

@@ -74,6 +74,9 @@ enum status race_trace(const struct race *race, const struct contestant *who, co
                        size_t count, struct hit *hit, struct trace_report *report,
                        struct reason *reason) MUST_USE;
 
+/* Number of rays that contestant i misses and another one hits. `hit` has the answers of each. */
+size_t race_missed(const struct race *race, struct hit *const *hit, size_t count, size_t i);
+
 /* Closes all contestants. */
 void race_leave(struct race *race);
 

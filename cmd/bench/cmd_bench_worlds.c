@@ -157,30 +157,27 @@ static enum status make_rays(struct world_race *a, size_t kind, struct reason *r
 
 /* --- results ------------------------------------------------------------------------------ */
 
-/* Rays that contestant i misses and another hits. */
-static size_t missed_by(const struct world_race *a, size_t i)
+/* True if two engines differ: one hits and the other misses, or of nearest hits another triangle
+ * is nearest. */
+static bool differ(const struct world_race *a, enum query query, size_t n)
 {
-    size_t missed = 0;
-    for (size_t n = 0; n < a->count; n++) {
-        bool hit = false;
-        for (size_t k = 0; k < a->race.count; k++)
-            hit = hit || a->hit[k][n].prim != ABI_NO_PRIM;
-        missed += hit && a->hit[i][n].prim == ABI_NO_PRIM;
+    const uint32_t first = a->hit[0][n].prim;
+    bool differs = false;
+    for (size_t k = 1; k < a->race.count; k++) {
+        const uint32_t prim = a->hit[k][n].prim;
+        differs = differs || (prim == ABI_NO_PRIM) != (first == ABI_NO_PRIM) ||
+                  (query == QUERY_CLOSEST && prim != first);
     }
-    return missed;
+    return differs;
 }
 
-/* Chooses the first rays, and all that one engine hits and another misses. */
-static void choose(struct world_race *a)
+/* Chooses the first rays, and all about which two engines differ. */
+static void choose(struct world_race *a, enum query query)
 {
     a->judged_count = 0;
-    for (size_t n = 0; n < a->count; n++) {
-        bool hit = a->hit[0][n].prim != ABI_NO_PRIM, differs = n < FIRST_JUDGED;
-        for (size_t k = 1; k < a->race.count; k++)
-            differs = differs || (a->hit[k][n].prim != ABI_NO_PRIM) != hit;
-        if (differs)
+    for (size_t n = 0; n < a->count; n++)
+        if (n < FIRST_JUDGED || differ(a, query, n))
             a->judged[a->judged_count++] = n;
-    }
 }
 
 /* Counts the WRONG ones of the chosen answers of contestant i. */
@@ -217,7 +214,7 @@ static void print_row(struct world_race *a, size_t kind, size_t i, size_t wrong)
     if (!based)
         ratio = (struct spread){NAN, NAN, NAN};
     a->log_sum[i] += log(ratio.median);
-    const size_t missed = missed_by(a, i);
+    const size_t missed = race_missed(&a->race, a->hit, a->count, i);
     printf("  %-8s %-14s %8.3f  %6.3f (%.3f-%.3f) %8zu %8zu\n", kinds[kind], who->engine->name,
            mrays.median, ratio.median, ratio.least, ratio.most, missed, wrong);
     if (wrong > 0)
@@ -240,7 +237,7 @@ static enum status play_kind(struct world_race *a, size_t kind, struct reason *r
     if (!status)
         status = trace_all(a, reason);
     if (!status)
-        choose(a);
+        choose(a, query);
     for (size_t i = a->race.count; i-- > 0 && !status;) {
         size_t wrong;
         status = judge_chosen(a, i, query, &wrong, reason);
@@ -301,12 +298,7 @@ static enum status bench_scene(struct bench *bench, const char *spec, const stru
 
 static int run(struct bench *bench)
 {
-    if (bench->engines.threads == 0)
-        bench->engines.threads = 1;
-    printf("\nworlds: %u thread%s, %s\n", bench->engines.threads,
-           bench->engines.threads == 1 ? "" : "s",
-           bench->engines.threads == 1 ? "the core's own time" : "time on the wall");
-    return bench_each(bench, &bench_worlds);
+    return bench_on_core(bench, &bench_worlds);
 }
 
 const struct benchmark bench_worlds = {
@@ -320,8 +312,7 @@ const struct benchmark bench_worlds = {
         "otherwise: the core's own time, else time on the wall; all trees are sah_sweep's, "
         "Embree's its own. Bounces leave primary hits, shadow rays go from them to a light and "
         "ask for any hit. missed: rays that another one hits; WRONG: of the first 2000 answers and "
-        "of those "
-        "where one engine hits and another misses; mean: geometric, of the ratios.",
+        "of all about which two engines differ; mean: geometric, of the ratios.",
     .scenes = "scenes/fetched/dragon-11k.ply.gz",
     .made = "terrain:k=6",
     .play = bench_scene,

@@ -35,9 +35,6 @@ static enum status take_cause(void *options, const struct option_value *given,
 
 static const char *const modes[] = {"all", "mixed", "drawn", NULL}; /* as ray_modes_name */
 
-/* In place of the default layout, of scenes that are too large for it. */
-#define LARGE_LAYOUT "f32"
-
 #define ROWS_OF struct explain_options
 
 static const struct option_row rows[] = {
@@ -54,7 +51,7 @@ static const struct option_row rows[] = {
     {"engine", "E", "engine; pipe:COMMAND is a tracer of your own",
      OF_MEMBER(of.engine, TABLE_ENGINES), .value = "cpu"},
     {"layout", "L", "layout", OF_MEMBER(of.layout, TABLE_LAYOUTS), .value = "rf16",
-     .shown = "rf16, or " LARGE_LAYOUT " where that cannot hold the scene"},
+     .shown = "rf16, or " EXPLAIN_LARGE_LAYOUT " where that cannot hold the scene"},
     {"store", "S", "triangle storage, see raydiff list storages", OF_MEMBER(of.store, TABLE_STORES),
      .value = "indexed"},
     {"builder", "B", "builder", OF_MEMBER(of.builder, TABLE_BUILDERS), .value = "median"},
@@ -158,7 +155,7 @@ static enum status make_tree(struct explaining *e, struct reason *reason)
         status = packed_make_stored(of->layout, of->store, &e->bvh, &e->scene, &e->packed, reason);
     if (status == STATUS_LIMIT && e->bvh.node_count > 0 && !option_was_given("layout") &&
         !e->options->has_trial) {
-        e->options->of.layout = layout_find(LARGE_LAYOUT);
+        e->options->of.layout = layout_find(EXPLAIN_LARGE_LAYOUT);
         status = packed_make_stored(of->layout, of->store, &e->bvh, &e->scene, &e->packed, reason);
     }
     return status;

@@ -10,6 +10,9 @@
 
 #include <jansson.h>
 
+/* In place of the default layout, of scenes and worlds that it cannot hold. */
+#define EXPLAIN_LARGE_LAYOUT "f32"
+
 struct explain_options {
     struct explain_of of;
     const struct ray_set *rays;

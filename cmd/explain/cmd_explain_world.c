@@ -27,21 +27,25 @@ static enum status check_use(const struct explain_options *o, struct reason *rea
     return STATUS_OK;
 }
 
-static enum status pack(const struct explain_options *o, struct explain_world *e,
-                        struct packed_world *packed, struct reason *reason)
+static enum status pack(struct explain_world *e, struct packed_world *packed, struct reason *reason)
 {
-    const struct explain_of *of = &o->of;
+    const struct explain_of *of = &e->options->of;
     const struct world_build how = {.top = of->builder,
                                     .bottom = of->builder,
                                     .top_options = of->build,
                                     .bottom_options = of->build};
     struct world_trees trees;
     struct world_faults faults;
-    const struct layout *layout = of->layout;
     enum status status = world_trees_make(e->world, &how, &trees, reason);
     if (status)
         return status;
-    status = packed_world_make(e->world, &trees, layout, layout, of->store, packed, reason);
+    e->layout = of->layout;
+    status = packed_world_make(e->world, &trees, e->layout, e->layout, of->store, packed, reason);
+    if (status == STATUS_LIMIT && !option_was_given("layout")) {
+        e->layout = layout_find(EXPLAIN_LARGE_LAYOUT);
+        status =
+            packed_world_make(e->world, &trees, e->layout, e->layout, of->store, packed, reason);
+    }
     world_trees_free(&trees);
     if (!status && world_pack_check(e->world, packed, &faults, &e->tree_fault) == STATUS_MEMORY)
         status = fail(reason, STATUS_MEMORY, "no memory to check the trees");
@@ -56,7 +60,7 @@ static enum status answer(struct explain_world *e, struct pool *pool, struct rea
     struct trace_report report;
     enum status status = STATUS_OK;
     if (of->engine->needs_packed) {
-        status = pack(e->options, e, &packed, reason);
+        status = pack(e, &packed, reason);
         job.packed = &packed;
     }
     void *self = status ? NULL : pool_get(pool, of->engine, &status, reason);
@@ -184,7 +188,7 @@ static void print(const struct explain_world *e, const struct screen *screen)
     screen_text(screen, "%s: %s\n", of->spec, world_show(e->world, shown));
     print_kinds(e, kinds, sizeof kinds);
     screen_text(screen, "%s%s%s, query %s: %zu rays of set %s, modes %s: %zu WRONG%s%s\n",
-                of->engine->name, of->layout ? " on " : "", of->layout ? of->layout->name : "",
+                of->engine->name, e->layout ? " on " : "", e->layout ? e->layout->name : "",
                 query_name(of->query), e->count, e->options->rays->name,
                 ray_modes_name((enum ray_modes)e->options->modes), e->why.wrong,
                 kinds[0] ? ": " : "", kinds);

@@ -9,7 +9,8 @@
 /* An engine's answers to rays in a world, and why they are WRONG. */
 struct explain_world {
     const struct explain_options *options;
-    struct world *world; /* borrowed */
+    struct world *world;         /* borrowed */
+    const struct layout *layout; /* of both levels; NULL: the engine has trees of its own */
     struct ray *ray;
     struct ray_mode *mode;
     struct hit *hit;

@@ -46,7 +46,7 @@ enum status explain_world_json(const struct explain_world *e, int exit_code, str
         "rays=%zu set=%s modes=%s wrong=%zu kinds=%p first=%p wrong_compared=%u other_compared=%u "
         "attempts=%p at_the_rim=%u tree_fault=%p cause=%s defect=%p",
         RAYDIFF_VERSION, exit_code, of->spec, e->world->instance_count, world_tri_count(e->world),
-        of->engine->name, of->layout ? json_string(of->layout->name) : json_null(),
+        of->engine->name, e->layout ? json_string(e->layout->name) : json_null(),
         query_name(of->query), e->count, e->options->rays->name,
         ray_modes_name((enum ray_modes)e->options->modes), why->wrong, kinds_json(why),
         first_json(e), why->wrong_compared, why->other_compared, attempts_json(why),

@@ -67,8 +67,7 @@ static enum status fast_trace(void *self, const struct ray *ray, size_t ray_coun
     uint64_t start = time_ns();
 #pragma omp parallel for schedule(dynamic, 1) num_threads(fast->threads) if (chunks > 1)
     for (size_t i = 0; i < chunks; i++) {
-        size_t first = i * FAST_CHUNK;
-        size_t count = ray_count - first < FAST_CHUNK ? ray_count - first : FAST_CHUNK;
+        size_t first = i * FAST_CHUNK, count = fast_chunk(i, ray_count);
         if (fast->tree.node_count == 0)
             for (size_t k = first; k < first + count; k++)
                 hit[k] = (struct hit){.prim = ABI_NO_PRIM};

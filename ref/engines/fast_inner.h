@@ -18,6 +18,13 @@ struct fast {
     enum query query;
 };
 
+/* Rays of unit `chunk` of a job of `count`, which begin at chunk * FAST_CHUNK. */
+static inline size_t fast_chunk(size_t chunk, size_t count)
+{
+    size_t left = count - chunk * FAST_CHUNK;
+    return left < FAST_CHUNK ? left : FAST_CHUNK;
+}
+
 /* Errors: STATUS_UNSUPPORTED a layout as published. */
 enum status fast_takes_layout(const struct layout *layout, struct reason *reason) MUST_USE;
 

@@ -72,8 +72,7 @@ static enum status trace_world(void *self, const struct ray *ray, const struct r
     uint64_t start = time_ns();
 #pragma omp parallel for schedule(dynamic, 1) num_threads(fast->threads) if (chunks > 1)
     for (size_t i = 0; i < chunks; i++) {
-        size_t first = i * FAST_CHUNK;
-        size_t count = ray_count - first < FAST_CHUNK ? ray_count - first : FAST_CHUNK;
+        size_t first = i * FAST_CHUNK, count = fast_chunk(i, ray_count);
         fast->kernel->world(&fast->world, ray + first, mode ? mode + first : NULL, count,
                             fast->query == QUERY_ANY, hit + first, tag + first);
     }

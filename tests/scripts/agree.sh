@@ -1,5 +1,5 @@
 #!/bin/sh
-# Everybody against everybody: sh tests/scripts/agree.sh BUILD quick|full OUTPUT
+# Everybody against everybody: sh tests/scripts/agree.sh BUILD quick|deep|full OUTPUT
 # Every generated scene and three real meshes (what is not fetched is left out, with a line), all three
 # queries, all triangle tests: layouts f32 and rf16 with the box tests robust and watertight; the
 # published box test on scenes up to 4k triangles. Writes OUTPUT.txt, with the tables only if a check fails; then it fails, too.
@@ -10,15 +10,16 @@ full)
     rays=300000 lists=50000 published=10000 brute=100000 engines=cpu,vulkan,embree,embree_robust
     slow=$engines
     ;;
-quick)
+quick | deep)
     rays=1500 lists=300 published=300 brute=1500 engines=all
+    [ "$2" = quick ] || { rays=3000 lists=600 published=600 brute=3000; }
     # The published box test enters so many boxes that those without a stack would take a third of
     # all the time; conform holds them to cpu's bits on it. An engine named here must be there, so
     # rayquery, which not every driver has, is left to `all` above.
     slow=cpu,vulkan,fast,brute,vulkan_brute,embree,embree_robust
     ;;
 *)
-    echo "usage: tests/scripts/agree.sh BUILD quick|full OUTPUT" >&2
+    echo "usage: tests/scripts/agree.sh BUILD quick|deep|full OUTPUT" >&2
     exit 2
     ;;
 esac

@@ -160,7 +160,6 @@ static void every_defect_is_found_by_its_own_answers(void **state)
 {
     (void)state;
     struct world_look look;
-    uint32_t found = 0;
     assert_int_equal(world_look_make(&s->world, tri_test_find("mt"), &look, NULL), STATUS_OK);
     for (enum world_defect d = 0; d < WORLD_DEFECT_COUNT; d++) {
         world_look_bend(&look, d);
@@ -171,10 +170,11 @@ static void every_defect_is_found_by_its_own_answers(void **state)
         }
         enum world_cause cause = explained(QUERY_CLOSEST, "");
         if (s->why.wrong == 0) {
-            print_message("does not matter here: %s\n", world_defect_about(d)->text);
+            /* The world has no inactive instance and few; here the traces begin with every instance. */
+            assert_true(d == WORLD_DEFECT_NONE || d == WORLD_DEFECT_NUMBER_10 ||
+                        d == WORLD_DEFECT_INACTIVE_COUNT_NOT || d == WORLD_DEFECT_NOT_CARRIED);
             continue;
         }
-        found++;
         size_t kinds = 0;
         for (int w = 0; w < WRONG_COUNT; w++)
             kinds += s->why.kind[w];
@@ -186,7 +186,6 @@ static void every_defect_is_found_by_its_own_answers(void **state)
                      world_defect_about(s->why.defect)->text);
     }
     world_look_free(&look);
-    assert_true(found >= WORLD_DEFECT_COUNT - 6);
 }
 
 /* Hits of every seventh instance are lost at random: no defect does that. Bits of t are: neither.

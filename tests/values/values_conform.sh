@@ -84,27 +84,8 @@ counted=$(sed -nE 's/.* wrong ([0-9]+) \(as published, counted\).*/\1/p' "$dir/o
 [ "$counted" -gt 0 ] && grep -q "^[0-9]* rays judged: .* wrong 0; as published, counted: $counted\$" "$dir/out" ||
     bad "conform: $counted answers of members as published are not told apart"
 
-# Pairs: fields 1 to 8 of a name are members of as many tables; '-' is none.
-pairs=$(awk '
-    /^<testcase / && !/\.answered"/ {
-        name = $0
-        sub(/.* name="/, "", name)
-        sub(/".*/, "", name)
-        split(name, part, ".")
-        for (a = 1; a <= 8; a++)
-            for (b = a + 1; b <= 8; b++)
-                if (part[a] != "-" && part[b] != "-") {
-                    pair = a " " part[a] " " b " " part[b]
-                    met[pair] = met[pair] || !/<skipped/
-                }
-    }
-    END {
-        for (pair in met) {
-            all++
-            unmet += !met[pair]
-        }
-        print all " pairs of members met, " unmet + 0 " of them only in trials that were refused or skipped"
-    }' "$dir/xml")
+# Pairs of members.
+pairs=$(awk -v fields=8 -v what='pairs of members' -f tests/conform/pairs.awk "$dir/xml")
 grep -q "^$pairs" "$dir/text" || bad "not '$pairs', but '$(grep ' pairs of members met' "$dir/text")'"
 
 "$raydiff" conform --engine cpu,fast --count $rays --threads 1 --tap >"$dir/tap" 2>/dev/null

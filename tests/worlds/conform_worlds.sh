@@ -41,26 +41,7 @@ grep '^world\.[a-z]*\.cpu\..*\.mirrored\.' "$dir/all" | cmp -s - "$dir/out" || b
 
 # Every two members that take part meet, in trials that run but for what is refused: the bounds of rf16 end at 65504.
 expect 0 . conform --worlds --engine cpu,brute --count 60 --threads 1 --brute 0 --junit "$dir/xml"
-pairs=$(awk '
-    /^<testcase / && !/\.answered"/ {
-        name = $0
-        sub(/.* name="world\./, "", name)
-        sub(/".*/, "", name)
-        split(name, part, ".")
-        for (a = 1; a <= 13; a++)
-            for (b = a + 1; b <= 13; b++)
-                if (part[a] != "-" && part[b] != "-") {
-                    pair = a " " part[a] " " b " " part[b]
-                    met[pair] = met[pair] || !/<skipped/
-                }
-    }
-    END {
-        for (pair in met) {
-            all++
-            unmet += !met[pair]
-        }
-        print all " pairs of worlds and members met, " unmet + 0 " of them only in trials that were refused or skipped: rf16 with far"
-    }' "$dir/xml")
+pairs=$(awk -v prefix='world\\.' -v fields=13 -v what='pairs of worlds and members' -f tests/conform/pairs.awk "$dir/xml")': rf16 with far'
 case $pairs in *" 2 of them only"*) ;; *) bad "conform --worlds: two pairs cannot meet, rf16 and rf16/f32 with far; not '$pairs'" ;; esac
 grep -qx "$pairs" "$dir/out" || bad "not '$pairs', but '$(grep ' pairs of worlds' "$dir/out")'"
 "$raydiff" conform --worlds --list --engine cpu >"$dir/of_cpu"

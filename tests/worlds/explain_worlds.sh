@@ -70,6 +70,11 @@ has tree_fault=null
 ends 0 placed-turned --engine brute --query any --modes drawn --count 300
 laws
 has layout=null
+# Where the default layout cannot hold a world it is f32; one that is named is kept to.
+ends 0 placed-far --engine cpu --count 300
+laws
+has layout=f32
+refused 'rf16: a bound is at most 65504' placed-far --engine cpu --layout rf16
 ends 1 crowd:n=20,size=0.5 --engine cpu --layout rtrs_rf_paper --box rtrs --count 2000
 laws
 has cause=world_box

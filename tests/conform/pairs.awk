@@ -1,0 +1,22 @@
+# The pairs of members that met, from the names in JUnit's cases: fields 1 to `fields` of a name are members of as many
+# tables, '-' is none.
+#   awk -v prefix='world\\.' -v fields=N -v what='pairs of members' -f pairs.awk JUNIT
+/^<testcase / && !/\.answered"/ {
+    name = $0
+    sub(".* name=\"" prefix, "", name)
+    sub(/".*/, "", name)
+    split(name, part, ".")
+    for (a = 1; a <= fields; a++)
+        for (b = a + 1; b <= fields; b++)
+            if (part[a] != "-" && part[b] != "-") {
+                pair = a " " part[a] " " b " " part[b]
+                met[pair] = met[pair] || !/<skipped/
+            }
+}
+END {
+    for (pair in met) {
+        all++
+        unmet += !met[pair]
+    }
+    print all " " what " met, " unmet + 0 " of them only in trials that were refused or skipped"
+}
