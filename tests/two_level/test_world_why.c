@@ -170,7 +170,7 @@ static void every_defect_is_found_by_its_own_answers(void **state)
         }
         enum world_cause cause = explained(QUERY_CLOSEST, "");
         if (s->why.wrong == 0) {
-            /* The world has no inactive instance and few; here the traces begin with every instance. */
+            /* There are few instances, and none is inactive. */
             assert_true(d == WORLD_DEFECT_NONE || d == WORLD_DEFECT_NUMBER_10 ||
                         d == WORLD_DEFECT_INACTIVE_COUNT_NOT || d == WORLD_DEFECT_NOT_CARRIED);
             continue;
