@@ -38,15 +38,23 @@ static enum status bake_instance(const struct world *world, uint32_t i, float *v
     return STATUS_OK;
 }
 
+uint32_t world_bake_step(const struct world *world, uint32_t most)
+{
+    uint64_t tris, vertices;
+    uint32_t step = 1;
+    count_of(world, step, &tris, &vertices);
+    for (; tris > most && step < world->instance_count; count_of(world, step, &tris, &vertices))
+        step = (uint32_t)(tris / most) < 2 ? step + 1 : step * (uint32_t)(tris / most);
+    return step;
+}
+
 enum status world_bake(const struct world *world, uint32_t most, struct scene *out,
                        struct reason *reason)
 {
     uint64_t tris, vertices;
-    uint32_t step = 1;
+    const uint32_t step = world_bake_step(world, most);
     *out = (struct scene){0};
     count_of(world, step, &tris, &vertices);
-    for (; tris > most && step < world->instance_count; count_of(world, step, &tris, &vertices))
-        step = (uint32_t)(tris / most) < 2 ? step + 1 : step * (uint32_t)(tris / most);
     if (vertices > UINT32_MAX - 1)
         return fail(reason, STATUS_LIMIT, "the world has %llu placed vertices, over 2^32 - 2",
                     (unsigned long long)vertices);

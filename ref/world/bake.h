@@ -13,4 +13,7 @@
 enum status world_bake(const struct world *world, uint32_t most, struct scene *out,
                        struct reason *reason) MUST_USE;
 
+/* The step of those instances: 0, step, 2 step ... are taken, where they are active. */
+uint32_t world_bake_step(const struct world *world, uint32_t most);
+
 #endif

@@ -25,19 +25,6 @@ static void paint(const struct world *world, uint32_t step, struct scene *scene)
     }
 }
 
-/* The step that world_bake took: the least with which as many triangles are left. */
-static uint32_t step_of(const struct world *world, uint32_t tri_count)
-{
-    for (uint32_t step = 1;; step++) {
-        uint64_t tris = 0;
-        for (uint64_t i = 0; i < world->instance_count; i += step)
-            if (world_is_active(world, (uint32_t)i))
-                tris += world_scene(world, (uint32_t)i)->tri_count;
-        if (tris <= tri_count || step >= world->instance_count)
-            return step;
-    }
-}
-
 static enum status colour(const struct world *world, struct scene *scene, struct reason *reason)
 {
     scene->material_of = alloc_zeroed(scene->tri_count, sizeof *scene->material_of);
@@ -49,7 +36,7 @@ static enum status colour(const struct world *world, struct scene *scene, struct
         scene->material[c] = (struct material){.albedo = {0.9f, 0.1f, 0}, .spec = 10};
         memcpy(scene->material[c].color, colours[c], sizeof colours[c]);
     }
-    paint(world, step_of(world, scene->tri_count), scene);
+    paint(world, world_bake_step(world, PLACED_MOST), scene);
     return STATUS_OK;
 }
 
