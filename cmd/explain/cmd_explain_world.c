@@ -35,7 +35,6 @@ static enum status pack(struct explain_world *e, struct packed_world *packed, st
                                     .top_options = of->build,
                                     .bottom_options = of->build};
     struct world_trees trees;
-    struct world_faults faults;
     enum status status = world_trees_make(e->world, &how, &trees, reason);
     if (status)
         return status;
@@ -47,7 +46,7 @@ static enum status pack(struct explain_world *e, struct packed_world *packed, st
             packed_world_make(e->world, &trees, e->layout, e->layout, of->store, packed, reason);
     }
     world_trees_free(&trees);
-    if (!status && world_pack_check(e->world, packed, &faults, &e->tree_fault) == STATUS_MEMORY)
+    if (!status && world_pack_check(e->world, packed, &e->faults, &e->tree_fault) == STATUS_MEMORY)
         status = fail(reason, STATUS_MEMORY, "no memory to check the trees");
     return status;
 }
@@ -113,7 +112,7 @@ static enum status judge_and_explain(struct explain_world *e, struct pool *pool,
                                            .tag = e->tag,
                                            .judgement = e->judgement,
                                            .count = e->count,
-                                           .tree_fault = e->tree_fault.text};
+                                           .faults = &e->faults};
     if (!status)
         status = world_why(&answers, &e->why, reason);
     judge_free(judge);
@@ -171,10 +170,10 @@ static void print_conclusion(const struct explain_world *e, const struct screen 
     if (why->defect != WORLD_DEFECT_NONE)
         screen_text(screen, "cause  %s: it answers as a tracer that %s\n", cause,
                     world_defect_about(why->defect)->text);
+    else if (e->tree_fault.text[0])
+        screen_text(screen, "cause  %s: %s\n", cause, e->tree_fault.text);
     else if (why->cause == WORLD_CAUSE_BOX)
-        screen_text(screen, "cause  %s: %s\n", cause,
-                    e->tree_fault.text[0] ? e->tree_fault.text
-                                          : "hits are lost at the rim of instances' boxes");
+        screen_text(screen, "cause  %s: hits are lost at the rim of instances' boxes\n", cause);
     else
         screen_text(screen, "cause  %s: no defect that is tried gives these answers\n", cause);
     screen_text(screen, "conclusion: WRONG: %zu of %zu answers, by %s\n", why->wrong, e->count,

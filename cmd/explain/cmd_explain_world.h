@@ -17,7 +17,8 @@ struct explain_world {
     uint32_t *tag;
     struct judgement *judgement;
     size_t count;
-    struct reason tree_fault;
+    struct world_faults faults; /* of the engine's trees, if they are ours */
+    struct reason tree_fault;   /* the first of these */
     struct world_why why;
 };
 

@@ -143,6 +143,33 @@ static enum status try_defects(const struct world_evidence *a, const struct why_
     return status;
 }
 
+/* --- what is known of the bytes --------------------------------------------------------------- */
+
+static const enum world_cause part_cause[RECORD_PART_COUNT] = {
+    [RECORD_FIRST] = WORLD_CAUSE_INDEX,
+    [RECORD_MESH] = WORLD_CAUSE_INDEX,
+    [RECORD_CUSTOM] = WORLD_CAUSE_INDEX,
+    [RECORD_MASK] = WORLD_CAUSE_MASK,
+    [RECORD_FACING] = WORLD_CAUSE_CULL,
+    [RECORD_OPACITY] = WORLD_CAUSE_OPACITY,
+    [RECORD_IDENTITY] = WORLD_CAUSE_TRANSFORM,
+    [RECORD_TRANSLATION] = WORLD_CAUSE_TRANSFORM,
+    [RECORD_INVERSE] = WORLD_CAUSE_TRANSFORM,
+};
+
+/* A defect says more than the record in which it lies; a tree that loses triangles goes first. */
+static void look_at_bytes(const struct world_faults *faults, struct world_why *out)
+{
+    if (!faults || faults->first == WORLD_SOUND)
+        return;
+    if (faults->first != WORLD_RECORD) {
+        out->defect = WORLD_DEFECT_NONE;
+        out->cause = WORLD_CAUSE_BOX;
+    } else if (out->defect == WORLD_DEFECT_NONE) {
+        out->cause = part_cause[faults->part];
+    }
+}
+
 enum status world_why(const struct world_evidence *answers, struct world_why *out,
                       struct reason *reason)
 {
@@ -162,11 +189,9 @@ enum status world_why(const struct world_evidence *answers, struct world_why *ou
     out->wrong_compared = wrong.count;
     out->other_compared = other.count;
     enum status status = try_defects(answers, &wrong, &other, out, reason);
-    if (!status && answers->tree_fault[0]) {
-        out->defect = WORLD_DEFECT_NONE;
-        out->cause = WORLD_CAUSE_BOX;
-    }
-    if (!status && out->defect == WORLD_DEFECT_NONE)
+    if (!status)
+        look_at_bytes(answers->faults, out);
+    if (!status && out->cause == WORLD_CAUSE_UNKNOWN)
         status = look_at_boxes(answers, &wrong, out, reason);
     return status;
 }

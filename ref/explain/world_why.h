@@ -6,6 +6,7 @@
 
 #include "ref/explain/world_defect.h"
 #include "ref/judge/judge_world.h"
+#include "ref/two_level/world_check.h"
 
 /* Answers and their judgements; all borrowed. */
 struct world_evidence {
@@ -18,8 +19,8 @@ struct world_evidence {
     const uint32_t *tag;
     const struct judgement *judgement;
     size_t count;
-    /* Of an engine with trees of ours: what is wrong with them (world_pack_check), or "". */
-    const char *tree_fault;
+    /* Of an engine with trees of ours: what world_pack_check finds in them. NULL: not known. */
+    const struct world_faults *faults;
 };
 
 /* So many WRONG answers, and as many others, are compared, evenly spread. */
@@ -43,8 +44,9 @@ struct world_why {
 };
 
 /* Trees that are known to be wrong are the cause. Else a defect is if its tracer gives at least 9
- * of 10 WRONG answers and 9 of 10 others; of several the one that gives most. Else the boxes of
- * instances are, if 9 of 10 WRONG answers lose hits at their rim. Answers are the same if the
+ * of 10 WRONG answers and 9 of 10 others; of several the one that gives most. Else a record that is
+ * known to be wrong is: what its member is for. Else the boxes of instances are, if 9 of 10 WRONG
+ * answers lose hits at their rim. Answers are the same if the
  * triangle and the tag are and t is within 2^-10 of itself; of any-hit queries, if both are hits or
  * misses. Errors: those of world_look_make, world_boxes_make. */
 enum status world_why(const struct world_evidence *answers, struct world_why *out,

@@ -37,41 +37,58 @@ static void report(struct world_check *check, enum world_rule rule, const char *
 
 /* --- records ---------------------------------------------------------------------------------- */
 
-/* Returns what differs in a record, or NULL. */
-static const char *wrong_member(const struct world *world, uint32_t at,
-                                const struct instance_record *record)
+#define FACING  (ABI_INSTANCE_CULL_DISABLE | ABI_INSTANCE_FLIP_FACING)
+#define OPACITY (ABI_INSTANCE_FORCE_OPAQUE | ABI_INSTANCE_FORCE_NO_OPAQUE)
+
+static const char *const part_name[RECORD_PART_COUNT] = {
+    "the number of its first triangle",
+    "the mesh",
+    "the custom index",
+    "the mask",
+    "the flags about facing",
+    "the flags about opacity",
+    "the flags",
+    "the translation",
+    "the inverse",
+};
+
+/* Returns the first member of a record that differs, or RECORD_PART_COUNT. */
+static enum record_part wrong_part(const struct world *world, uint32_t at,
+                                   const struct instance_record *record)
 {
     const struct instance *instance = &world->instance[at];
     bool active = world_is_active(world, at);
     uint32_t identity = instance_is_identity(instance) ? ABI_INSTANCE_IDENTITY : 0;
+    uint32_t flags = record->flags ^ (instance->flags | identity);
     float w[9] = {0}, t[3] = {0};
     if (record->first != world->first[at])
-        return "the number of its first triangle";
+        return RECORD_FIRST;
     if (record->mesh != (active ? instance->mesh : WORLD_NO_MESH))
-        return "the mesh";
+        return RECORD_MESH;
     if ((record->custom_mask & ABI_CUSTOM_MOST) != instance->custom)
-        return "the custom index";
+        return RECORD_CUSTOM;
     if (record->custom_mask >> 24 != instance->mask)
-        return "the mask";
-    if (record->flags != (instance->flags | identity))
-        return "the flags";
+        return RECORD_MASK;
+    if (flags)
+        return flags & FACING ? RECORD_FACING : flags & OPACITY ? RECORD_OPACITY : RECORD_IDENTITY;
     for (int k = 0; k < 3 && active; k++)
         t[k] = instance->m[k][3];
     if (memcmp(record->t, t, sizeof t) != 0)
-        return "the translation";
+        return RECORD_TRANSLATION;
     if (active && transform_inverse(instance->m, w, NULL))
-        return "an inverse that is beyond float32";
-    return memcmp(record->w, w, sizeof w) == 0 ? NULL : "the inverse";
+        return RECORD_INVERSE;
+    return memcmp(record->w, w, sizeof w) == 0 ? RECORD_PART_COUNT : RECORD_INVERSE;
 }
 
 static void check_records(struct world_check *check)
 {
     for (uint32_t i = 0; i < check->world->instance_count; i++) {
-        const char *wrong = wrong_member(check->world, i, &check->packed->record[i]);
-        if (!wrong)
+        enum record_part part = wrong_part(check->world, i, &check->packed->record[i]);
+        if (part == RECORD_PART_COUNT)
             continue;
-        check->faults.records++;
-        report(check, WORLD_RECORD, "instance %u: its record differs in %s", i, wrong);
+        if (check->faults.records++ == 0)
+            check->faults.part = part;
+        report(check, WORLD_RECORD, "instance %u: its record differs in %s", i, part_name[part]);
     }
 }
 

@@ -17,9 +17,24 @@ enum world_rule {
     WORLD_STACK    /* stack_need is less than both levels need, or over the limit */
 };
 
+/* Members of a record. */
+enum record_part {
+    RECORD_FIRST, /* the number of its first triangle */
+    RECORD_MESH,
+    RECORD_CUSTOM,
+    RECORD_MASK,
+    RECORD_FACING,  /* the flags about facing */
+    RECORD_OPACITY, /* the flags about opacity */
+    RECORD_IDENTITY,
+    RECORD_TRANSLATION,
+    RECORD_INVERSE,
+    RECORD_PART_COUNT
+};
+
 /* Result of world_pack_check. */
 struct world_faults {
     enum world_rule first; /* rule of the described fault */
+    enum record_part part; /* of WORLD_RECORD: the member that differs */
     uint32_t records;      /* instances with another record */
     uint32_t boxes;        /* instances with a vertex outside their box */
     uint32_t tops;         /* 1 if packed_check finds a fault in the top */

@@ -248,6 +248,13 @@ static void every_bit_of_a_record_counts(void **state)
     struct world_faults faults;
     assert_int_equal(world_pack_check(&world, &packed, &faults, NULL), STATUS_INPUT);
     assert_int_equal(faults.records, 2);
+    packed.record[2] = packed.record[0];
+    packed.record[0] = first;
+    packed.record[1].custom_mask ^= 0x1000000; /* of several the first is described */
+    packed.record[5].t[0] += 1;
+    assert_int_equal(world_pack_check(&world, &packed, &faults, NULL), STATUS_INPUT);
+    assert_int_equal(faults.records, 2);
+    assert_int_equal(faults.part, RECORD_MASK);
     packed_world_free(&packed);
     world_free(&world);
 }

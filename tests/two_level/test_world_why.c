@@ -57,7 +57,7 @@ static int drop(void **state)
 }
 
 /* Judges the answers and explains them. */
-static enum world_cause explained(enum query query, const char *tree_fault)
+static enum world_cause explained(enum query query, const struct world_faults *faults)
 {
     const struct model model = {.formula = TWIN_MT, .rounding = {1, 1, 1, 0x1p-149}};
     struct world_evidence a = {.world = &s->world,
@@ -69,7 +69,7 @@ static enum world_cause explained(enum query query, const char *tree_fault)
                                .tag = s->tag,
                                .judgement = s->judgement,
                                .count = RAYS,
-                               .tree_fault = tree_fault};
+                               .faults = faults};
     struct reason reason = {""};
     struct judge *judge;
     assert_int_equal(judge_make(s->oracle, &model, query, &judge, NULL), STATUS_OK);
@@ -143,7 +143,7 @@ static void a_cheat_is_named_as_its_cause(void **state)
             if (expected == WORLD_CAUSE_COUNT)
                 continue;
             cheat_with(cheaters[c].cheat, query);
-            enum world_cause cause = explained(query, "");
+            enum world_cause cause = explained(query, NULL);
             if (cause != expected)
                 fail_msg("cheat %d, %s: %s (%s), not %s: %zu WRONG", cheaters[c].cheat,
                          query_name(query), world_cause_name(cause),
@@ -168,7 +168,7 @@ static void every_defect_is_found_by_its_own_answers(void **state)
             world_look_trace(&look, QUERY_CLOSEST, &s->ray[i], s->mode[i], &none, &s->hit[i],
                              &s->tag[i]);
         }
-        enum world_cause cause = explained(QUERY_CLOSEST, "");
+        enum world_cause cause = explained(QUERY_CLOSEST, NULL);
         if (s->why.wrong == 0) {
             /* There are few instances, and none is inactive. */
             assert_true(d == WORLD_DEFECT_NONE || d == WORLD_DEFECT_NUMBER_10 ||
@@ -203,11 +203,96 @@ static void what_no_defect_does_is_unknown(void **state)
             else
                 s->hit[i] = hit_none(), s->tag[i] = 0;
         }
-        assert_int_equal(explained(QUERY_CLOSEST, ""), WORLD_CAUSE_UNKNOWN);
+        assert_int_equal(explained(QUERY_CLOSEST, NULL), WORLD_CAUSE_UNKNOWN);
         assert_true(s->why.wrong > 100);
-        /* If the trees of the engine are known to be wrong, that is it. */
-        assert_int_equal(explained(QUERY_CLOSEST, "the box of instance 3 is too small"),
-                         WORLD_CAUSE_BOX);
+        const struct world_faults sound = {.first = WORLD_SOUND}, box = {.first = WORLD_BOX};
+        assert_int_equal(explained(QUERY_CLOSEST, &sound), WORLD_CAUSE_UNKNOWN);
+        assert_int_equal(explained(QUERY_CLOSEST, &box), WORLD_CAUSE_BOX);
+    }
+}
+
+/* Damages a member of every record: what the check of the bytes finds. */
+static struct world_faults damaged(void (*damage)(struct instance_record *))
+{
+    struct world_faults faults;
+    struct packed_world packed = stand_world(&s->world, "f32");
+    for (uint32_t i = 0; i < s->world.instance_count; i++)
+        damage(&packed.record[i]);
+    assert_int_equal(world_pack_check(&s->world, &packed, &faults, NULL), STATUS_INPUT);
+    assert_int_equal(faults.first, WORLD_RECORD);
+    packed_world_free(&packed);
+    return faults;
+}
+
+static void in_first(struct instance_record *r)
+{
+    r->first++;
+}
+static void in_mesh(struct instance_record *r)
+{
+    r->mesh++;
+}
+static void in_custom(struct instance_record *r)
+{
+    r->custom_mask ^= 0x800;
+}
+static void in_mask(struct instance_record *r)
+{
+    r->custom_mask ^= 0x40000000;
+}
+static void in_facing(struct instance_record *r)
+{
+    r->flags ^= ABI_INSTANCE_FLIP_FACING;
+}
+static void in_disable(struct instance_record *r)
+{
+    r->flags ^= ABI_INSTANCE_CULL_DISABLE;
+}
+static void in_opaque(struct instance_record *r)
+{
+    r->flags ^= ABI_INSTANCE_FORCE_OPAQUE;
+}
+static void in_no_opaque(struct instance_record *r)
+{
+    r->flags ^= ABI_INSTANCE_FORCE_NO_OPAQUE;
+}
+static void in_identity(struct instance_record *r)
+{
+    r->flags ^= ABI_INSTANCE_IDENTITY;
+}
+static void in_translation(struct instance_record *r)
+{
+    r->t[2] += 1;
+}
+static void in_inverse(struct instance_record *r)
+{
+    r->w[8] += 1;
+}
+
+/* Answers that no defect gives have the cause of the record that is wrong; answers that a defect
+ * gives have the defect's, and it is named. */
+static void a_wrong_record_is_named_by_its_member(void **state)
+{
+    (void)state;
+    const struct {
+        void (*damage)(struct instance_record *);
+        enum world_cause cause;
+    } parts[] = {{in_first, WORLD_CAUSE_INDEX},        {in_mesh, WORLD_CAUSE_INDEX},
+                 {in_custom, WORLD_CAUSE_INDEX},       {in_mask, WORLD_CAUSE_MASK},
+                 {in_facing, WORLD_CAUSE_CULL},        {in_disable, WORLD_CAUSE_CULL},
+                 {in_opaque, WORLD_CAUSE_OPACITY},     {in_no_opaque, WORLD_CAUSE_OPACITY},
+                 {in_identity, WORLD_CAUSE_TRANSFORM}, {in_translation, WORLD_CAUSE_TRANSFORM},
+                 {in_inverse, WORLD_CAUSE_TRANSFORM}};
+    for (size_t p = 0; p < ARRAY_COUNT(parts); p++) {
+        const struct world_faults faults = damaged(parts[p].damage);
+        cheat_with(CHEAT_NONE, QUERY_CLOSEST);
+        for (uint32_t i = 0; i < RAYS; i += 3)
+            s->hit[i].t *= 1.25f;
+        assert_int_equal(explained(QUERY_CLOSEST, &faults), parts[p].cause);
+        assert_int_equal(s->why.defect, WORLD_DEFECT_NONE);
+        cheat_with(CHEAT_MASK_EQUAL, QUERY_CLOSEST);
+        assert_int_equal(explained(QUERY_CLOSEST, &faults), WORLD_CAUSE_MASK);
+        assert_int_equal(s->why.defect, WORLD_DEFECT_MASK_EQUAL);
     }
 }
 
@@ -257,7 +342,7 @@ static void boxes_that_are_too_small_are_named(void **state)
         lost++;
     }
     assert_true(lost > 50);
-    enum world_cause cause = explained(QUERY_CLOSEST, "");
+    enum world_cause cause = explained(QUERY_CLOSEST, NULL);
     print_message("%u of %u WRONG answers (%zu) lose what is at the rim\n", s->why.at_the_rim,
                   s->why.wrong_compared, s->why.wrong);
     assert_int_equal(cause, WORLD_CAUSE_BOX);
@@ -272,6 +357,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_cheat_is_named_as_its_cause, make, drop),
         cmocka_unit_test_setup_teardown(every_defect_is_found_by_its_own_answers, make, drop),
         cmocka_unit_test_setup_teardown(what_no_defect_does_is_unknown, make, drop),
+        cmocka_unit_test_setup_teardown(a_wrong_record_is_named_by_its_member, make, drop),
         cmocka_unit_test_setup_teardown(boxes_that_are_too_small_are_named, make, drop),
     };
     return cmocka_run_group_tests_name("world_why", tests, NULL, NULL);
