@@ -5,6 +5,7 @@
 #include "tests/two_level/two_level_fixture.h"
 
 #include <float.h>
+#include <float.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
