@@ -49,7 +49,9 @@ $(B)/tests/test_bounds_placed_rays: $(B)/obj/tests/exact/exact_gmp_replay.o
 
 $(B)/tests/test_scatter: $(B)/obj/tests/trace/scatter_truth.o
 $(B)/tests/test_scatter: TEST_LIBS += $(GMP_LIBS)
-$(addprefix $(B)/tests/test_world_,inverse boxes): TEST_LIBS += $(GMP_LIBS)
+$(addprefix $(B)/tests/test_world_,inverse boxes redecide): TEST_LIBS += $(GMP_LIBS)
+GMP_WORLD_OBJ := $(addprefix $(B)/obj/tests/exact/gmp_,world.o object_ray.o steady.o world_redecide.o)
+$(B)/tests/test_world_redecide: $(GMP_WORLD_OBJ) $(addprefix $(B)/obj/tests/exact/,exact_gmp.o exact_gmp_replay.o)
 
 # Published triangle tests, compiled with the flags of their users.
 $(B)/tests/test_judge_blackbox $(B)/tests/test_match_edges: $(addprefix $(B)/obj/tests/judge/,honest_plain.o honest_fast.o)

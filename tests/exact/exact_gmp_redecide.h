@@ -28,6 +28,11 @@ enum gmp_proof {
     GMP_PROOF_BARYCENTRIC, /* u or v is */
     GMP_PROOF_NEARER,      /* a triangle that must be accepted lies nearer than both bounds */
     GMP_PROOF_MISSED,      /* a miss, but this triangle must be accepted */
+    GMP_PROOF_MASKED,      /* worlds: of an instance that the ray does not meet */
+    GMP_PROOF_OPACITY,     /* worlds: culled as opaque or not, or passed over by the filter */
+    GMP_PROOF_CULLED,      /* worlds: of a side that is culled */
+    GMP_PROOF_FACING,      /* worlds: the other side is seen */
+    GMP_PROOF_TAG,         /* worlds: another custom index, or a miss that has a tag */
     GMP_PROOF_RIGHT,       /* overturned */
     GMP_PROOF_EXCUSED,     /* overturned: the formula rejects every triangle that is hit */
 };

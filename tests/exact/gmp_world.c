@@ -14,8 +14,7 @@ static void clear_all(mpq_t v[3][3])
         mpq_clears(v[c][0], v[c][1], v[c][2], NULL);
 }
 
-/* Where a placed triangle is, one instance and one geometry after another. */
-static struct place place_of(const struct world *world, uint32_t prim)
+struct place gmp_world_place(const struct world *world, uint32_t prim)
 {
     struct place place = {0};
     for (;; place.instance++) {
@@ -35,7 +34,7 @@ static struct place place_of(const struct world *world, uint32_t prim)
 
 void gmp_world_vertices(const struct world *world, uint32_t prim, mpq_t v[3][3])
 {
-    struct place place = place_of(world, prim);
+    struct place place = gmp_world_place(world, prim);
     const struct instance *instance = &world->instance[place.instance];
     float p[3][3];
     mpq_t m, x;
@@ -85,7 +84,7 @@ static void determinant(mpq_t column[3][3], mpq_t out)
 }
 
 /* d' solves M d' = d, by Cramer's rule. */
-static void object_direction(const struct instance *instance, const struct ray *ray, mpq_t out[3])
+void gmp_world_object_direction(const struct instance *instance, const float d[3], mpq_t out[3])
 {
     mpq_t column[3][3], det;
     init_all(column);
@@ -93,7 +92,7 @@ static void object_direction(const struct instance *instance, const struct ray *
     for (int j = -1; j < 3; j++) { /* -1: M itself */
         for (int i = 0; i < 3; i++)
             for (int k = 0; k < 3; k++)
-                mpq_set_d(column[i][k], (double)(i == j ? ray->dir[k] : instance->m[k][i]));
+                mpq_set_d(column[i][k], (double)(i == j ? d[k] : instance->m[k][i]));
         determinant(column, j < 0 ? det : out[j < 0 ? 0 : j]);
         if (j >= 0)
             mpq_div(out[j], out[j], det);
@@ -104,13 +103,13 @@ static void object_direction(const struct instance *instance, const struct ray *
 
 int gmp_world_facing(const struct world *world, const struct ray *ray, uint32_t prim)
 {
-    struct place place = place_of(world, prim);
+    struct place place = gmp_world_place(world, prim);
     float p[3][3];
     mpq_t column[3][3], x;
     init_all(column);
     mpq_init(x);
     scene_tri(world->mesh[place.mesh].scene, place.prim, p);
-    object_direction(&world->instance[place.instance], ray, column[0]);
+    gmp_world_object_direction(&world->instance[place.instance], ray->dir, column[0]);
     for (int c = 1; c < 3; c++)
         for (int k = 0; k < 3; k++) {
             mpq_set_d(column[c][k], (double)p[c][k]);
@@ -163,7 +162,7 @@ enum oracle_admission gmp_world_admit(const struct world *world, const struct ra
                                       struct ray_mode mode, uint32_t prim,
                                       const struct gmp_pair *pair)
 {
-    struct place place = place_of(world, prim);
+    struct place place = gmp_world_place(world, prim);
     const struct instance *instance = &world->instance[place.instance];
     bool opaque = world->mesh[place.mesh].geometry[place.geometry].opaque;
     if ((instance->mask & mode.mask) == 0 || (mode.flags & ABI_RAY_SKIP_TRIANGLES))

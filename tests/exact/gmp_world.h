@@ -7,6 +7,12 @@
 #include "ref/oracle/oracle_world.h"
 #include "tests/exact/exact_gmp.h"
 
+/* Where a placed triangle is, by counting; `prim` is one of the world's. */
+struct place gmp_world_place(const struct world *world, uint32_t prim);
+
+/* M^-1 d, exactly; `out` has been initialised. */
+void gmp_world_object_direction(const struct instance *instance, const float d[3], mpq_t out[3]);
+
 /* M v + T of the vertices of a placed triangle; v has been initialised. */
 void gmp_world_vertices(const struct world *world, uint32_t prim, mpq_t v[3][3]);
 
