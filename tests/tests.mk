@@ -70,7 +70,7 @@ $(FAKE_VULKAN_TESTS): $(addprefix $(B)/obj/tests/gpu/,fake_vulkan.o fake_vulkan_
 $(FAKE_VULKAN_TESTS): TEST_LIBS += -rdynamic
 
 # The campaign of truth. It needs GMP, so it is not part of the program.
-TRUTH_OBJ := $(patsubst %.c,$(B)/obj/%.o,$(wildcard tests/truth/*.c tests/exact/exact_gmp*.c) \
+TRUTH_OBJ := $(patsubst %.c,$(B)/obj/%.o,$(wildcard tests/truth/*.c tests/exact/exact_gmp*.c tests/exact/gmp_*.c) \
                $(wildcard cmd/common/cmd_rows*.c) $(addprefix cmd/common/cmd_,tables.c options.c progress.c screen.c))
 $(B)/truth: $(TRUTH_OBJ) $(B)/libraydiff.a
 	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) $(GMP_LIBS)

@@ -34,13 +34,13 @@ static bool is_finite_ray(const struct ray *ray)
 
 /* --- the side that is seen -------------------------------------------------------------------- */
 
-/* Of an unknown formula: by the exact sign, where no rounding can turn it. */
+/* Of an unknown formula: by the exact sign, where no displacement that is allowed turns it. */
 static int side_by_distance(const struct judge *judge, const struct ray *ray, uint32_t prim)
 {
     struct judge_rounding rounding = judge_rounding_at(judge, ray, prim);
     struct judge_at at = judge_locate(judge, prim);
     struct oracle_pair pair;
-    if (!judge_takes(judge, ray, prim) || judge_det_is_open(&rounding))
+    if (!judge_takes(judge, ray, prim) || judge_side_is_open(judge, &rounding))
         return 0;
     oracle_pair(judge->oracle, ray, prim, &pair);
     return pair.det * instance_det_sign((const float(*)[4])judge->world->instance[at.instance].m);

@@ -174,6 +174,13 @@ bool judge_det_is_open(const struct judge_rounding *r)
     return fabs(r->det) <= r->det_most;
 }
 
+bool judge_side_is_open(const struct judge *judge, const struct judge_rounding *r)
+{
+    double widest = fmax(r->across[0], fmax(r->across[1], r->across[2]));
+    double moved = 2.0 * (judge->displacement + r->extra) * r->tri.unit;
+    return judge_det_is_open(r) || fabs(r->det) <= moved * widest;
+}
+
 double judge_margin(const struct judge_rounding *r)
 {
     double least = INFINITY;

@@ -300,6 +300,11 @@ bool judge_may_accept(const struct judge *judge, const struct judge_rounding *ro
 /* True if the determinant may have either sign. */
 bool judge_det_is_open(const struct judge_rounding *rounding);
 
+/* True if an unknown formula may see either side: the same, or vertices that move by the allowance
+ * turn the triangle over, as seen along the ray. Its heights there, |det| / across, shrink by at
+ * most twice as much. */
+bool judge_side_is_open(const struct judge *judge, const struct judge_rounding *rounding);
+
 /* The least |w_c| over its bound: below 1 the classical test may lose an exact hit. */
 double judge_margin(const struct judge_rounding *rounding);
 

@@ -179,11 +179,71 @@ static void nor_are_those_of_a_black_box(void **state)
     assert_true(ill > 0 && ill < all / 3);
 }
 
+/* A sliver of width `width` in units of the displacement that is allowed, 32 u times the distance of
+ * its farthest vertex, in a world of its own; the ray meets it at a right angle, through the middle.
+ * Returns what a tracer is found to do that says the other side. */
+static enum wrong of_the_other_side(double width, bool turned, uint32_t flags)
+{
+    const float far = 8;
+    float vertex[9] = {-far, 0, 3, far, 0, 3, 0, (float)(width * 32 * 0x1p-24 * (double)far), 3};
+    uint32_t index[3] = {0, 1, 2};
+    const struct scene scene = {
+        .vertex = vertex, .vertex_count = 3, .index = index, .tri_count = 1};
+    const struct model unknown = {.formula = TWIN_UNKNOWN, .rounding = ROUNDING_IEEE};
+    const struct ray_mode mode = {.mask = 0xFF, .flags = flags};
+    const struct ray ray = {.org = {0, vertex[7] / 4, 0}, .dir = {0, 0, 1}, .tmax = 100};
+    struct world world;
+    struct oracle *oracle;
+    struct judge *judge;
+    struct oracle_answer truth;
+    struct judgement j;
+    assert_int_equal(world_of_scene(&scene, &world, NULL), STATUS_OK);
+    if (turned)
+        world.instance[0].flags = ABI_INSTANCE_FLIP_FACING;
+    assert_int_equal(world_finish(&world, NULL), STATUS_OK);
+    assert_int_equal(oracle_make_world(&world, &oracle, NULL), STATUS_OK);
+    assert_int_equal(judge_make(oracle, &unknown, QUERY_CLOSEST, &judge, NULL), STATUS_OK);
+    assert_int_equal(oracle_closest_world(oracle, ORACLE_AUTO, ORACLE_CLOSED, &ray, &mode, 1, 1,
+                                          &truth, NULL, NULL),
+                     STATUS_OK);
+    /* Vertices run counterclockwise along d, so that the back is seen. */
+    const struct hit hit = {.t = 3, .u = 0.375f, .v = 0.25f, .prim = 0};
+    assert_int_equal(
+        judge_world_answer(judge, &ray, mode, &truth, &hit, turned ? 0 : ABI_TAG_FRONT, &j),
+        STATUS_OK);
+    judge_free(judge);
+    oracle_free(oracle);
+    world_free(&world);
+    return j.wrong;
+}
+
+/* Its height shrinks by twice what each vertex moves. */
+static void a_side_is_known_where_no_displacement_turns_it(void **state)
+{
+    (void)state;
+    static const double open[] = {0.1, 0.5, 1, 1.9}, known[] = {2.2, 4, 100, 1e5};
+    for (int turned = 0; turned < 2; turned++) {
+        for (size_t i = 0; i < ARRAY_COUNT(open); i++) {
+            assert_int_equal(of_the_other_side(open[i], turned, 0), WRONG_NOT);
+            assert_int_equal(
+                of_the_other_side(open[i], turned, turned ? ABI_RAY_CULL_FRONT : ABI_RAY_CULL_BACK),
+                WRONG_NOT);
+        }
+        for (size_t i = 0; i < ARRAY_COUNT(known); i++) {
+            assert_int_equal(of_the_other_side(known[i], turned, 0), WRONG_FACING);
+            assert_int_equal(of_the_other_side(known[i], turned,
+                                               turned ? ABI_RAY_CULL_FRONT : ABI_RAY_CULL_BACK),
+                             WRONG_CULLED);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(honest_answers_are_never_wrong),
         cmocka_unit_test(nor_are_those_of_a_black_box),
+        cmocka_unit_test(a_side_is_known_where_no_displacement_turns_it),
     };
     return cmocka_run_group_tests_name("judge_world_honest", tests, NULL, NULL) ? 1 : 0;
 }

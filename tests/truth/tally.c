@@ -56,7 +56,11 @@ static void write_answer(const struct wrong_answer *answer, FILE *stream)
 {
     char line[640];
     judge_line(&answer->ray, &answer->judgement, &answer->hit, line, sizeof line);
-    fprintf(stream, "%s\n  by rationals: %s\n", line, gmp_opinion_name(answer->opinion));
+    fprintf(stream, "%s\n", line);
+    if (answer->mode.mask)
+        fprintf(stream, "  mask 0x%02x, flags 0x%03x, tag 0x%08x\n", answer->mode.mask,
+                answer->mode.flags, answer->tag);
+    fprintf(stream, "  by rationals: %s\n", gmp_opinion_name(answer->opinion));
 }
 
 static void write_command(const struct wrong_answer *answer, const char *scene, FILE *stream)

@@ -2,6 +2,7 @@
 #ifndef TRUTH_TALLY_H
 #define TRUTH_TALLY_H
 
+#include "ref/abi_world.h"
 #include "ref/engine.h"
 #include "ref/explain/repair.h"
 #include "ref/judge/judge.h"
@@ -27,6 +28,8 @@ struct wrong_answer {
     uint64_t seed;
     struct ray ray;
     struct hit hit;
+    struct ray_mode mode; /* in a world; else zero */
+    uint32_t tag;         /* likewise */
     struct judgement judgement;
     enum gmp_opinion opinion;
 };

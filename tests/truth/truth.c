@@ -1,167 +1,66 @@
 /* The campaign of truth: many judged rays, every WRONG decided again by rationals.
- *   truth [--rays N] [--seed S] [--out DIR] [--driver D]
- * N rays of five sets on every scene; engines cpu and vulkan on layouts f32 and rf16, with mt (box
- * test robust) and woop (box test watertight), and embree_robust. The layouts as published, which
+ *   truth [--worlds] [--rays N] [--seed S] [--out DIR] [--driver D]
+ * N rays of five sets on every scene, or every world; engines cpu and vulkan on layouts f32 and
+ * rf16, with mt (box test robust) and woop (box test watertight), and embree_robust; of worlds fast
+ * on f32, embree and rayquery, too, and every second ray has a mask and flags. The layouts as published, which
  * are known to be wrong, join with 1/500 of the rays: they show that WRONGs are found, decided
  * again and explained. The first of each signature and the smallest scene that still shows it go to
- * DIR. Exit: 0 nothing overturned and no WRONG of cpu or vulkan on f32 or rf16; 1 otherwise; 2 bad
+ * DIR. Exit: 0 nothing overturned and no WRONG of cpu, vulkan or fast on f32 or rf16; 1 otherwise; 2 bad
  * input; 3 an engine failed; 4 no memory. */
-#include "cmd/common/cmd_rows.h"
-#include "cmd/common/cmd_progress.h"
-#include "ref/base/command.h"
 #include "ref/files/file.h"
-#include "scenes/rays/rays.h"
-#include "scenes/scenes.h"
-#include "tests/truth/play.h"
+#include "tests/truth/truth.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const specs[] = {
-    "soup:n=4000",
-    "soup:n=4000,size=0.01,offset=1000",
-    "soup:n=2000,offset=1e6",
-    "grid:n=40",
-    "grid:n=40,height=0,z=1",
-    "needles:n=4000,aspect=1e4",
-    "needles:n=2000,aspect=1e7,offset=100",
-    "stack:n=500",
-    "stack:n=300,copies=9,offset=1000",
-    "cornell:n=6",
-    "sphere:n=20",
-    "flake",
-    "terrain:k=6",
-    "platonic",
-    "scenes/fetched/assimp-wuson.obj",
-    "scenes/fetched/utah-teapot.obj",
-    "scenes/fetched/dragon-11k.ply.gz",
-    "scenes/fetched/glmark2-bunny.obj",
-};
-static const char *const ray_names[] = {"random", "vertices", "edges", "corners", "axis"};
+static const char *const group_names[GROUP_COUNT] = {"cpu, vulkan: mt", "cpu, vulkan: woop", "fast",
+                                                     "others", "as published"};
 
-#define BATCH           250000u
-#define PUBLISHED_SHARE 500u
-
-struct truth_options {
-    uint64_t rays, seed;
-    const char *out;
-    struct engine_options engines;
-};
-
-enum { GROUP_MT, GROUP_WOOP, GROUP_EMBREE, GROUP_PUBLISHED, GROUP_COUNT };
-
-/* Contestants that share a line of the table. */
-static const char *const group_names[GROUP_COUNT] = {"cpu, vulkan: mt", "cpu, vulkan: woop",
-                                                     "embree_robust", "as published"};
-
-struct truth_campaign {
-    struct truth_options options;
-    struct pool pool;
-    struct tally tally;
-    struct progress progress;
-    struct play_result sum[GROUP_COUNT];
-    size_t refused, unfinished, scenes, left_out;
-    int code;
-};
-
-static void play_one(struct truth_campaign *c, const struct ground *ground,
-                     const struct tally_contestant *who, int group)
+static bool is_ours(const struct tally_contestant *who)
 {
-    struct play_result result;
-    struct reason reason = {""};
-    progress_step(&c->progress, "%s, %s rays, %s %s %s", ground->spec, ground->rays,
-                  who->engine->name, who->layout ? who->layout->name : "", who->tri->name);
-    enum status status = play(ground, who, &c->pool, &c->tally, &result, &reason);
+    return who->layout && !who->layout->faithful;
+}
+
+void truth_count(struct truth_campaign *c, const char *where, const struct tally_contestant *who,
+                 enum truth_group group, enum status status, const struct play_result *result,
+                 const struct reason *reason)
+{
     if (status == STATUS_DEVICE && group == GROUP_PUBLISHED) {
         /* An index cut to 15 bits can make a circle; the engine says so instead of answering. */
         c->unfinished++;
         return;
     }
     if (status) {
-        fprintf(stderr, "truth: %s, %s rays, %s: %s\n", ground->spec, ground->rays,
-                who->engine->name, reason.text);
+        fprintf(stderr, "truth: %s, %s: %s\n", where, who->engine->name, reason->text);
         c->code = exit_worse(c->code, exit_of_status(status));
         return;
     }
     struct play_result *sum = &c->sum[group];
-    c->refused += result.refused;
-    sum->judged += result.judged;
-    sum->hits += result.hits;
+    c->refused += result->refused;
+    sum->judged += result->judged;
+    sum->hits += result->hits;
     for (enum verdict v = 0; v < VERDICT_COUNT; v++)
-        sum->verdict[v] += result.verdict[v];
-    if (result.worst_over > sum->worst_over)
-        sum->worst_over = result.worst_over;
+        sum->verdict[v] += result->verdict[v];
+    if (result->worst_over > sum->worst_over)
+        sum->worst_over = result->worst_over;
 }
 
-static void play_all(struct truth_campaign *c, struct ground *ground)
+void truth_own(void *self, void (*one)(void *self, const struct tally_contestant *who,
+                                       enum truth_group group, uint32_t share))
 {
     static const char *const pairs[][2] = {{"mt", "robust"}, {"woop", "watertight"}};
     static const char *const own[] = {"cpu", "vulkan"};
-    size_t count = ground->count;
     for (size_t t = 0; t < ARRAY_COUNT(pairs); t++)
         for (size_t e = 0; e < ARRAY_COUNT(own); e++)
             for (size_t l = 0; layouts[l]; l++) {
-                struct tally_contestant who = {.engine = engine_find(own[e]),
-                                               .layout = layouts[l],
-                                               .box = box_test_find(pairs[t][1]),
-                                               .tri = tri_test_find(pairs[t][0])};
-                ground->count = layouts[l]->faithful ? count / PUBLISHED_SHARE : count;
-                if (ground->count > 0)
-                    play_one(c, ground, &who, layouts[l]->faithful ? GROUP_PUBLISHED : (int)t);
-                ground->count = count;
+                const bool published = layouts[l]->faithful;
+                const struct tally_contestant who = {.engine = engine_find(own[e]),
+                                                     .layout = layouts[l],
+                                                     .box = box_test_find(pairs[t][1]),
+                                                     .tri = tri_test_find(pairs[t][0])};
+                one(self, &who, published ? GROUP_PUBLISHED : (enum truth_group)t,
+                    published ? PUBLISHED_SHARE : 1);
             }
-    struct tally_contestant embree = {
-        .engine = engine_find("embree_robust"), .box = box_tests[0], .tri = tri_test_find("mt")};
-    play_one(c, ground, &embree, GROUP_EMBREE);
-}
-
-static enum status play_rays(struct truth_campaign *c, struct ground *ground,
-                             const struct ray_set *set, size_t count, uint64_t seed,
-                             struct reason *reason)
-{
-    ground->rays = set->name;
-    ground->seed = seed;
-    ground->count = count;
-    enum status status = ray_set_make(set, &ground->scene, seed, count, ground->ray, reason);
-    if (!status)
-        status = oracle_closest(ground->oracle, ORACLE_TREE, ORACLE_CLOSED, ground->ray, count, 0,
-                                ground->truth, NULL, reason);
-    if (!status)
-        play_all(c, ground);
-    return status;
-}
-
-static enum status play_scene(struct truth_campaign *c, const char *spec, struct reason *reason)
-{
-    struct ground ground = {.spec = spec};
-    enum status status = scene_open(spec, 1, &ground.scene, reason);
-    if (!status)
-        status = oracle_make(&ground.scene, &ground.oracle, reason);
-    if (!status)
-        status = stand_tree(&ground.scene, &ground.bvh, reason);
-    ground.ray = alloc_zeroed(BATCH, sizeof *ground.ray);
-    ground.truth = alloc_zeroed(BATCH, sizeof *ground.truth);
-    ground.hit = alloc_zeroed(BATCH, sizeof *ground.hit);
-    ground.judgement = alloc_zeroed(BATCH, sizeof *ground.judgement);
-    if (!status && !(ground.ray && ground.truth && ground.hit && ground.judgement))
-        status = fail(reason, STATUS_MEMORY, "no memory for %u rays", BATCH);
-    for (size_t s = 0; s < ARRAY_COUNT(ray_names) && !status; s++) {
-        size_t left = (size_t)c->options.rays / ARRAY_COUNT(ray_names);
-        for (uint64_t part = 0; left > 0 && !status; part++) {
-            size_t count = left < BATCH ? left : BATCH;
-            status = play_rays(c, &ground, ray_set_find(ray_names[s]), count,
-                               c->options.seed + 1000 * part + s, reason);
-            left -= count;
-        }
-    }
-    free(ground.ray);
-    free(ground.truth);
-    free(ground.hit);
-    free(ground.judgement);
-    oracle_free(ground.oracle);
-    bvh_free(&ground.bvh);
-    scene_free(&ground.scene);
-    return status;
 }
 
 static void print_groups(const struct truth_campaign *c)
@@ -173,6 +72,8 @@ static void print_groups(const struct truth_campaign *c)
     size_t judged = 0;
     for (int g = 0; g < GROUP_COUNT; g++) {
         const struct play_result *sum = &c->sum[g];
+        if (sum->judged == 0)
+            continue;
         printf("%-18s %11zu %11zu", group_names[g], sum->judged, sum->hits);
         for (enum verdict v = VERDICT_TIE; v < VERDICT_COUNT; v++)
             printf(" %9zu", sum->verdict[v]);
@@ -196,14 +97,15 @@ static int print_result(const struct truth_campaign *c)
         wrong += s->count;
         for (int k = 0; k < GMP_OPINION_COUNT; k++)
             opinion[k] += s->opinion[k];
-        if (s->first.who.layout && !s->first.who.layout->faithful)
-            own += s->count;
+        own += is_ours(&s->first.who) ? s->count : 0;
     }
-    printf("%zu scenes (%zu left out), %zu combinations refused by a layout or skipped, %zu of "
+    printf("%zu %s (%zu left out), %zu combinations refused by a layout or skipped, %zu of "
            "published layouts not finished (stack)\n",
-           c->scenes, c->left_out, c->refused, c->unfinished);
-    printf("WRONG: %zu in %zu signatures; cpu and vulkan on f32 and rf16: %zu of %zu\n", wrong,
-           c->tally.count, own, c->sum[GROUP_MT].judged + c->sum[GROUP_WOOP].judged);
+           c->scenes, c->options.worlds ? "worlds" : "scenes", c->left_out, c->refused,
+           c->unfinished);
+    printf("WRONG: %zu in %zu signatures; of ours, without layouts as published: %zu of %zu\n",
+           wrong, c->tally.count, own,
+           c->sum[GROUP_MT].judged + c->sum[GROUP_WOOP].judged + c->sum[GROUP_FAST].judged);
     printf("decided again by rationals:");
     for (int k = 0; k < GMP_OPINION_COUNT; k++)
         printf(" %s %zu", gmp_opinion_name((enum gmp_opinion)k), opinion[k]);
@@ -218,6 +120,7 @@ static int print_result(const struct truth_campaign *c)
 
 static const struct option_row rows[] = {
     {"rays", "N", "of each scene and contestant", OF_COUNT(rays, 100, 1u << 30), .value = "650000"},
+    {"worlds", NULL, "worlds instead of scenes", OF_FLAG(worlds)},
     {"seed", "S", "of rays and scenes", OF_COUNT(seed, 0, UINT32_MAX), .value = "1"},
     {"out", "DIR", "where findings go", OF_FOLDER(out)},
     {0},
@@ -232,6 +135,27 @@ static const struct option_set set = {
     .example = "truth --rays 10000 --out build/truth",
 };
 
+/* Plays one scene or world; a file that was not fetched is left out. */
+static void play_spec(struct truth_campaign *c, const char *spec, truth_plays *plays)
+{
+    struct reason reason = {""};
+    FILE *there = strchr(spec, '/') ? fopen(spec, "rb") : NULL;
+    if (strchr(spec, '/') && !there) {
+        printf("SKIP %s: not fetched (make scenes)\n", spec);
+        c->left_out++;
+        return;
+    }
+    if (there)
+        fclose(there);
+    enum status status = plays(c, spec, &reason);
+    progress_end(&c->progress);
+    c->scenes++;
+    if (status) {
+        fprintf(stderr, "truth: %s: %s\n", spec, reason.text);
+        c->code = exit_worse(c->code, exit_of_status(status));
+    }
+}
+
 int main(int argc, char **argv)
 {
     static struct truth_campaign c;
@@ -243,24 +167,9 @@ int main(int argc, char **argv)
     if (first < argc)
         return usage_error("truth", "'%s' is not an option", argv[first]);
     c.pool.options = c.options.engines;
-    for (size_t i = 0; i < ARRAY_COUNT(specs); i++) {
-        struct reason reason = {""};
-        FILE *there = strchr(specs[i], '/') ? fopen(specs[i], "rb") : NULL;
-        if (strchr(specs[i], '/') && !there) {
-            printf("SKIP %s: not fetched (make scenes)\n", specs[i]);
-            c.left_out++;
-            continue;
-        }
-        if (there)
-            fclose(there);
-        enum status status = play_scene(&c, specs[i], &reason);
-        progress_end(&c.progress);
-        c.scenes++;
-        if (status) {
-            fprintf(stderr, "truth: %s: %s\n", specs[i], reason.text);
-            c.code = exit_worse(c.code, exit_of_status(status));
-        }
-    }
+    const char *const *spec = c.options.worlds ? truth_worlds : truth_scenes;
+    for (; *spec; spec++)
+        play_spec(&c, *spec, c.options.worlds ? truth_play_world : truth_play_scene);
     code = print_result(&c);
     struct reason reason = {""};
     if (c.options.out && tally_write(&c.tally, c.options.out, &reason)) {
