@@ -85,7 +85,8 @@ static double reach_of(const struct world *world, const struct ray *ray, uint32_
         t = fmax(t, fabs((double)instance->m[k][3]));
         hit = fmax(hit, fabs((double)ray->org[k] + at * (double)ray->dir[k]));
     }
-    return 2 * UNIT * (32 * vertex + 64 * gmp_kappa(instance) * (o + t + hit));
+    double way = instance_is_identity(instance) ? 0 : 64 * gmp_kappa(instance) * (o + t + hit);
+    return UNIT * (1 + 0x1p-20) * (32 * vertex + way);
 }
 
 void gmp_steady_load(const struct world *world, const struct ray *ray, uint32_t prim,
@@ -164,6 +165,37 @@ int gmp_steady_t(const struct gmp_steady *s, const mpq_t t, double x)
         side = 0;
     mpq_clears(apart, limit, NULL);
     return side;
+}
+
+bool gmp_steady_beside(const struct world *world, const struct ray *ray, uint32_t prim,
+                       const struct gmp_steady *s, float u, float v)
+{
+    struct vectors w;
+    mpq_t part, limit;
+    all_of(&w, true);
+    mpq_inits(part, limit, NULL);
+    gmp_world_vertices(world, prim, w.v);
+    for (int k = 0; k < 3; k++) { /* x = v0 + u (v1 - v0) + v (v2 - v0) - o */
+        mpq_set_d(w.d[k], (double)ray->dir[k]);
+        mpq_set_d(w.term, (double)ray->org[k]);
+        mpq_sub(w.x[k], w.v[0][k], w.term);
+        for (int c = 1; c < 3; c++) {
+            mpq_sub(part, w.v[c][k], w.v[0][k]);
+            mpq_set_d(w.term, (double)(c == 1 ? u : v));
+            mpq_mul(part, part, w.term);
+            mpq_add(w.x[k], w.x[k], part);
+        }
+    }
+    cross(&w, w.x, w.d, w.e);
+    dot(&w, w.e, w.e, part);
+    dot(&w, w.d, w.d, limit);
+    mpq_mul(limit, limit, s->reach);
+    mpq_set_si(w.term, 9, 4);
+    mpq_mul(limit, limit, w.term);
+    bool beside = mpq_cmp(part, limit) > 0;
+    mpq_clears(part, limit, NULL);
+    all_of(&w, false);
+    return beside;
 }
 
 double gmp_steady_weight(const struct gmp_steady *s)

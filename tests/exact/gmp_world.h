@@ -13,6 +13,10 @@ struct place gmp_world_place(const struct world *world, uint32_t prim);
 /* M^-1 d, exactly; `out` has been initialised. */
 void gmp_world_object_direction(const struct instance *instance, const float d[3], mpq_t out[3]);
 
+/* True if the line of a ray surely passes a placed triangle of vertices `p` in its mesh by, farther
+ * than by 2^-16 of the distances: it spares the rationals. */
+bool gmp_world_far_off(const struct instance *instance, const struct ray *ray, float p[3][3]);
+
 /* M v + T of the vertices of a placed triangle; v has been initialised. */
 void gmp_world_vertices(const struct world *world, uint32_t prim, mpq_t v[3][3]);
 

@@ -10,6 +10,7 @@
 struct world_work {
     const struct gmp_world_question *q;
     bool any;
+    uint32_t prim;
     struct place place;
     struct gmp_pair pair;
     struct gmp_steady steady;
@@ -18,14 +19,19 @@ struct world_work {
     uint32_t instance; /* whose ray `object` is; WORLD_NO_MESH: none yet */
     bool has_object;
     struct ray object;
-    bool all_replayed;
 };
+
+/* Whether the engine promises the bits of a formula of ours. */
+static bool is_replayable(const struct model *model)
+{
+    return model->bits && twin_is_own(model->formula);
+}
 
 static bool replay(struct world_work *w)
 {
     const struct world *world = w->q->world;
     float v[3][3];
-    if (!w->q->model->bits || !twin_is_own(w->q->model->formula))
+    if (!is_replayable(w->q->model))
         return false;
     if (w->instance != w->place.instance) {
         w->instance = w->place.instance;
@@ -37,11 +43,34 @@ static bool replay(struct world_work *w)
 
 static void look_at(struct world_work *w, uint32_t prim)
 {
+    w->prim = prim;
     w->place = gmp_world_place(w->q->world, prim);
     gmp_world_pair(w->q->world, w->q->ray, prim, &w->pair);
     gmp_steady_load(w->q->world, w->q->ray, prim, &w->pair, &w->steady);
     w->replayed = replay(w);
-    w->all_replayed = w->all_replayed && w->replayed;
+}
+
+/* Whether every evaluation sees the side that is exactly seen. A formula of ours computes it of its
+ * own ray in the mesh, so that only what follows may err: by some 2^-20 of the products' sizes. */
+static bool side_is_steady(const struct world_work *w)
+{
+    const struct scene *scene = w->q->world->mesh[w->place.mesh].scene;
+    long double e[2][3], det = 0, sizes = 0;
+    float v[3][3];
+    if (!w->replayed)
+        return gmp_steady_side(&w->steady);
+    scene_tri(scene, w->place.prim, v);
+    for (int k = 0; k < 3; k++)
+        for (int c = 0; c < 2; c++)
+            e[c][k] = (long double)v[c + 1][k] - (long double)v[0][k];
+    for (int k = 0; k < 3; k++) {
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        long double d = (long double)w->object.dir[k];
+        det += d * (e[0][i] * e[1][j] - e[0][j] * e[1][i]);
+        sizes += fabsl(d) * (fabsl(e[0][i] * e[1][j]) + fabsl(e[0][j] * e[1][i]));
+    }
+    int exact = gmp_world_facing(w->q->world, w->q->ray, w->prim);
+    return fabsl(det) > 0x1p-16L * sizes && (det > 0 ? 1 : -1) == exact;
 }
 
 /* Whether the filter has the same answer wherever u and v can come to; *passes is that. */
@@ -84,7 +113,7 @@ static bool surely_counts(struct world_work *w, uint32_t prim)
                    !(instance->flags & ABI_INSTANCE_CULL_DISABLE);
     if (exact != ORACLE_ADMITTED && exact != ORACLE_FILTERED)
         return false;
-    if (by_side && !gmp_steady_side(&w->steady))
+    if (by_side && !side_is_steady(w))
         return false;
     /* Whether it is opaque: a filter that passes nothing would leave it out. */
     struct world none = *w->q->world;
@@ -108,12 +137,6 @@ static bool surely_hit(const struct world_work *w, enum oracle_ends ends)
 
 /* --- the named triangle ----------------------------------------------------------------------- */
 
-static bool apart(const struct world_work *w, int weight, float value)
-{
-    double off = gmp_steady_weight(&w->steady) + 0x1p-20;
-    return fabs(mpq_get_d(w->pair.weight[weight]) - (double)value) > off;
-}
-
 static enum gmp_proof against_numbers(const struct world_work *w)
 {
     const struct hit *hit = w->q->hit;
@@ -129,16 +152,17 @@ static enum gmp_proof against_numbers(const struct world_work *w)
         return hit->u != w->replay.u || hit->v != w->replay.v ? GMP_PROOF_BARYCENTRIC
                                                               : GMP_PROOF_NONE;
     }
-    if (!gmp_steady_hit(&w->steady) || !w->pair.point)
-        return GMP_PROOF_NONE;
-    if (w->pair.class == ORACLE_MISS)
-        return GMP_PROOF_PHANTOM;
     if (!finite)
         return GMP_PROOF_NOT_FINITE;
+    const bool within = hit->u >= 0 && hit->v >= 0 && hit->u <= 1 && hit->v <= 1;
     if (hit->t < ray->tmin || hit->t > ray->tmax ||
-        gmp_steady_t(&w->steady, w->pair.t, (double)hit->t) != 0)
+        (w->pair.point && gmp_steady_t(&w->steady, w->pair.t, (double)hit->t) != 0))
         return GMP_PROOF_DISTANCE;
-    return apart(w, 1, hit->u) || apart(w, 2, hit->v) ? GMP_PROOF_BARYCENTRIC : GMP_PROOF_NONE;
+    if (w->pair.point && w->pair.class == ORACLE_MISS && gmp_steady_hit(&w->steady))
+        return GMP_PROOF_PHANTOM;
+    return within && gmp_steady_beside(w->q->world, ray, hit->prim, &w->steady, hit->u, hit->v)
+               ? GMP_PROOF_BARYCENTRIC
+               : GMP_PROOF_NONE;
 }
 
 static bool other_side(const struct world_work *w, bool tagged_front)
@@ -147,7 +171,7 @@ static bool other_side(const struct world_work *w, bool tagged_front)
     bool front = gmp_world_facing(w->q->world, w->q->ray, w->q->hit->prim) < 0;
     if (instance->flags & ABI_INSTANCE_FLIP_FACING)
         front = !front;
-    return front != tagged_front && gmp_steady_side(&w->steady);
+    return front != tagged_front && side_is_steady(w);
 }
 
 static enum gmp_proof against_named(struct world_work *w)
@@ -162,7 +186,7 @@ static enum gmp_proof against_named(struct world_work *w)
     case ORACLE_CULLED_OPACITY:
         return GMP_PROOF_OPACITY;
     case ORACLE_CULLED_FACING:
-        if (gmp_steady_side(&w->steady))
+        if (side_is_steady(w))
             return GMP_PROOF_CULLED;
         break;
     case ORACLE_FILTERED:
@@ -182,39 +206,6 @@ static enum gmp_proof against_named(struct world_work *w)
 
 /* --- the others ------------------------------------------------------------------------------- */
 
-/* Spares the rationals what is far off: two edge products of surely opposite sign, by more than
- * placing a vertex in long double errs. */
-static bool far_off(const struct instance *instance, const struct ray *ray, float p[3][3])
-{
-    long double a[3][3], length[3] = {0, 0, 0}, d_length = 0, slack = 0;
-    bool positive = false, negative = false;
-    for (int k = 0; k < 3; k++) {
-        d_length += fabsl((long double)ray->dir[k]);
-        for (int c = 0; c < 3; c++) {
-            long double sum = (long double)instance->m[k][3], size = fabsl(sum);
-            for (int j = 0; j < 3; j++) {
-                sum += (long double)instance->m[k][j] * (long double)p[c][j];
-                size += fabsl((long double)instance->m[k][j] * (long double)p[c][j]);
-            }
-            a[c][k] = sum - (long double)ray->org[k];
-            length[c] += fabsl(a[c][k]);
-            slack = fmaxl(slack, 0x1p-58L * (size + fabsl((long double)ray->org[k])));
-        }
-    }
-    for (int c = 0; c < 3; c++) {
-        int one = (c + 1) % 3, two = (c + 2) % 3;
-        long double sum = 0, size = (length[one] + slack) * (length[two] + slack);
-        long double limit = d_length * (0x1p-16L * size + slack * (length[one] + length[two]));
-        for (int k = 0; k < 3; k++) {
-            int i = (k + 1) % 3, j = (k + 2) % 3;
-            sum += (long double)ray->dir[k] * (a[one][i] * a[two][j] - a[one][j] * a[two][i]);
-        }
-        positive |= sum > limit;
-        negative |= sum < -limit;
-    }
-    return positive && negative;
-}
-
 /* The triangle at hand is surely hit, and nearer than the answer. */
 static bool proves_nearer(const struct world_work *w)
 {
@@ -224,40 +215,90 @@ static bool proves_nearer(const struct world_work *w)
     return gmp_steady_t(&w->steady, w->pair.t, answered) < 0;
 }
 
-/* Goes through all placed triangles near the ray. Sets *right if the answer is the exact one as far
- * as distances go. */
-static enum gmp_proof against_others(struct world_work *w, uint32_t *prim, bool *right)
+/* What the exact hits besides the named one leave of an answer. */
+struct others {
+    bool right;   /* none that counts is nearer, or there at all if the answer is a miss */
+    bool excused; /* none that counts is accepted by the formula, as far as it was replayed */
+};
+
+static bool share_a_corner(float a[3][3], float b[3][3])
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            if (a[i][0] == b[j][0] && a[i][1] == b[j][1] && a[i][2] == b[j][2])
+                return true;
+    return false;
+}
+
+/* A watertight formula may reject a triangle that is hit near its border, but then accepts another
+ * at that border, of the same instance, which shares a corner. */
+static bool neighbour_is_lost(struct world_work *w, uint32_t *prim)
+{
+    const struct place place = w->place;
+    const uint32_t of = *prim, first = of - place.prim;
+    const struct scene *scene = w->q->world->mesh[place.mesh].scene;
+    float hit[3][3], other[3][3];
+    scene_tri(scene, place.prim, hit);
+    for (uint32_t k = 0; k < scene->tri_count; k++) {
+        scene_tri(scene, k, other);
+        if (k == place.prim || !share_a_corner(hit, other))
+            continue;
+        look_at(w, first + k);
+        *prim = first + k;
+        if (w->replayed && exact_gmp_replay_hits(&w->replay, w->q->ray, w->q->model->open) &&
+            (w->q->hit->prim == ABI_NO_PRIM || proves_nearer(w)) && surely_counts(w, *prim))
+            return true;
+    }
+    *prim = of;
+    return false;
+}
+
+/* Looks at one exact hit. */
+static enum gmp_proof against_one(struct world_work *w, uint32_t *at, enum oracle_ends ends,
+                                  struct others *left)
+{
+    const uint32_t prim = *at;
+    const struct gmp_world_question *q = w->q;
+    const bool missed = q->hit->prim == ABI_NO_PRIM;
+    look_at(w, prim);
+    if (gmp_world_admit(q->world, q->ray, q->mode, prim, &w->pair) == ORACLE_ADMITTED) {
+        const double before = (double)nextafterf(q->hit->t, -INFINITY);
+        left->right &= !missed && (w->any || exact_gmp_compare(w->pair.t, before) >= 0);
+        left->excused &= w->replayed && !surely_hit(w, ends);
+    }
+    if (!missed && (w->any || !proves_nearer(w)))
+        return GMP_PROOF_NONE;
+    bool lost = surely_counts(w, prim) && surely_hit(w, ends);
+    if (!lost && q->model->watertight && w->replayed && !w->replay.accepted)
+        lost = neighbour_is_lost(w, at);
+    if (!lost)
+        return GMP_PROOF_NONE;
+    return missed ? GMP_PROOF_MISSED : GMP_PROOF_NEARER;
+}
+
+/* Goes through all placed triangles near the ray. */
+static enum gmp_proof against_others(struct world_work *w, uint32_t *prim, struct others *left)
 {
     const struct gmp_world_question *q = w->q;
     const enum oracle_ends ends = q->model->open ? ORACLE_OPEN : ORACLE_CLOSED;
-    const bool missed = q->hit->prim == ABI_NO_PRIM;
     uint32_t number = 0;
-    *right = true;
+    *left = (struct others){true, true};
     for (uint32_t i = 0; i < q->world->instance_count; i++) {
         const struct scene *scene = world_scene(q->world, i);
         for (uint32_t k = 0; scene && k < scene->tri_count; k++, number++) {
             float p[3][3];
             scene_tri(scene, k, p);
-            if (far_off(&q->world->instance[i], q->ray, p))
+            if (gmp_world_far_off(&q->world->instance[i], q->ray, p))
                 continue;
             gmp_world_pair(q->world, q->ray, number, &w->pair);
-            if (!exact_gmp_hits(&w->pair, ends))
-                continue;
-            look_at(w, number);
-            bool counts =
-                gmp_world_admit(q->world, q->ray, q->mode, number, &w->pair) == ORACLE_ADMITTED;
-            *right &=
-                !counts ||
-                (missed ? false
-                        : w->any || exact_gmp_compare(
-                                        w->pair.t, (double)nextafterf(q->hit->t, -INFINITY)) >= 0);
-            if ((missed || (!w->any && proves_nearer(w))) && surely_counts(w, number) &&
-                surely_hit(w, ends)) {
-                *prim = number;
-                return missed ? GMP_PROOF_MISSED : GMP_PROOF_NEARER;
-            }
+            *prim = number;
+            enum gmp_proof proof =
+                exact_gmp_hits(&w->pair, ends) ? against_one(w, prim, ends, left) : GMP_PROOF_NONE;
+            if (proof)
+                return proof;
         }
     }
+    *prim = ABI_NO_PRIM;
     return GMP_PROOF_NONE;
 }
 
@@ -289,7 +330,7 @@ static void decide(struct world_work *w, struct gmp_second *out)
 {
     const struct gmp_world_question *q = w->q;
     const bool missed = q->hit->prim == ABI_NO_PRIM;
-    bool right;
+    struct others left = {false, false};
     out->prim = q->hit->prim;
     if (missed && q->tag != 0)
         out->proof = GMP_PROOF_TAG;
@@ -298,15 +339,15 @@ static void decide(struct world_work *w, struct gmp_second *out)
     else if (!missed)
         out->proof = against_named(w);
     if (!out->proof)
-        out->proof = against_others(w, &out->prim, &right);
+        out->proof = against_others(w, &out->prim, &left);
     if (out->proof) {
         out->opinion = GMP_CONFIRMED;
         return;
     }
-    if (right && (missed || named_is_right(w))) {
+    if (left.right && (missed || named_is_right(w))) {
         out->opinion = GMP_OVERTURNED;
         out->proof = GMP_PROOF_RIGHT;
-    } else if (missed && w->all_replayed && !q->model->watertight) {
+    } else if (missed && left.excused && is_replayable(q->model) && !q->model->watertight) {
         out->opinion = GMP_OVERTURNED;
         out->proof = GMP_PROOF_EXCUSED;
     }
@@ -317,9 +358,7 @@ struct gmp_second gmp_world_redecide(const struct gmp_world_question *question)
     struct gmp_second second = {GMP_OPEN, GMP_PROOF_NONE, ABI_NO_PRIM};
     struct world_work work = {.q = question,
                               .any = question->any || (question->mode.flags & ABI_RAY_FIRST),
-                              .instance = WORLD_NO_MESH,
-                              .all_replayed =
-                                  question->model->bits && twin_is_own(question->model->formula)};
+                              .instance = WORLD_NO_MESH};
     if (work.any && question->model->any_unnamed && question->hit->prim != ABI_NO_PRIM)
         return second;
     exact_gmp_init(&work.pair);

@@ -1,5 +1,6 @@
-/* The campaign of truth: many judged rays, every WRONG decided again by rationals.
- *   truth [--worlds] [--rays N] [--seed S] [--out DIR] [--driver D]
+/* The campaign of truth: many judged rays, every WRONG decided again by rationals. With files,
+ * findings of a fuzz campaign over worlds in place of scenes: the engine that each names plays it.
+ *   truth [--worlds] [--rays N] [--seed S] [--out DIR] [--driver D] [FILE.trial...]
  * N rays of five sets on every scene, or every world; engines cpu and vulkan on layouts f32 and
  * rf16, with mt (box test robust) and woop (box test watertight), and embree_robust; of worlds fast
  * on f32, embree and rayquery, too, and every second ray has a mask and flags. The layouts as published, which
@@ -128,8 +129,8 @@ static const struct option_row rows[] = {
 
 static const struct option_set set = {
     .command = "truth",
-    .usage = "truth [OPTIONS]     (make truth ARGS='OPTIONS')",
-    .about = "Judges rays and decides every WRONG again.",
+    .usage = "truth [OPTIONS] [FILE.trial...]     (make truth ARGS='...')",
+    .about = "Judges rays and decides every WRONG again; with files, those of findings in worlds.",
     .group = {GROUP(rows), GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines)},
     .codes = "0 nothing overturned, 1 otherwise, 2 bad input, 3 an engine failed, 4 no memory",
     .example = "truth --rays 10000 --out build/truth",
@@ -164,12 +165,12 @@ int main(int argc, char **argv)
     int first, code = options_read(&set, &c.options, argc, argv, &first);
     if (code >= 0)
         return code;
-    if (first < argc)
-        return usage_error("truth", "'%s' is not an option", argv[first]);
     c.pool.options = c.options.engines;
     const char *const *spec = c.options.worlds ? truth_worlds : truth_scenes;
-    for (; *spec; spec++)
+    for (; *spec && first == argc; spec++)
         play_spec(&c, *spec, c.options.worlds ? truth_play_world : truth_play_scene);
+    for (; first < argc; first++)
+        play_spec(&c, argv[first], truth_play_trial);
     code = print_result(&c);
     struct reason reason = {""};
     if (c.options.out && tally_write(&c.tally, c.options.out, &reason)) {

@@ -36,6 +36,9 @@ struct truth_campaign {
 typedef enum status truth_plays(struct truth_campaign *c, const char *spec, struct reason *reason);
 truth_plays truth_play_scene, truth_play_world;
 
+/* Plays the engine that the finding of a world in a file names, and prints what became of it. */
+truth_plays truth_play_trial;
+
 /* NULL-terminated. */
 extern const char *const truth_scenes[], *const truth_worlds[];
 

@@ -93,10 +93,11 @@ static enum status play_rays(struct truth_campaign *c, struct world_ground *grou
 
 enum status truth_play_world(struct truth_campaign *c, const char *spec, struct reason *reason)
 {
-    struct world_ground ground = {.spec = spec};
+    struct world_ground ground = {.spec = spec, .query = QUERY_CLOSEST};
+    const struct build_options options = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
     enum status status = world_open(spec, 1, &ground.world, reason);
     if (!status)
-        status = world_ground_make(&ground, BATCH, reason);
+        status = world_ground_make(&ground, BATCH, builders[0], &options, reason);
     for (size_t s = 0; s < TRUTH_SETS && !status; s++) {
         size_t left = (size_t)c->options.rays / TRUTH_SETS;
         for (uint64_t part = 0; left > 0 && !status; part++) {

@@ -7,11 +7,12 @@
 
 #include <stdlib.h>
 
-enum status world_ground_make(struct world_ground *ground, size_t rays_most, struct reason *reason)
+enum status world_ground_make(struct world_ground *ground, size_t rays_most,
+                              const struct builder *builder, const struct build_options *options,
+                              struct reason *reason)
 {
-    const struct build_options build = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
     const struct world_build how = {
-        .top = builders[0], .bottom = builders[0], .top_options = build, .bottom_options = build};
+        .top = builder, .bottom = builder, .top_options = *options, .bottom_options = *options};
     enum status status = oracle_make_world(&ground->world, &ground->oracle, reason);
     if (!status)
         status = world_trees_make(&ground->world, &how, &ground->trees, reason);
@@ -53,6 +54,7 @@ static enum status follow_up(const struct world_ground *ground, const struct tal
                                                     .ray = &ground->ray[i],
                                                     .mode = ground->mode[i],
                                                     .model = model,
+                                                    .any = ground->query == QUERY_ANY,
                                                     .hit = &ground->hit[i],
                                                     .tag = ground->tag[i]};
         opinion[n] = (uint8_t)gmp_world_redecide(&question).opinion;
@@ -83,7 +85,7 @@ static enum status judge_all(const struct world_ground *ground, const struct mod
 {
     struct judge *judge;
     int bad = 0;
-    enum status status = judge_make(ground->oracle, model, QUERY_CLOSEST, &judge, reason);
+    enum status status = judge_make(ground->oracle, model, ground->query, &judge, reason);
     if (status)
         return status;
 #pragma omp parallel for schedule(dynamic, 256) reduction(+ : bad)
@@ -110,7 +112,7 @@ enum status world_play(const struct world_ground *ground, const struct tally_con
 {
     struct packed_world packed = {.mesh_count = 0};
     struct world_job job = {
-        .world = &ground->world, .box = who->box, .tri = who->tri, .query = QUERY_CLOSEST};
+        .world = &ground->world, .box = who->box, .tri = who->tri, .query = ground->query};
     struct trace_report report;
     enum status status = STATUS_OK;
     *out = (struct play_result){0};

@@ -20,11 +20,13 @@ struct world_ground {
     uint32_t *tag;
     struct judgement *judgement;
     size_t count;
+    enum query query; /* closest or any */
 };
 
-/* Builds what a world that is open needs for `rays_most` rays; freed by world_ground_free, on error
- * too. Errors: those of world_trees_make, oracle_make_world; STATUS_MEMORY. */
+/* Builds what a world that is open needs for `rays_most` rays, both levels by `builder`; freed by
+ * world_ground_free, on error too. Errors: those of world_trees_make, oracle_make_world; STATUS_MEMORY. */
 enum status world_ground_make(struct world_ground *ground, size_t rays_most,
+                              const struct builder *builder, const struct build_options *options,
                               struct reason *reason) MUST_USE;
 void world_ground_free(struct world_ground *ground);
 
