@@ -169,8 +169,8 @@ static double error_of(const struct hit *hit, uint32_t expected, double t_lo, do
 {
     if (hit->prim != expected || (hit->prim != ABI_NO_PRIM && !float_is_finite(hit->t)))
         return INFINITY;
-    double middle = 0.5 * (t_lo + t_hi);
-    return hit->prim == ABI_NO_PRIM ? 0 : fabs((double)hit->t - middle) / middle;
+    double middle = 0.5 * (t_lo + t_hi), off = fabs((double)hit->t - middle);
+    return hit->prim == ABI_NO_PRIM || off == 0 ? 0 : off / fabs(middle);
 }
 
 /* A hit that was missed must be found, of any-hit rays any exact hit: that a miss became excusable
@@ -194,7 +194,9 @@ static bool is_cured(const struct fuzz_finding *finding, const struct judged_ray
     if (any && kind == fuzz_kind_of_wrong(WRONG_MISSED))
         return answer->answer.hit.prim != ABI_NO_PRIM && answer->judgement.verdict == VERDICT_RIGHT;
     double was = error_of(&finding->answer, before->expected, before->t_lo, before->t_hi);
-    double is = error_of(&answer->answer.hit, truth->prim, truth->t_lo, truth->t_hi);
+    const struct hit *hit = &answer->answer.hit;
+    bool tied = answer->judgement.verdict == VERDICT_TIE; /* one of several at the expected t */
+    double is = error_of(hit, tied ? hit->prim : truth->prim, truth->t_lo, truth->t_hi);
     return isfinite(is) && (kind == fuzz_kind_of_wrong(WRONG_BARYCENTRIC) || is <= 0.25 * was);
 }
 
