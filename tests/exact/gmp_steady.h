@@ -24,20 +24,21 @@ void gmp_steady_clear(struct gmp_steady *steady);
 
 /* Loads a placed triangle. Its reach is what a tracer of float32 may be off by: 32 u times the
  * largest distance of a vertex from the origin, and 64 kappa u (|o| + |T| + |o + t d|) for the way
- * into an instance that is not at the identity; u = 2^-24, kappa as in tests/exact/gmp_object_ray.h.
- * `pair` is the triangle's. */
+ * into an instance that is not at the identity; u = 2^-24, kappa as in
+ * tests/exact/gmp_object_ray.h. `pair` is the triangle's. */
 void gmp_steady_load(const struct world *world, const struct ray *ray, uint32_t prim,
                      const struct gmp_pair *pair, struct gmp_steady *out);
 
 bool gmp_steady_hit(const struct gmp_steady *steady);  /* hit stays hit, missed stays missed */
 bool gmp_steady_side(const struct gmp_steady *steady); /* so does the side that is seen */
 
-/* Whether t of a moved triangle is not x: below (-1), above (1); 0: it can be. x may be infinite. */
+/* Whether t of a moved triangle is below x (-1) or above it (1); 0: it can be x, which may be
+ * infinite. */
 int gmp_steady_t(const struct gmp_steady *steady, const mpq_t t, double x);
 
 /* Whether the point that u and v name of the triangle lies farther from the line of the ray than
  * `reach`, and half as much for the roundings of u and v: a moved triangle's own such point is no
- * farther from it than `reach`, and on the line if that is where it is hit. u and v are in [0, 1]. */
+ * farther from it than `reach`, and on the line if that is where it is hit. u, v in [0, 1]. */
 bool gmp_steady_beside(const struct world *world, const struct ray *ray, uint32_t prim,
                        const struct gmp_steady *steady, float u, float v);
 

@@ -182,9 +182,9 @@ static void nor_are_those_of_a_black_box(void **state)
     assert_true(ill > 0 && ill < all / 3);
 }
 
-/* A sliver of width `width` in units of the displacement that is allowed, 32 u times the distance of
- * its farthest vertex, in a world of its own; the ray meets it at a right angle, through the middle.
- * Returns what a tracer is found to do that says the other side. */
+/* A sliver of width `width` in units of the displacement that is allowed, 32 u times the distance
+ * of its farthest vertex, in a world of its own; the ray meets it at a right angle, through the
+ * middle. Returns what a tracer is found to do that says the other side. */
 static enum wrong of_the_other_side(double width, bool turned, uint32_t flags)
 {
     const float far = 8;
@@ -241,8 +241,8 @@ static void a_side_is_known_where_no_displacement_turns_it(void **state)
     }
 }
 
-/* A sheared and stretched instance of a sliver, and a ray that meets it flatly, as the mesh sees it.
- */
+/* A sheared and stretched instance of a sliver, and a ray that meets it flatly, as the mesh sees
+ * it. /
 static void flat_case(struct rng *rng, float m[3][4], float vertex[9], struct ray *ray)
 {
     double e[2][3], aim[3], d[3];
@@ -276,7 +276,8 @@ static void flat_case(struct rng *rng, float m[3][4], float vertex[9], struct ra
     }
 }
 
-/* What a tracer with one triangle answers that takes the ray into the mesh, and how it is judged. */
+/* What a tracer with one triangle answers that takes the ray into the mesh, and how it is judged.
+ * */
 static enum wrong of_flat_case(uint64_t seed, const char *tri, bool *judged)
 {
     struct rng rng = rng_make(seed, 77);

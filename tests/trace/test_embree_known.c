@@ -1,5 +1,5 @@
-/* What fuzz/baseline.txt says of Embree 3 and 4, with numbers: two constants that do not scale.
- * Skipped where there is a newer Embree or none. */
+/* What fuzz/baseline.txt says of Embree 3 and 4, with numbers: two constants that do not scale, and
+ * in worlds what roundings they make. Skipped where there is a newer Embree or none. */
 #include "fuzz/findings/baseline.h"
 #include "fuzz/play/player.h"
 
@@ -32,6 +32,8 @@ struct known_question {
     uint32_t triangles;
     struct ray ray;
     enum query query;
+    bool in_world;             /* in one instance at the identity */
+    struct filter_rule filter; /* then; not all: no triangle is opaque */
 };
 
 static struct fuzz_trial trial_of(const struct known_question *q)
@@ -45,6 +47,12 @@ static struct fuzz_trial trial_of(const struct known_question *q)
         trial.scene.index[i] = i;
     trial.ray[0] = q->ray;
     trial.query = q->query;
+    if (q->in_world && trial_world_make(q->triangles, 1, 1, 1, &trial.world, &reason))
+        fail_msg("%s", reason.text);
+    if (q->in_world) {
+        trial.world.filter = q->filter;
+        trial.world.geometry[0].opaque = q->filter.kind == FILTER_ALL;
+    }
     return trial;
 }
 
@@ -205,6 +213,100 @@ static void what_cures_need_not_be_the_nearest_hit(void **state)
     assert_string_equal(text, "embree.-.not_finite.scale");
 }
 
+/* A right angle of sides a, met within, off the lines of the filter's grid, from a little way off:
+ * twice the sum of its edge functions is 2 a^2 |d|. */
+static struct known_question met_in_the_middle(float a, float d)
+{
+    return (struct known_question){
+        .vertex = {{{0, 0, a}, {a, 0, 0}, {0, 0, 0}}},
+        .triangles = 1,
+        .ray = {.org = {0.375f * a, 4 * a, 0.3125f * a}, .dir = {0, -d, 0}, .tmax = INFINITY},
+        .in_world = true};
+}
+
+/* In scenes the twin of Embree's formula knows that constant. In worlds a filter reads u and v, and
+ * takes one triangle for another's place. */
+static void u_and_v_of_small_edge_functions_are_0(void **state)
+{
+    (void)state;
+    need_embree();
+    static const struct {
+        float a, d;
+        bool lost;
+    } cases[] = {{0x1p-18f, 0x1p-26f, true}, {0x1p-18f, 0x1p-20f, false},
+                 {0x1p-14f, 0x1p-34f, true}, {0x1p-14f, 0x1p-30f, false},
+                 {0x1p-20f, 0x1p-22f, true}, {0x1p-20f, 0x1p-18f, false}};
+    for (size_t i = 0; i < ARRAY_COUNT(cases); i++) {
+        char text[FUZZ_SIGNATURE_MOST];
+        struct known_question q = met_in_the_middle(cases[i].a, cases[i].d);
+        play("embree_robust", &q, text);
+        if (strcmp(text, cases[i].lost ? "embree_robust.-.barycentric.scale" : "") != 0)
+            fail_msg("a %g, d %g: '%s'", (double)cases[i].a, (double)cases[i].d, text);
+        q.in_world = false;
+        play("embree_robust", &q, text);
+        assert_string_equal(text, "");
+    }
+}
+
+/* Some seeds pass the cell of u = v = 0 and not the one that is hit, and some the other way round.
+ * */
+static void a_filter_takes_small_triangles_for_others(void **state)
+{
+    (void)state;
+    need_embree();
+    unsigned passed = 0, lost = 0;
+    for (uint32_t seed = 0; seed < 24; seed++) {
+        char text[FUZZ_SIGNATURE_MOST];
+        struct known_question q = met_in_the_middle(0x1p-18f, 0x1p-26f);
+        q.filter = (struct filter_rule){.kind = FILTER_CELLS, .seed = seed, .share = 128};
+        play("embree_robust", &q, text);
+        passed += strncmp(text, "embree_robust.-.opacity.", 24) == 0;
+        lost += strncmp(text, "embree_robust.-.missed.", 23) == 0;
+    }
+    assert_true(passed > 0 && lost > 0);
+}
+
+/* Found by a campaign of worlds: from 2^24 away a triangle of size 2 has no normal. */
+static void far_from_a_triangle_t_is_noise(void **state)
+{
+    (void)state;
+    need_embree();
+    char text[FUZZ_SIGNATURE_MOST];
+    const struct known_question q = {.vertex = {{{0, -1, 1.5f}, {1.5f, 1, 1.5f}, {1, -1, 0}}},
+                                     .triangles = 1,
+                                     .ray = {.org = {-0x1.dbac2p+23f, -0x1.dbac22p+24f, 1},
+                                             .dir = {0x1.dbac22p+0f, 0x1.dbac22p+1f, 0},
+                                             .tmax = INFINITY},
+                                     .in_world = true};
+    play("embree_robust", &q, text);
+    assert_string_equal(text, "embree_robust.-.distance.outside");
+}
+
+/* Found by another: a flat box 1e-4 in front of the origin, at distance 2 of that of the axes. */
+static void the_default_box_test_leaves_flat_boxes(void **state)
+{
+    (void)state;
+    need_embree();
+    char text[FUZZ_SIGNATURE_MOST];
+    struct known_question q = {
+        .vertex = {{{0, 0x1p-25f, 0x1.fb2984p+0f}, {0, 0, 0x1.fb298p+0f}, {0, 0, 0x1.fb2986p+0f}}},
+        .triangles = 5,
+        .ray = {.org = {-0x1.75p-13f, -0x1.23ep-13f, 0x1.fb284p+0f},
+                .dir = {0x1.74fcp+0f, 0x1.23ep+0f, 0x1.458p-3f},
+                .tmax = INFINITY},
+        .in_world = true};
+    const float other[3][3] = {{1, 0, 2}, {0, 0x1p-25f, 0x1.fb2984p+0f}, {0, 0, 0x1.fb2986p+0f}};
+    for (int i = 1; i < 5; i++)
+        memcpy(q.vertex[i], other, sizeof other);
+    play("embree", &q, text);
+    assert_string_equal(text, "embree.-.missed.outside");
+    play("embree_robust", &q, text);
+    assert_string_equal(text, "");
+    q.in_world = false;
+    play("embree", &q, text);
+    assert_string_equal(text, "");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -213,6 +315,10 @@ int main(void)
         cmocka_unit_test(an_axis_of_tiny_numbers_is_scaled_by_itself),
         cmocka_unit_test(a_subnormal_determinant_gives_nan),
         cmocka_unit_test(what_cures_need_not_be_the_nearest_hit),
+        cmocka_unit_test(u_and_v_of_small_edge_functions_are_0),
+        cmocka_unit_test(a_filter_takes_small_triangles_for_others),
+        cmocka_unit_test(far_from_a_triangle_t_is_noise),
+        cmocka_unit_test(the_default_box_test_leaves_flat_boxes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

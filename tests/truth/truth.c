@@ -3,11 +3,11 @@
  *   truth [--worlds] [--rays N] [--seed S] [--out DIR] [--driver D] [FILE.trial...]
  * N rays of five sets on every scene, or every world; engines cpu and vulkan on layouts f32 and
  * rf16, with mt (box test robust) and woop (box test watertight), and embree_robust; of worlds fast
- * on f32, embree and rayquery, too, and every second ray has a mask and flags. The layouts as published, which
- * are known to be wrong, join with 1/500 of the rays: they show that WRONGs are found, decided
- * again and explained. The first of each signature and the smallest scene that still shows it go to
- * DIR. Exit: 0 nothing overturned and no WRONG of cpu, vulkan or fast on f32 or rf16; 1 otherwise; 2 bad
- * input; 3 an engine failed; 4 no memory. */
+ * on f32, embree and rayquery, too, and every second ray has a mask and flags. The layouts as
+ * published, which are known to be wrong, join with 1/500 of the rays: they show that WRONGs are
+ * found, decided again and explained. The first of each signature and the smallest scene that still
+ * shows it go to DIR. Exit: 0 nothing overturned and no WRONG of cpu, vulkan or fast on f32 or
+ * rf16; 1 otherwise; 2 bad input; 3 an engine failed; 4 no memory. */
 #include "ref/files/file.h"
 #include "tests/truth/truth.h"
 

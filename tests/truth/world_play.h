@@ -24,15 +24,16 @@ struct world_ground {
 };
 
 /* Builds what a world that is open needs for `rays_most` rays, both levels by `builder`; freed by
- * world_ground_free, on error too. Errors: those of world_trees_make, oracle_make_world; STATUS_MEMORY. */
+ * world_ground_free, on error too. Errors: those of world_trees_make, oracle_make_world;
+ * STATUS_MEMORY. */
 enum status world_ground_make(struct world_ground *ground, size_t rays_most,
                               const struct builder *builder, const struct build_options *options,
                               struct reason *reason) MUST_USE;
 void world_ground_free(struct world_ground *ground);
 
-/* Traces and judges all rays; every WRONG is decided again and added to the tally. A layout that cannot hold
- * the world, or an engine that cannot run here, is refused. Errors: STATUS_DEVICE the engine
- * failed; STATUS_MEMORY. */
+/* Traces and judges all rays; every WRONG is decided again and added to the tally. A layout that
+ * cannot hold the world, or an engine that cannot run here, is refused. Errors: STATUS_DEVICE the
+ * engine failed; STATUS_MEMORY. */
 enum status world_play(const struct world_ground *ground, const struct tally_contestant *who,
                        struct pool *pool, struct tally *tally, struct play_result *out,
                        struct reason *reason) MUST_USE;
