@@ -19,7 +19,7 @@ struct tri_store {
     enum status (*head)(const struct tri_store *self, const struct scene *scene, uint32_t *word,
                         struct reason *reason);
     /* Number of words for `count` items of one leaf, at least 1; packed->item already has the head.
-     * Errors: STATUS_LIMIT, with the rule. */
+     * Errors: STATUS_LIMIT, with the rule; *words is undefined then. */
     enum status (*measure)(const struct packed *packed, const struct scene *scene,
                            const uint32_t *prim, uint32_t count, uint64_t *words,
                            struct reason *reason);

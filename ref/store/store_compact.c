@@ -10,7 +10,6 @@ static enum status measure(const struct packed *packed, const struct scene *scen
                            struct reason *reason)
 {
     struct block block;
-    *words = 0;
     if (count > BLOCK_TRIS)
         return fail(reason, STATUS_LIMIT,
                     "storage %s: a leaf holds at most %u triangles, this tree has one of %u; use "

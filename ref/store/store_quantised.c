@@ -45,9 +45,10 @@ static enum status head(const struct tri_store *self, const struct scene *scene,
     return STATUS_OK;
 }
 
+/* Without its bits, which coding does not need. */
 static struct grid grid_of(const uint32_t *word)
 {
-    struct grid grid = {.bits = word[4] & 31u};
+    struct grid grid = {.bits = 0};
     for (int k = 0; k < 3; k++) {
         grid.lo[k] = (int32_t)word[k];
         grid.step[k] = float_from_bits((word[3] >> 8 * k & 255u) << 23);
@@ -113,7 +114,6 @@ static enum status measure(const struct packed *packed, const struct scene *scen
                            struct reason *reason)
 {
     struct codes codes;
-    *words = 0;
     if (!codes_make(packed, scene, prim, count, &codes))
         return fail(reason, STATUS_LIMIT,
                     "storage %s: a leaf holds at most %u triangles and %u vertices, that of "
