@@ -242,7 +242,7 @@ static void a_side_is_known_where_no_displacement_turns_it(void **state)
 }
 
 /* A sheared and stretched instance of a sliver, and a ray that meets it flatly, as the mesh sees
- * it. /
+ * it. */
 static void flat_case(struct rng *rng, float m[3][4], float vertex[9], struct ray *ray)
 {
     double e[2][3], aim[3], d[3];
