@@ -40,15 +40,15 @@ static void leaf_make(struct leaf *leaf, uint32_t count, uint32_t vertices, uint
 }
 
 /* The leaf written behind AFTER words and the head; the words after it are canaries. */
-struct written {
+struct stored_leaf {
     uint32_t *word;
     struct packed packed;
     uint32_t first, words;
 };
 
-static struct written write_leaf(const struct tri_store *store, const struct leaf *leaf)
+static struct stored_leaf write_leaf(const struct tri_store *store, const struct leaf *leaf)
 {
-    struct written w = {.packed = {.layout = layouts[0], .store = store}};
+    struct stored_leaf w = {.packed = {.layout = layouts[0], .store = store}};
     uint64_t words = 0;
     struct reason reason = {""};
     w.first = store->head_words + AFTER;
@@ -73,7 +73,7 @@ static struct written write_leaf(const struct tri_store *store, const struct lea
 }
 
 /* Reads an item; what is beyond the vertices is not written. */
-static uint32_t read(const struct written *w, uint32_t slot, float v[3][3])
+static uint32_t read(const struct stored_leaf *w, uint32_t slot, float v[3][3])
 {
     struct {
         float v[3][3], after[3];
@@ -91,7 +91,7 @@ static uint32_t read(const struct written *w, uint32_t slot, float v[3][3])
 
 static void check_leaf(const struct tri_store *store, const struct leaf *leaf)
 {
-    struct written w = write_leaf(store, leaf);
+    struct stored_leaf w = write_leaf(store, leaf);
     const uint32_t count = leaf->scene.tri_count;
     float v[3][3], is[3][3];
     for (uint32_t slot = 0; slot < count; slot++) {
