@@ -294,6 +294,30 @@ static void worlds_may_go_before_the_engine(void **state)
     fast->close(self);
 }
 
+/* Every mesh is opaque, and some instances are not: only their hits are the filter's. */
+static void instances_alone_may_need_the_filter(void **state)
+{
+    (void)state;
+    struct world world = fixture_everything();
+    for (uint32_t m = 0; m < world.mesh_count; m++)
+        for (uint32_t g = 0; g < world.mesh[m].geometry_count; g++)
+            world.mesh[m].geometry[g].opaque = true;
+    for (int forced = 1; forced >= 0; forced--) {
+        struct fast_stand s;
+        open_stand(&world, "median", &s);
+        assert_int_equal(s.fast.plain, !forced);
+        for (uint64_t i = 0; i < RAYS; i++) {
+            struct ray ray = stand_aim(&s.packed, 5, i);
+            must_agree(&s, &ray, ray_mode_all(), false);
+        }
+        assert_true(s.others > 10);
+        close_stand(&s);
+        for (uint32_t i = 0; i < world.instance_count; i++)
+            world.instance[i].flags &= ~ABI_INSTANCE_FORCE_NO_OPAQUE;
+    }
+    world_free(&world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -303,6 +327,7 @@ int main(void)
         cmocka_unit_test(small_worlds_are_worlds),
         cmocka_unit_test(an_engine_goes_from_worlds_to_scenes_and_back),
         cmocka_unit_test(worlds_may_go_before_the_engine),
+        cmocka_unit_test(instances_alone_may_need_the_filter),
     };
     return cmocka_run_group_tests_name("fast_world", tests, NULL, NULL);
 }
