@@ -173,10 +173,10 @@ static enum status check_engines(const struct fuzz_command *c, struct reason *re
         const bool traces = !status && engine_traces_worlds(engine, self);
         engine->close(self);
         if (status || !traces)
-            return status ? status
-                          : fail(reason, STATUS_UNSUPPORTED,
-                                 "%.80s traces scenes, not worlds: its flags have no 8",
-                                 engine->name);
+            return status
+                       ? status
+                       : fail(reason, STATUS_UNSUPPORTED,
+                              "%.80s traces scenes, not worlds: its flags have no 8", engine->name);
     }
     return STATUS_OK;
 }
