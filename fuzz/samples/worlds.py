@@ -95,7 +95,9 @@ def pipe():  # version 2 of the protocol, in words of 32 bits
         sys.stdout.buffer.flush()
 
 def text():  # the same as lines
-    number = lambda word: float('nan') if word[:3] == 'nan' else float.fromhex(word) if 'x' in word else float(word)
+    def number(word):  # of 32 bits: a decimal is the nearest of them
+        x = float('nan') if word[:3] == 'nan' else float.fromhex(word) if 'x' in word else float(word)
+        return struct.unpack('f', struct.pack('f', x))[0]
     meshes, instances, world, query, rule = [], [], None, 0, (0, 0, 0)
     for line in sys.stdin:
         kind, *word = line.split()
@@ -121,6 +123,6 @@ def text():  # the same as lines
         elif kind == 'r':
             world = world or World(rule, meshes, instances)
             hit = world.trace(query, [number(x) for x in word[:8]] + [int(x) for x in word[8:]])
-            print('h %.9g %.9g %.9g %d %d %d %s %d' % (*hit[:6], 'front' if hit[6] else 'back', hit[7]) if hit else 'm')
+            print('h %r %r %r %d %d %d %s %d' % (*hit[:6], 'front' if hit[6] else 'back', hit[7]) if hit else 'm')
 
 text() if '--text' in sys.argv else pipe()
