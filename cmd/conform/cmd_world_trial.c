@@ -113,9 +113,9 @@ static enum status parse_fields(char *const field[WORLD_FIELDS], struct world_tr
     return parse_tree(field, out, reason);
 }
 
-/* Cuts a name at its dots, but for those of the engine, which may be a command: fields before it are
- * counted from the front, those behind it from the end. Returns the dot of the seed, which is cut
- * off, or NULL. */
+/* Cuts a name at its dots, but for those of the engine, which may be a command: fields before it
+ * are counted from the front, those behind it from the end. Returns the dot of the seed, which is
+ * cut off, or NULL. */
 static char *cut_fields(char *text, char *field[WORLD_FIELDS])
 {
     char *at = text, *seed = NULL;

@@ -130,7 +130,7 @@ static enum status read_answer(struct judge_run *j, const char *path, struct rea
     return status;
 }
 
-/* Checks that the rays are of the kind of the scene or world, and what else their file has of it. */
+/* Checks that the rays are in a scene or in a world, and what else their file has of it. */
 static enum status check_rays(const struct judge_run *j, const char *name, struct reason *reason)
 {
     const struct pipe_text *with = &j->request;

@@ -9,7 +9,7 @@
 /* Rays of one request at most. The time limit is for one request. */
 #define RAYS_MOST ((size_t)1 << 18)
 
-struct tracer {
+struct pipe_tracer {
     struct pipe_peer peer;
     uint32_t triangles;         /* of the scene */
     enum query query;           /* of the scene or the world */
@@ -22,7 +22,7 @@ struct tracer {
 
 static void tracer_close(void *self)
 {
-    struct tracer *tracer = self;
+    struct pipe_tracer *tracer = self;
     if (!tracer)
         return;
     pipe_peer_end(&tracer->peer);
@@ -35,7 +35,7 @@ static void tracer_close(void *self)
 static enum status tracer_open(const char *name, const struct engine_options *options, void **self,
                                struct reason *reason)
 {
-    struct tracer *tracer = alloc_zeroed(1, sizeof *tracer);
+    struct pipe_tracer *tracer = alloc_zeroed(1, sizeof *tracer);
     *self = NULL;
     if (!tracer)
         return fail(reason, STATUS_MEMORY, "no memory for an engine");
@@ -52,7 +52,7 @@ static enum status tracer_open(const char *name, const struct engine_options *op
     return status;
 }
 
-static bool is_unnamed(const struct tracer *tracer, bool first)
+static bool is_unnamed(const struct pipe_tracer *tracer, bool first)
 {
     return tracer->peer.model.any_unnamed && (first || tracer->query == QUERY_ANY);
 }
@@ -63,7 +63,7 @@ static bool is_unnamed(const struct tracer *tracer, bool first)
  * calls, and can refuse the scene. */
 static enum status tracer_prepare(void *self, const struct job *job, struct reason *reason)
 {
-    struct tracer *tracer = self;
+    struct pipe_tracer *tracer = self;
     struct pipe_peer *peer = &tracer->peer;
     const struct scene *scene = job->scene;
     if (job->query == QUERY_ALL)
@@ -85,8 +85,8 @@ static enum status tracer_prepare(void *self, const struct job *job, struct reas
 
 /* Checks that all triangles are in the scene; an answer with another number is not judged. t, u and
  * v may be anything: the judge finds wrong ones. */
-static enum status check_hits(struct tracer *tracer, const struct pipe_rays *rays, struct hit *hit,
-                              struct reason *reason)
+static enum status check_hits(struct pipe_tracer *tracer, const struct pipe_rays *rays,
+                              struct hit *hit, struct reason *reason)
 {
     char what[120];
     for (size_t i = 0; i < rays->count; i++) {
@@ -106,7 +106,7 @@ static enum status check_hits(struct tracer *tracer, const struct pipe_rays *ray
 static enum status tracer_trace(void *self, const struct ray *ray, size_t ray_count,
                                 struct hit *hit, struct trace_report *report, struct reason *reason)
 {
-    struct tracer *tracer = self;
+    struct pipe_tracer *tracer = self;
     *report = (struct trace_report){0};
     for (size_t first = 0; first < ray_count; first += RAYS_MOST) {
         size_t rest = ray_count - first;
@@ -133,13 +133,13 @@ static enum status tracer_trace(void *self, const struct ray *ray, size_t ray_co
 
 static bool tracer_traces(const void *self)
 {
-    return (((const struct tracer *)self)->peer.head.flags & PIPE_FLAG_WORLDS) != 0;
+    return (((const struct pipe_tracer *)self)->peer.head.flags & PIPE_FLAG_WORLDS) != 0;
 }
 
 static enum status tracer_prepare_world(void *self, const struct world_job *job,
                                         struct reason *reason)
 {
-    struct tracer *tracer = self;
+    struct pipe_tracer *tracer = self;
     struct pipe_peer *peer = &tracer->peer;
     size_t size;
     if (!tracer_traces(tracer))
@@ -163,7 +163,7 @@ static enum status tracer_prepare_world(void *self, const struct world_job *job,
     return pipe_peer_need(peer, reason);
 }
 
-static bool make_room(struct tracer *tracer, size_t count)
+static bool make_room(struct pipe_tracer *tracer, size_t count)
 {
     if (tracer->room >= count)
         return true;
@@ -176,7 +176,7 @@ static bool make_room(struct tracer *tracer, size_t count)
 }
 
 /* Checks the answers of one request and converts them. */
-static enum status take_answers(struct tracer *tracer, const struct pipe_rays *rays,
+static enum status take_answers(struct pipe_tracer *tracer, const struct pipe_rays *rays,
                                 const struct ray_mode *mode, struct hit *hit, uint32_t *tag,
                                 struct reason *reason)
 {
@@ -198,7 +198,7 @@ static enum status tracer_trace_world(void *self, const struct ray *ray,
                                       struct hit *hit, uint32_t *tag, struct trace_report *report,
                                       struct reason *reason)
 {
-    struct tracer *tracer = self;
+    struct pipe_tracer *tracer = self;
     *report = (struct trace_report){0};
     if (!make_room(tracer, ray_count < RAYS_MOST ? ray_count : RAYS_MOST))
         return fail(reason, STATUS_MEMORY, "%.80s: no memory for rays", tracer->peer.name);
@@ -235,7 +235,7 @@ static const struct world_tracer tracer_worlds = {.prepare_world = tracer_prepar
 
 static enum engine_fault tracer_fault(void *self, size_t *ray)
 {
-    const struct tracer *tracer = self;
+    const struct pipe_tracer *tracer = self;
     *ray = tracer->peer.fault_ray;
     return tracer->peer.fault;
 }
@@ -243,7 +243,7 @@ static enum engine_fault tracer_fault(void *self, size_t *ray)
 /* In worlds transforms are its own, and no formula of ours has these. */
 static struct model tracer_model(void *self, const struct tri_test *tri)
 {
-    const struct tracer *tracer = self;
+    const struct pipe_tracer *tracer = self;
     struct model model = tracer->peer.model;
     (void)tri;
     if (tracer->world)

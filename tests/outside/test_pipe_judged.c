@@ -1,5 +1,5 @@
-/* Laws of what comes over a pipe: answers about worlds are judged as those of any engine, as text as
- * over the pipe; requests of version 1 are what they were. The peers are this program
+/* Laws of what comes over a pipe: answers about worlds are judged as those of any engine, as text
+ * as over the pipe; requests of version 1 are what they were. The peers are this program
  * (tests/outside/world_peers.h). */
 #define _GNU_SOURCE /* setenv, open_memstream, mkstemp */
 #include "ref/match/match.h"

@@ -1,6 +1,7 @@
 /* The binary protocol: what a peer writes, without the process. The input is what it answers to
  * each request in turn, a byte of length in front: first to the one that asks what it is, then to a
- * scene, then to rays; where it traces worlds, to a world and to rays, too. Linked with --wrap, so that the child process is a file. */
+ * scene, then to rays; where it traces worlds, to a world and to rays, too. Linked with --wrap, so
+ * that the child process is a file. */
 #define _GNU_SOURCE /* pwrite, O_CLOEXEC */
 #include "tests/readers/reader_entry.h"
 #include "ref/outside/pipe.h"

@@ -1,6 +1,6 @@
 /* The text form of requests and answers: files of rays and of hits for raydiff judge, and what
- * comes over shell pipes to raydiff verify. The first byte states what is known of the answers: 1 and 2
- * a scene, 3 the world below. */
+ * comes over shell pipes to raydiff verify. The first byte states what is known of the answers: 1
+ * and 2 a scene, 3 the world below. */
 #define _POSIX_C_SOURCE 200809L
 #include "tests/readers/reader_entry.h"
 #include "ref/outside/pipe.h"
