@@ -69,8 +69,8 @@ static void what_is_written_reads_back_to_the_bit(void **state)
                                      .spec = "a world, with blanks.glb"};
             const struct pipe_limits limits = pipe_limits_none();
             struct world world;
-            struct ray *ray;
-            struct ray_mode *mode;
+            struct ray *ray = NULL;
+            struct ray_mode *mode = NULL;
             struct pipe_text text;
             struct reason reason = {""};
             char *bytes = NULL;
