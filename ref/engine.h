@@ -127,6 +127,8 @@ struct world_tracer {
     enum status (*trace_world_all)(void *self, const struct ray *ray, const struct ray_mode *mode,
                                    size_t ray_count, uint32_t capacity, struct hit *hit,
                                    uint32_t *tag, uint32_t *hit_count, struct reason *reason);
+    /* Whether this opened engine traces worlds at all. NULL: it does. */
+    bool (*traces)(const void *self);
 };
 
 struct engine {
@@ -175,7 +177,8 @@ struct engine {
      * confirm none. */
     enum status (*trace_all)(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
                              struct hit *hit, uint32_t *hit_count, struct reason *reason);
-    const struct world_tracer *worlds;     /* NULL: it traces no worlds (rows are skipped) */
+    const struct world_tracer *worlds;     /* NULL: it traces no worlds (rows are skipped); see
+                                              engine_traces_worlds */
     const struct frame_renderer *renderer; /* NULL: rendered ray by ray (scenes/render/render.h) */
     /* Returns how the last prepare or trace that returned STATUS_DEVICE failed, and in *ray how
      * many of its rays were answered before. The engine stays usable: the next call restarts its
@@ -188,6 +191,12 @@ struct engine {
     /* Writes the text of `raydiff doctor`: versions, limits, or why it cannot run. */
     void (*describe)(const struct engine_options *options, char *text, size_t text_bytes);
 };
+
+/* Whether an opened engine traces worlds. */
+static inline bool engine_traces_worlds(const struct engine *engine, const void *self)
+{
+    return engine->worlds && (!engine->worlds->traces || engine->worlds->traces(self));
+}
 
 /* For an engine that needs trees: false if it does not trace that layout (STATUS_UNSUPPORTED). */
 static inline bool engine_takes(const struct engine *engine, const struct layout *layout)

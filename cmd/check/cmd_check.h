@@ -100,6 +100,14 @@ enum status check_open(const struct check_options *options, const char *spec,
                        struct reason *reason) MUST_USE;
 void check_close(struct check_subject *subject);
 
+/* Opens a text as a world, and a plain one as the scene that it is. Errors: as world_open; then
+ * *out, which was zero, is to be freed, too. */
+enum status check_open_either(const char *spec, uint64_t seed, struct check_subject *out,
+                              struct reason *reason) MUST_USE;
+
+/* Fills in the numbers of a world, and whether it is vacuous. */
+void check_describe(const struct world *world, struct check_scene *result);
+
 /* Values of the options. */
 struct check_options {
     struct list layout, store, engine, builder, box, tri, query;

@@ -19,22 +19,25 @@ static void take_scene(struct world *world, struct scene *out)
     world_free(world);
 }
 
-/* Opens the text as a world; a plain one is a scene and loses nothing. */
-static enum status open_either(const struct check_options *o, const char *spec,
-                               struct check_subject *out, struct reason *reason)
+enum status check_open_either(const char *spec, uint64_t seed, struct check_subject *out,
+                              struct reason *reason)
 {
-    enum status status = world_open(spec, o->seed, &out->world, reason);
+    enum status status = world_open(spec, seed, &out->world, reason);
     if (status)
         return status;
     out->is_world = !world_is_plain(&out->world);
-    if (out->is_world)
+    if (!out->is_world)
+        take_scene(&out->world, &out->scene);
+    return STATUS_OK;
+}
+
+static enum status move_scene(const struct check_options *o, const char *spec,
+                              struct check_subject *out, struct reason *reason)
+{
+    if (out->is_world || !(o->move > 0))
         return STATUS_OK;
-    take_scene(&out->world, &out->scene);
-    if (o->move > 0) {
-        status = scene_open(spec, o->seed, &out->rest, reason);
-        scene_move(&out->scene, o->move, o->seed);
-    }
-    return status;
+    scene_move(&out->scene, o->move, o->seed);
+    return scene_open(spec, o->seed, &out->rest, reason);
 }
 
 static enum status check_use_of(const struct check_options *o, const char *spec, bool is_world,
@@ -82,6 +85,14 @@ static bool is_active(const struct world *world)
     return active;
 }
 
+void check_describe(const struct world *world, struct check_scene *result)
+{
+    result->tri_count = world_tri_count(world);
+    result->vertex_count = placed_vertices(world);
+    result->instance_count = world->instance_count;
+    result->vacuous = !is_active(world);
+}
+
 static void note_engines(const struct check_options *o, struct check_scene *result)
 {
     for (size_t e = 0; e < o->engine.count; e++) {
@@ -96,7 +107,9 @@ enum status check_open(const struct check_options *options, const char *spec,
                        struct check_scene *result, struct check_subject *out, struct reason *reason)
 {
     *out = (struct check_subject){0};
-    enum status status = open_either(options, spec, out, reason);
+    enum status status = check_open_either(spec, options->seed, out, reason);
+    if (status == STATUS_OK)
+        status = move_scene(options, spec, out, reason);
     if (status == STATUS_OK)
         status = check_use_of(options, spec, out->is_world, reason);
     if (status)
@@ -107,11 +120,8 @@ enum status check_open(const struct check_options *options, const char *spec,
         return ray_set_new(ray_sets[options->rays], &out->scene, options->seed, result->ray_count,
                            &out->ray, reason);
     }
-    result->tri_count = world_tri_count(&out->world);
-    result->vertex_count = placed_vertices(&out->world);
-    result->instance_count = out->world.instance_count;
+    check_describe(&out->world, result);
     result->modes = ray_modes_name((enum ray_modes)options->modes);
-    result->vacuous = !is_active(&out->world);
     note_engines(options, result);
     return result->vacuous ? STATUS_OK : aim(options, result, out, reason);
 }

@@ -56,8 +56,11 @@ static enum status fill_and_print(const struct conform_options *o, struct world_
     char example[2 * WORLD_FIELD_MOST + 10];
     size_t pairs, unmet, first = suite->count;
     struct world_suite more = {.trial = NULL};
+    bool any = false; /* else its engines do not run here, and no other trial changes that */
+    for (size_t i = 0; i < suite->count; i++)
+        any = any || (*ran)[i];
     enum status status =
-        world_suite_pairs(suite, *ran, &pairs, &unmet, example, sizeof example, &more);
+        world_suite_pairs(suite, *ran, &pairs, &unmet, example, sizeof example, any ? &more : NULL);
     if (!status)
         status = world_suite_append(suite, ran, &more);
     world_suite_free(&more);

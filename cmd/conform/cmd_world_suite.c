@@ -103,6 +103,15 @@ static enum status add(struct world_suite *suite, const struct world_trial *tria
 
 /* --- the covering array ----------------------------------------------------------------------- */
 
+/* Closest and any; lists too, if one of the engines makes any. */
+static uint32_t queries_of(const struct list *engine)
+{
+    bool lists = false;
+    for (size_t i = 0; i < engine->count; i++)
+        lists = lists || engines[engine->index[i]]->worlds->trace_world_all;
+    return lists ? QUERY_COUNT : QUERY_ALL;
+}
+
 /* Its tables; the last are those of struct composition. */
 enum world_table { OF_ENGINE, OF_QUERY, OF_TESTS, OF_LAYOUTS, OF_BUILDERS, OF_TREE_COUNT };
 
@@ -115,7 +124,7 @@ static enum status add_covering(struct world_suite *suite, enum world_engines ki
                       layout = below(suite, TABLE_LAYOUTS, kind == ON_TREES),
                       builder = below(suite, TABLE_BUILDERS, true);
     uint32_t count[COVERING_TABLES_MOST] = {[OF_ENGINE] = (uint32_t)engine.count,
-                                            [OF_QUERY] = QUERY_COUNT,
+                                            [OF_QUERY] = queries_of(&engine),
                                             [OF_TESTS] = test.count,
                                             [OF_LAYOUTS] = layout.count,
                                             [OF_BUILDERS] = builder.count};

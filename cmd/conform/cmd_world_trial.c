@@ -113,6 +113,32 @@ static enum status parse_fields(char *const field[WORLD_FIELDS], struct world_tr
     return parse_tree(field, out, reason);
 }
 
+/* Cuts a name at its dots, but for those of the engine, which may be a command: fields before it
+ * are counted from the front, those behind it from the end. Returns the dot of the seed, which is
+ * cut off, or NULL. */
+static char *cut_fields(char *text, char *field[WORLD_FIELDS])
+{
+    char *at = text, *seed = NULL;
+    for (int f = 0; f <= WORLD_FIELD_ENGINE; f++) {
+        at = strchr(at, '.');
+        if (!at)
+            return NULL;
+        *at++ = '\0';
+        field[f] = at;
+    }
+    for (int f = WORLD_FIELDS; f > WORLD_FIELD_ENGINE; f--) {
+        char *dot = strrchr(at, '.');
+        if (!dot)
+            return NULL;
+        *dot = '\0';
+        if (f == WORLD_FIELDS)
+            seed = dot;
+        else
+            field[f] = dot + 1;
+    }
+    return seed;
+}
+
 enum status world_trial_parse(const char *name, struct world_trial *out, struct reason *reason)
 {
     static const char shape[] = "world.query.engine.layout.builder.box.tri.transform.masks.flags."
@@ -123,16 +149,10 @@ enum status world_trial_parse(const char *name, struct world_trial *out, struct 
         return fail(reason, STATUS_INPUT, "trial: a name has at most %d characters",
                     WORLD_NAME_MOST - 1);
     strcpy(text, name);
-    at = strchr(at, '.');
-    for (int f = 0; f < WORLD_FIELDS; f++) {
-        char *dot = at ? strchr(at + 1, '.') : NULL;
-        if (!dot)
-            return fail(reason, STATUS_INPUT, "trial: '%s' is not %s, as --worlds --list prints",
-                        name, shape);
-        field[f] = at + 1;
-        *dot = '\0';
-        at = dot;
-    }
+    at = cut_fields(text, field);
+    if (!at)
+        return fail(reason, STATUS_INPUT, "trial: '%s' is not %s, as --worlds --list prints", name,
+                    shape);
     out->seed = strtoull(at + 1, &end, 10);
     if (end == at + 1 || *end != '\0')
         return fail(reason, STATUS_INPUT, "trial: seed '%s' is not a number", at + 1);

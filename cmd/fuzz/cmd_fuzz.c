@@ -163,9 +163,20 @@ static enum status check_engines(const struct fuzz_command *c, struct reason *re
 {
     for (size_t i = 0; i < c->engine.count && c->worlds; i++) {
         const struct engine *engine = engines[c->engine.index[i]];
+        void *self = NULL;
         if (!engine->worlds)
             return fail(reason, STATUS_UNSUPPORTED, "%.80s traces scenes, not worlds",
                         engine->name);
+        if (!engine->worlds->traces)
+            continue;
+        enum status status = engine->open(&c->engines, &self, reason);
+        const bool traces = !status && engine_traces_worlds(engine, self);
+        engine->close(self);
+        if (status || !traces)
+            return status
+                       ? status
+                       : fail(reason, STATUS_UNSUPPORTED,
+                              "%.80s traces scenes, not worlds: its flags have no 8", engine->name);
     }
     return STATUS_OK;
 }

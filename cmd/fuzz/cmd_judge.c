@@ -1,26 +1,18 @@
 /* raydiff judge and verify: judge answers given in the text form. */
-#include "ref/outside/pipe_text.h"
-#include "ref/outside/recorded.h"
-#include "cmd/check/cmd_check.h"
+#include "cmd/fuzz/cmd_judge.h"
+
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 #include "ref/files/file.h"
-#include "scenes/rays/rays.h"
-#include "scenes/scenes.h"
+#include "ref/outside/pipe.h"
+#include "scenes/rays/world_rays.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define STANDARD_INPUT "/dev/stdin"
-
-struct judge_options {
-    uint64_t seed, brute;
-    struct match_demands demands;
-    struct screen_options screen;
-    const char *json;
-};
 
 #define ROWS_OF struct judge_options
 
@@ -42,9 +34,10 @@ static const struct option_row rows[] = {
 
 static const struct option_set judge_set = {
     .command = "judge",
-    .usage = "judge MESH RAYS HITS [OPTIONS]",
+    .usage = "judge SCENE RAYS HITS [OPTIONS]",
     .about =
-        "Judges answers of a tracer that cannot be run here: MESH is a mesh file or a generator; "
+        "Judges answers of a tracer that cannot be run here: SCENE is a mesh file, a world or a "
+        "generator; "
         "RAYS and HITS are text files, or '-' for the standard input, with lines\n"
         "  RAYS  r OX OY OZ TMIN DX DY DZ TMAX   a ray; what raydiff gen writes will do\n"
         "        query closest    or any; closest if there is no such line\n"
@@ -55,6 +48,10 @@ static const struct option_set judge_set = {
         "vulkan, vulkan_rte, embree\n"
         "        flags open watertight unnamed  those that hold: ends of the range are no hits; "
         "closed meshes stay closed; any-hits name no triangle\n"
+        "In a world the first line of both is raydiff 2, and then\n"
+        "  RAYS  r OX OY OZ TMIN DX DY DZ TMAX MASK FLAGS\n"
+        "  HITS  h T U V INSTANCE GEOMETRY TRIANGLE front [CUSTOM]   or back; geometries count "
+        "in the mesh, triangles in the geometry\n"
         "Numbers are decimals or hexadecimal floats, 0x1.8p+1; '#' begins a comment. U weighs a "
         "triangle's second vertex, V its third.",
     .group = {GROUP(seed_rows), GROUP(rows), GROUP_AT(displacement_rows, demands),
@@ -71,7 +68,8 @@ static const struct option_set verify_set = {
     .usage = "gen SCENE ... | TRACER | raydiff verify [OPTIONS]",
     .about = "Judges the answers on its standard input to the rays that raydiff gen wrote. They "
              "hold the 'from' line of the request, by which scene and rays are made again, and "
-             "per ray 'h T U V TRIANGLE' or 'm'; see raydiff judge --help.",
+             "per ray 'h T U V TRIANGLE' or 'm'; of a world also its first line; see raydiff judge "
+             "--help.",
     .group = {GROUP(rows), GROUP_AT(displacement_rows, demands), GROUP_AT(watertight_rows, demands),
               GROUP_AT(screen_rows, screen)},
     .notes = NOTES,
@@ -79,24 +77,6 @@ static const struct option_set verify_set = {
     .example = "gen sphere:n=8 --decimal | awk -f fuzz/samples/tracer.awk |\n"
                "             raydiff verify",
 };
-
-/* A judgement. Owns everything except the names. */
-struct judge_run {
-    const char *command;
-    const struct judge_options *options;
-    const char *spec, *ray_name; /* names of scene and rays as given by the user */
-    uint64_t seed;
-    struct scene scene;
-    struct pipe_text request; /* rays and query */
-    struct pipe_text answer;
-};
-
-static void judging_free(struct judge_run *j)
-{
-    scene_free(&j->scene);
-    pipe_text_free(&j->request);
-    pipe_text_free(&j->answer);
-}
 
 static const char *path_of(const char *argument)
 {
@@ -121,12 +101,14 @@ static enum status read_all(const char *path, char **bytes, size_t *size, struct
 static enum status parse_answer(struct judge_run *j, const char *name, const char *bytes,
                                 size_t size, struct reason *reason)
 {
-    struct pipe_limits limits = {j->request.ray_count, j->scene.tri_count};
+    const struct pipe_limits limits = {.rays = j->request.ray_count,
+                                       .triangles = j->of.scene.tri_count,
+                                       .world = j->of.is_world ? &j->of.world : NULL};
     enum status status = pipe_text_parse(name, bytes, size, &limits, &j->answer, reason);
     if (status)
         return status;
     const struct pipe_text *a = &j->answer;
-    if (a->ray_count || a->scene.vertex_count)
+    if (a->ray_count || a->scene.vertex_count || a->world.mesh_count || a->world.instance_count)
         return fail(reason, STATUS_INPUT, "%s: has v, t or r lines: is it a request?", name);
     if (a->refused[0])
         return fail(reason, STATUS_DEVICE, "%s: the tracer refused: %s", name, a->refused);
@@ -148,10 +130,33 @@ static enum status read_answer(struct judge_run *j, const char *path, struct rea
     return status;
 }
 
+/* Checks that the rays are in a scene or in a world, and what else their file has of it. */
+static enum status check_rays(const struct judge_run *j, const char *name, struct reason *reason)
+{
+    const struct pipe_text *with = &j->request;
+    const bool is_world = with->version == PIPE_VERSION_WORLD;
+    bool same = true;
+    if (is_world != j->of.is_world)
+        return fail(reason, STATUS_INPUT,
+                    "%s: its rays are of version %u, but %.80s is a %s: 'raydiff %u' is the first "
+                    "line",
+                    name, with->version, j->spec, j->of.is_world ? "world" : "scene",
+                    j->of.is_world ? PIPE_VERSION_WORLD : PIPE_VERSION);
+    if (is_world && (with->world.mesh_count || with->world.instance_count))
+        same = pipe_hash_world(&with->world, NULL, NULL, 0, 0) ==
+               pipe_hash_world(&j->of.world, NULL, NULL, 0, 0);
+    else if (with->scene.vertex_count)
+        same = pipe_hash(&with->scene, NULL, 0, 0) == pipe_hash(&j->of.scene, NULL, 0, 0);
+    if (!same)
+        return fail(reason, STATUS_INPUT, "%s: has v and t lines for another %s than %.80s", name,
+                    is_world ? "world" : "scene", j->spec);
+    return STATUS_OK;
+}
+
 /* Reads the rays of a file. If the file also holds a scene, it must be the named one. */
 static enum status read_rays(struct judge_run *j, const char *path, struct reason *reason)
 {
-    const struct pipe_limits limits = {SIZE_MAX, UINT32_MAX};
+    const struct pipe_limits limits = pipe_limits_none();
     const char *name = name_of(path);
     char *bytes;
     size_t size;
@@ -162,95 +167,11 @@ static enum status read_rays(struct judge_run *j, const char *path, struct reaso
     free(bytes);
     if (status)
         return status;
-    const struct scene *with = &j->request.scene;
     if (j->request.hit_count)
         return fail(reason, STATUS_INPUT, "%s: has h or m lines: is it an answer?", name);
     if (j->request.ray_count == 0)
         return fail(reason, STATUS_INPUT, "%s: has no ray", name);
-    if (with->vertex_count && pipe_hash(with, NULL, 0, 0) != pipe_hash(&j->scene, NULL, 0, 0))
-        return fail(reason, STATUS_INPUT, "%s: has v and t lines for another scene than %.80s",
-                    name, j->spec);
-    return STATUS_OK;
-}
-
-static enum status play(struct judge_run *j, struct row *row, struct reason *reason)
-{
-    const struct pipe_text *a = &j->answer;
-    struct recorded recorded = {.ray = j->request.ray,
-                                .hit = a->hit,
-                                .count = a->hit_count,
-                                .formula = a->formula,
-                                .rounding = a->rounding,
-                                .flags = a->flags};
-    struct match_options options = {.builder = builders[0],
-                                    .build = build_options_default(),
-                                    .box = box_tests[0],
-                                    .tri = tri_tests[0],
-                                    .query = j->request.query,
-                                    .demands = j->options->demands,
-                                    .repeats = 1,
-                                    .brute_budget = j->options->brute};
-    struct pool pool = {.options = engine_options_default()};
-    struct match match;
-    const struct engine *engine;
-    enum status status = recorded_engine(&recorded, &engine, reason);
-    if (!status)
-        status = match_make(&j->scene, j->request.ray, j->request.ray_count, &options, &pool,
-                            &match, reason);
-    if (status) {
-        pool_free(&pool);
-        return status;
-    }
-    match_run(&match, engine, row);
-    if (j->options->demands.displacement > 0.0f && !row->unknown)
-        status = fail(reason, STATUS_INPUT, "--displacement: the formula is known");
-    for (int i = 0; i < 3; i++)
-        row->mrays[i] = 0; /* nothing was traced */
-    pool_free(&pool);
-    match_free(&match);
-    return status;
-}
-
-/* Judges and prints; returns the exit code. */
-static int judge_all(struct judge_run *j)
-{
-    struct row row;
-    struct reason reason = {""};
-    struct check_scene result = {.spec = j->spec,
-                                 .tri_count = j->scene.tri_count,
-                                 .vertex_count = j->scene.vertex_count,
-                                 .rays = j->ray_name,
-                                 .ray_count = j->request.ray_count,
-                                 .seed = j->seed,
-                                 .row = &row,
-                                 .row_count = 1};
-    enum status status = play(j, &row, &reason);
-    const bool judged = status == STATUS_OK;
-    int code = EXIT_AGREE;
-    if (!status) {
-        const struct screen screen = screen_make(&j->options->screen);
-        check_print(&result, &screen);
-        code = check_exit(&result, false, true);
-    }
-    if (!status && j->options->json)
-        status = check_write_json(j->options->json, &result, 1, &(struct turnout){.count = 0}, code,
-                                  &reason);
-    code = exit_worse(code, exit_with_reason(j->command, status, &reason));
-    if (judged) {
-        const struct screen screen = screen_make(&j->options->screen);
-        check_print_conclusion(&result, 1, code, &screen);
-    }
-    return code;
-}
-
-/* Judges, or prints why the input could not be read. Returns the exit code. */
-static int finish(struct judge_run *j, enum status status, const struct reason *reason)
-{
-    int code = exit_with_reason(j->command, status, reason);
-    if (!status)
-        code = judge_all(j);
-    judging_free(j);
-    return code;
+    return check_rays(j, name, reason);
 }
 
 int cmd_judge(int argc, char **argv)
@@ -261,7 +182,7 @@ int cmd_judge(int argc, char **argv)
     if (code >= 0)
         return code;
     if (argc - first != 3)
-        return usage_error("judge", "MESH, RAYS and HITS are needed, not %d names", argc - first);
+        return usage_error("judge", "SCENE, RAYS and HITS are needed, not %d names", argc - first);
     const char *rays = path_of(argv[first + 1]), *hits = path_of(argv[first + 2]);
     if (strcmp(rays, STANDARD_INPUT) == 0 && strcmp(hits, rays) == 0)
         return usage_error("judge", "RAYS and HITS cannot both be '-'");
@@ -274,44 +195,84 @@ int cmd_judge(int argc, char **argv)
                           .spec = argv[first],
                           .ray_name = argv[first + 1],
                           .seed = o.seed};
-    enum status status = scene_open(j.spec, o.seed, &j.scene, &reason);
+    enum status status = check_open_either(j.spec, o.seed, &j.of, &reason);
     if (!status)
         status = read_rays(&j, rays, &reason);
+    j.modes = j.of.is_world ? "given" : NULL;
     if (!status)
         status = read_answer(&j, hits, &reason);
-    return finish(&j, status, &reason);
+    return judge_finish(&j, status, &reason);
 }
 
-/* Rebuilds scene and rays from the answer's 'from' line. */
-static enum status make_again(struct judge_run *j, const struct pipe_text *look,
+/* Draws the rays again. */
+static enum status draw_rays(struct judge_run *j, const struct ray_set *set,
+                             const struct pipe_from *from, struct reason *reason)
+{
+    struct pipe_text *request = &j->request;
+    enum ray_modes modes = 0;
+    request->ray_count = (size_t)from->count;
+    if (!j->of.is_world)
+        return ray_set_new(set, &j->of.scene, from->seed, request->ray_count, &request->ray,
+                           reason);
+    while (modes < RAY_MODES_COUNT && strcmp(ray_modes_name(modes), from->modes) != 0)
+        modes++;
+    if (modes == RAY_MODES_COUNT)
+        return fail(reason, STATUS_INPUT, "standard input: 'from' has no modes that there are");
+    j->modes = ray_modes_name(modes);
+    return world_rays_new(&j->of.world, set, modes, from->seed, request->ray_count, &request->ray,
+                          &request->mode, reason);
+}
+
+static uint64_t hash_of(const struct judge_run *j, enum query query)
+{
+    const struct pipe_text *request = &j->request;
+    return j->of.is_world ? pipe_hash_world(&j->of.world, request->ray, request->mode,
+                                            request->ray_count, query)
+                          : pipe_hash(&j->of.scene, request->ray, request->ray_count, query);
+}
+
+/* Checks the 'from' line before as many rays as it states are drawn. */
+static enum status check_from(const struct pipe_text *look, const struct ray_set *set,
                               struct reason *reason)
 {
     const struct pipe_from *from = &look->from;
-    const struct ray_set *set = ray_set_find(from->rays);
+    if (look->refused[0])
+        return fail(reason, STATUS_DEVICE, "standard input: the tracer refused: %s", look->refused);
     if (from->spec[0] == '\0')
         return fail(reason, STATUS_INPUT,
                     "standard input: has no 'from' line: a tracer copies it from its request, "
                     "which raydiff gen writes");
     if (!set || from->count < 1 || from->count > 1u << 30)
         return fail(reason, STATUS_INPUT, "standard input: 'from' names no ray set of any count");
-    if (look->refused[0])
-        return fail(reason, STATUS_DEVICE, "standard input: the tracer refused: %s", look->refused);
-    if (look->hit_count < from->count) /* checked before that many rays are generated */
+    if (look->hit_count < from->count)
         return fail(reason, STATUS_INPUT,
                     "standard input:%" PRIu64 ": ends after %zu of %" PRIu64 " answers",
                     look->last_line, look->hit_count, from->count);
+    return STATUS_OK;
+}
+
+/* Rebuilds scene or world and rays from the answer's 'from' line. */
+static enum status make_again(struct judge_run *j, const struct pipe_text *look,
+                              struct reason *reason)
+{
+    const struct pipe_from *from = &look->from;
+    const struct ray_set *set = ray_set_find(from->rays);
+    enum status status = check_from(look, set, reason);
+    if (status)
+        return status;
     j->ray_name = set->name;
     j->spec = from->spec;
     j->seed = from->seed;
-    enum status status = scene_open(from->spec, from->seed, &j->scene, reason);
-    if (status)
-        return status;
-    j->request.ray_count = (size_t)from->count;
-    status = ray_set_new(set, &j->scene, from->seed, j->request.ray_count, &j->request.ray, reason);
+    status = check_open_either(from->spec, from->seed, &j->of, reason);
+    if (!status && j->of.is_world != (from->modes[0] != '\0'))
+        status = fail(
+            reason, STATUS_INPUT, "standard input: 'from' is for a %s, but '%.80s' is a %s now",
+            from->modes[0] ? "world" : "scene", from->spec, j->of.is_world ? "world" : "scene");
+    if (!status)
+        status = draw_rays(j, set, from, reason);
     for (j->request.query = QUERY_CLOSEST; !status && j->request.query <= QUERY_ANY;
          j->request.query++)
-        if (pipe_hash(&j->scene, j->request.ray, j->request.ray_count, j->request.query) ==
-            from->hash)
+        if (hash_of(j, j->request.query) == from->hash)
             return STATUS_OK;
     return status ? status
                   : fail(reason, STATUS_INPUT,
@@ -322,7 +283,7 @@ static enum status make_again(struct judge_run *j, const struct pipe_text *look,
 
 static enum status read_piped(struct judge_run *j, struct pipe_text *look, struct reason *reason)
 {
-    const struct pipe_limits limits = {SIZE_MAX, UINT32_MAX};
+    const struct pipe_limits limits = pipe_limits_none();
     char *bytes;
     size_t size;
     enum status status = read_all(STANDARD_INPUT, &bytes, &size, reason);
@@ -350,7 +311,7 @@ int cmd_verify(int argc, char **argv)
     struct judge_run j = {.command = "verify", .options = &o};
     struct pipe_text look = {0};
     enum status status = read_piped(&j, &look, &reason);
-    code = finish(&j, status, &reason);
+    code = judge_finish(&j, status, &reason);
     pipe_text_free(&look);
     return code;
 }

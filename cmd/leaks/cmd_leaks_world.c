@@ -108,6 +108,7 @@ static void count_row(struct leak_world_play *play, struct leak_row *row)
     row->absent = row->status == STATUS_UNSUPPORTED;
     if (!self)
         return;
+    row->absent = !engine_traces_worlds(engine, self);
     row->status =
         trace(play, engine, self, row, play->hit, play->tag, &row->leaks.ns, &row->reason);
     if (row->status)

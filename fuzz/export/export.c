@@ -11,8 +11,12 @@ static void write_text(const struct export_case *the, FILE *to)
     export_comment(the, "# ", to);
     for (size_t i = 0; i < the->right_count; i++)
         export_print_right(the, &the->right[i], to);
-    pipe_text_write(to, NULL, &the->trial->scene, the->ray, the->ray_count, the->trial->query,
-                    false);
+    if (the->world)
+        pipe_text_write_world(to, NULL, the->world, the->ray, the->mode, the->ray_count,
+                              the->trial->query, false);
+    else
+        pipe_text_write(to, NULL, &the->trial->scene, the->ray, the->ray_count, the->trial->query,
+                        false);
 }
 
 static void tell(struct export_said *said, const char *line)
@@ -42,9 +46,6 @@ enum status export_write(const struct finding_file *file, const struct export_op
 {
     struct export_case the;
     said->text[0] = '\0';
-    if (file->trial.world.is)
-        return fail(reason, STATUS_INPUT,
-                    "is a trial of a world; this command takes one of a scene: replay it");
     enum status status = export_case_make(file, options, &the, reason);
     if (status)
         return status;

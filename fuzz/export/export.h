@@ -12,7 +12,8 @@
 enum export_form {
     EXPORT_C,     /* a program; exit code 0: right, 1: the bug shows, 2: it cannot run */
     EXPORT_AMBER, /* a script of github.com/google/amber; Vulkan's compute shaders only */
-    EXPORT_TEXT,  /* scene and rays as in ref/outside/pipe_text.h, what is right in comments */
+    EXPORT_TEXT,  /* scene or world, and rays, as in ref/outside/pipe_text.h; right answers in
+                     comments */
     EXPORT_FORMS
 };
 
@@ -39,9 +40,9 @@ struct export_said {
  * or hang: its answer is shown in the comment, and the tolerance is that of its driver's measured
  * arithmetic. Otherwise the tolerance is the specification's. The caller checks `to` for write
  * errors.
- * Errors: STATUS_INPUT a trial of a world; there is nothing to export, with what to do instead; the
- * ray is not there; STATUS_LIMIT too large, or the layout or the engine cannot hold the trial;
- * STATUS_UNSUPPORTED; STATUS_MEMORY; STATUS_INTERNAL. */
+ * Errors: STATUS_INPUT a trial of a world in another form than text; there is nothing to export,
+ * with what to do instead; the ray is not there; STATUS_LIMIT too large, or the layout or the
+ * engine cannot hold the trial; STATUS_UNSUPPORTED; STATUS_MEMORY; STATUS_INTERNAL. */
 enum status export_write(const struct finding_file *file, const struct export_options *options,
                          FILE *to, struct export_said *said, struct reason *reason) MUST_USE;
 

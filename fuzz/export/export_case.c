@@ -4,7 +4,6 @@
 #include "ref/outside/pipe.h"
 #include "fuzz/play/trial_tree.h"
 #include "fuzz/findings/versions.h"
-#include "gpu/trace/gather.h"
 #include "ref/trace/trace.h"
 
 #include <stdio.h>
@@ -73,10 +72,27 @@ static enum status check_kind(const struct export_case *the)
     }
 }
 
+/* A world is for any tracer that reads text. */
+static enum status choose_world(struct export_case *the)
+{
+    if (the->options->form != EXPORT_TEXT)
+        return fail(the->reason, STATUS_INPUT,
+                    "is a trial of a world: --form text writes world, rays and what is right; "
+                    "`raydiff replay` plays it");
+    if (the->options->engine || the->options->layout)
+        return fail(the->reason, STATUS_INPUT,
+                    "--%s: is a trial of a world, whose text is for any tracer",
+                    the->options->engine ? "engine" : "layout");
+    the->subject = SUBJECT_TRACER;
+    return trial_meshes_make(&the->trial->world, &the->trial->scene, &the->meshes, the->reason);
+}
+
 static enum status choose(struct export_case *the)
 {
     const struct finding_file *file = the->file;
     const struct export_options *options = the->options;
+    if (file->trial.world.is)
+        return choose_world(the);
     const char *name = options->engine       ? options->engine->name
                        : file->has_signature ? file->signature.engine
                                              : "vulkan";
@@ -137,7 +153,8 @@ static enum status take_rays(struct export_case *the)
                     trial->ray_count);
     the->ray = alloc_zeroed(trial->ray_count, sizeof *the->ray);
     the->number = alloc_zeroed(trial->ray_count, sizeof *the->number);
-    if (!the->ray || !the->number)
+    the->mode = trial->world.is ? alloc_zeroed(trial->ray_count, sizeof *the->mode) : NULL;
+    if (!the->ray || !the->number || (trial->world.is && !the->mode))
         return fail(the->reason, STATUS_MEMORY, "no memory for %u rays", trial->ray_count);
     for (uint32_t i = 0; i < trial->ray_count; i++) {
         if (only != EXPORT_ALL_RAYS && i != only)
@@ -149,6 +166,8 @@ static enum status take_rays(struct export_case *the)
             continue;
         }
         the->ray[the->ray_count] = trial->ray[i];
+        if (the->mode)
+            the->mode[the->ray_count] = trial->world.mode[i];
         the->number[the->ray_count++] = i;
     }
     if (the->ray_count == 0)
@@ -203,31 +222,6 @@ static enum status pack(struct export_case *the)
                       "%llu words of data, at most %u are written: shrink the finding first",
                       (unsigned long long)words, WORDS_MOST);
     return status;
-}
-
-void export_buffers(const struct export_case *the, struct export_buffer out[DISPATCH_BINDINGS])
-{
-    static const char *const names[DISPATCH_BINDINGS] = {
-        [ABI_BIND_RAYS] = "rays",   [ABI_BIND_HITS] = "hits",   [ABI_BIND_FLAGS] = "flags",
-        [ABI_BIND_NODES] = "nodes", [ABI_BIND_ITEMS] = "items", [ABI_BIND_TRIS] = "triangles",
-        [ABI_BIND_FOUND] = "found"};
-    const uint64_t rays = the->ray_count, tris = the->trial->scene.tri_count;
-    bool in_buffers = the->subject != SUBJECT_QUERY;
-    uint64_t bytes[DISPATCH_BINDINGS] = {
-        [ABI_BIND_RAYS] = rays * sizeof(struct ray),
-        [ABI_BIND_HITS] = rays * sizeof(struct hit),
-        [ABI_BIND_FLAGS] = rays * sizeof(uint32_t),
-        [ABI_BIND_NODES] = packed_node_bytes(&the->packed),
-        [ABI_BIND_ITEMS] = packed_item_bytes(&the->packed),
-        [ABI_BIND_TRIS] = in_buffers ? gather_bytes(the->trial->scene.tri_count) : 0,
-    };
-    for (uint32_t i = 0; i < DISPATCH_BINDINGS; i++) {
-        out[i] = (struct export_buffer){names[i], bytes[i] ? bytes[i] : 16, bytes[i]};
-        if (i == ABI_BIND_HITS || i == ABI_BIND_FLAGS)
-            out[i].data_bytes = 0;
-        if (i == ABI_BIND_TRIS && in_buffers)
-            out[i].data_bytes = ABI_TRI_FLOATS * sizeof(float) * tris;
-    }
 }
 
 /* --- answers --- */
@@ -310,6 +304,20 @@ static enum status ask_here(struct export_case *the)
     return status == STATUS_MEMORY ? fail(the->reason, status, "%s", why.text) : STATUS_OK;
 }
 
+static enum status find_truth(struct export_case *the)
+{
+    const struct fuzz_trial *trial = the->trial;
+    enum status status = the->world ? oracle_make_world(the->world, &the->oracle, the->reason)
+                                    : oracle_make(&trial->scene, &the->oracle, the->reason);
+    if (status)
+        return status;
+    if (the->world)
+        return oracle_closest_world(the->oracle, ORACLE_AUTO, ORACLE_CLOSED, the->ray, the->mode,
+                                    the->ray_count, 1, the->truth, NULL, the->reason);
+    return oracle_closest(the->oracle, ORACLE_AUTO, ORACLE_CLOSED, the->ray, the->ray_count, 1,
+                          the->truth, NULL, the->reason);
+}
+
 static enum status judge_all(struct export_case *the)
 {
     const struct fuzz_trial *trial = the->trial;
@@ -318,10 +326,7 @@ static enum status judge_all(struct export_case *the)
     the->judgement = alloc_zeroed(the->ray_count, sizeof *the->judgement);
     if (!the->truth || !the->judgement)
         return fail(the->reason, STATUS_MEMORY, "no memory for the truth");
-    enum status status = oracle_make(&trial->scene, &the->oracle, the->reason);
-    if (!status)
-        status = oracle_closest(the->oracle, ORACLE_AUTO, ORACLE_CLOSED, the->ray, the->ray_count,
-                                1, the->truth, NULL, the->reason);
+    enum status status = find_truth(the);
     if (!status)
         status = judge_make(the->oracle, &the->model, trial->query, &judge, the->reason);
     if (!status) {
@@ -346,6 +351,7 @@ enum status export_case_make(const struct finding_file *file, const struct expor
         .file = file, .trial = &file->trial, .options = options, .reason = reason};
     snprintf(out->title, sizeof out->title, "clean");
     enum status status = choose(out);
+    out->world = file->trial.world.is ? &out->meshes.world : NULL;
     if (!status && file->has_signature) {
         struct fuzz_signature signature = file->signature;
         if (out->engine) {
@@ -372,6 +378,8 @@ enum status export_case_make(const struct finding_file *file, const struct expor
 
 void export_case_free(struct export_case *the)
 {
+    trial_meshes_free(&the->meshes);
+    free(the->mode);
     free(the->ray);
     free(the->number);
     bvh_free(&the->bvh);

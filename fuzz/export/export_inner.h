@@ -4,7 +4,7 @@
 
 #include "fuzz/export/export.h"
 #include "gpu/trace/dispatch.h"
-#include "ref/judge/judge.h"
+#include "ref/judge/judge_world.h"
 
 /* The engine that a finding is exported for. */
 enum export_subject {
@@ -21,6 +21,7 @@ enum export_subject {
 struct export_right {
     uint32_t ray, prim;
     float t[2], u[2], v[2];
+    bool front, back; /* in a world: the sides that may be reported */
 };
 
 /* Everything that a form writes; owns its arrays (export_case_free). */
@@ -34,7 +35,10 @@ struct export_case {
     const struct layout *layout;     /* SUBJECT_VULKAN, else NULL */
     char title[FUZZ_SIGNATURE_MOST]; /* the signature, or "clean" */
     bool bits_matter;                /* the finding is that C's bits were not met */
+    struct trial_meshes meshes;      /* of a world */
+    const struct world *world;       /* NULL: of a scene */
     struct ray *ray;                 /* those that are exported */
+    struct ray_mode *mode;           /* of a world, else NULL */
     uint32_t *number;                /* their indices in the file */
     uint32_t ray_count, left_out;    /* left out: Embree does not promise to survive them */
     struct bvh bvh;
@@ -58,6 +62,16 @@ struct export_case {
 enum status export_case_make(const struct finding_file *file, const struct export_options *options,
                              struct export_case *out, struct reason *reason) MUST_USE;
 void export_case_free(struct export_case *the);
+
+/* Triangles of the scene, or placed ones of the world. */
+uint32_t export_tri_count(const struct export_case *the);
+
+/* Vertices of one, in a world rounded to float32. */
+void export_tri(const struct export_case *the, uint32_t prim, float v[3][3]);
+
+/* Writes "triangle 3", in a world "instance 0, geometry 1, triangle 2". */
+#define EXPORT_PLACE_MOST 80
+void export_place(const struct export_case *the, uint32_t prim, char text[EXPORT_PLACE_MOST]);
 
 /* True if it runs on Vulkan. */
 bool export_is_vulkan(const struct export_case *the);

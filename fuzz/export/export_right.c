@@ -10,6 +10,8 @@
 struct asking {
     const struct judge *judge;
     const struct ray *ray;
+    const struct ray_mode *mode; /* in a world, else NULL */
+    uint32_t tag;                /* in a world: what is answered beside the hit */
     const struct oracle_answer *truth;
     float v[3][3]; /* of the triangle that is answered */
     bool follow;   /* the formula is not known: only t is looked for, with u and v of the ray's
@@ -68,18 +70,25 @@ static void follow(const struct asking *asking, struct hit *hit)
     hit->v = (float)v;
 }
 
+static void judge_it(struct asking *asking, const struct hit *hit, struct judgement *out)
+{
+    enum status status =
+        asking->mode ? judge_world_answer(asking->judge, asking->ray, *asking->mode, asking->truth,
+                                          hit, hit->prim == ABI_NO_PRIM ? 0 : asking->tag, out)
+                     : judge_answer(asking->judge, asking->ray, asking->truth, hit, out);
+    asking->no_memory = asking->no_memory || status != STATUS_OK;
+}
+
 static bool takes(struct asking *asking, struct hit *hit)
 {
     struct judgement judgement;
     if (asking->follow)
         follow(asking, hit);
-    if (judge_answer(asking->judge, asking->ray, asking->truth, hit, &judgement))
-        asking->no_memory = true;
+    judge_it(asking, hit, &judgement);
     if (asking->follow && judgement.wrong == WRONG_BARYCENTRIC) {
         hit->u = asking->line_u;
         hit->v = asking->line_v;
-        if (judge_answer(asking->judge, asking->ray, asking->truth, hit, &judgement))
-            asking->no_memory = true;
+        judge_it(asking, hit, &judgement);
     }
     return judgement.verdict != VERDICT_WRONG;
 }
@@ -139,6 +148,15 @@ static enum status add_around(struct export_case *the, struct asking *asking, ui
                               struct hit hit)
 {
     struct export_right right = {.ray = i, .prim = hit.prim};
+    if (asking->mode) {
+        struct hit same = hit;
+        const uint32_t tag = asking->tag;
+        asking->tag = tag ^ ABI_TAG_FRONT;
+        const bool other = takes(asking, &same);
+        right.front = other || (tag & ABI_TAG_FRONT);
+        right.back = other || !(tag & ABI_TAG_FRONT);
+        asking->tag = tag;
+    }
     widen_both(asking, &hit, &hit.t, right.t);
     if (asking->follow) {
         right.u[0] = right.v[0] = -INFINITY;
@@ -229,7 +247,7 @@ static enum status ask_triangle(struct export_case *the, struct asking *asking, 
     const struct ray *ray = asking->ray;
     float(*v)[3] = asking->v;
     double edge_t[3];
-    scene_tri(&the->trial->scene, prim, v);
+    export_tri(the, prim, v);
     struct twin twin = twin_eval(formula, the->model.rounding, ray, v);
     if (!asking->follow && !twin.possible)
         return STATUS_OK;
@@ -256,25 +274,46 @@ static enum status ask_triangle(struct export_case *the, struct asking *asking, 
     return STATUS_OK;
 }
 
+/* In a world as its front and, if that is not right, as its back. */
+static enum status ask_sides(struct export_case *the, struct asking *asking, uint32_t i,
+                             uint32_t prim)
+{
+    const size_t before = the->right_count;
+    if (!the->world)
+        return ask_triangle(the, asking, i, prim);
+    const uint32_t custom = the->world->instance[world_instance_of(the->world, prim)].custom;
+    asking->tag = custom | ABI_TAG_FRONT;
+    enum status status = ask_triangle(the, asking, i, prim);
+    asking->tag = custom;
+    if (!status && the->right_count == before)
+        status = ask_triangle(the, asking, i, prim);
+    return status;
+}
+
 /* Every triangle, the exact nearest one first. */
 static enum status ask_triangles(struct export_case *the, struct asking *asking, uint32_t i)
 {
     uint32_t first = asking->truth->prim;
-    enum status status = first == ABI_NO_PRIM ? STATUS_OK : ask_triangle(the, asking, i, first);
-    for (uint32_t prim = 0; prim < the->trial->scene.tri_count && !status; prim++)
+    enum status status = first == ABI_NO_PRIM ? STATUS_OK : ask_sides(the, asking, i, first);
+    for (uint32_t prim = 0; prim < export_tri_count(the) && !status; prim++)
         if (prim != first)
-            status = ask_triangle(the, asking, i, prim);
+            status = ask_sides(the, asking, i, prim);
     return status;
 }
 
 static enum status ask_ray(struct export_case *the, const struct judge *judge, uint32_t i)
 {
-    struct asking asking = {.judge = judge, .ray = &the->ray[i], .truth = &the->truth[i]};
+    struct asking asking = {.judge = judge,
+                            .ray = &the->ray[i],
+                            .mode = the->mode ? &the->mode[i] : NULL,
+                            .truth = &the->truth[i]};
     struct hit miss = {.prim = ABI_NO_PRIM}, hit = {.prim = 0};
     struct judgement judgement;
-    enum status status = judge_answer(judge, asking.ray, asking.truth, &miss, &judgement);
-    if (status || judgement.verdict == VERDICT_OUT_OF_CONTRACT)
-        return status ? fail(the->reason, status, "no memory to judge a ray") : STATUS_OK;
+    enum status status = STATUS_OK;
+    judge_it(&asking, &miss, &judgement);
+    if (asking.no_memory || judgement.verdict == VERDICT_OUT_OF_CONTRACT)
+        return asking.no_memory ? fail(the->reason, STATUS_MEMORY, "no memory to judge a ray")
+                                : STATUS_OK;
     if (!export_is_unnamed(the)) {
         asking.follow = export_is_followed(the);
         status = ask_triangles(the, &asking, i);

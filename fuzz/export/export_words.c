@@ -1,6 +1,8 @@
 /* The finding in words, for the head of every form. */
 #include "fuzz/export/export_inner.h"
 
+#include "ref/base/command.h"
+
 #include <float.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -110,7 +112,11 @@ void export_print_right(const struct export_case *the, const struct export_right
     if (right->prim == ABI_NO_PRIM || export_is_unnamed(the)) {
         fputs(right->prim == ABI_NO_PRIM ? "a miss" : "a hit", to);
     } else {
-        fprintf(to, "triangle %u", right->prim);
+        char place[EXPORT_PLACE_MOST];
+        export_place(the, right->prim, place);
+        fputs(place, to);
+        if (the->world)
+            fprintf(to, ", %s", !right->back ? "front" : !right->front ? "back" : "either side");
         print_interval("t", right->t, to);
         if (export_is_followed(the)) {
             fputs(", u and v of the ray's point there", to);
@@ -144,15 +150,17 @@ static uint32_t telling_ray(const struct export_case *the)
 static void say_truth(struct comment *c, const struct export_case *the, uint32_t i)
 {
     const struct oracle_answer *truth = &the->truth[i];
-    char t[ORACLE_T_TEXT] = "";
+    char t[ORACLE_T_TEXT] = "", place[EXPORT_PLACE_MOST] = "";
     if (truth->prim != ABI_NO_PRIM)
         oracle_t_text(the->oracle, &the->ray[i], truth->prim, t);
+    if (truth->prim != ABI_NO_PRIM)
+        export_place(the, truth->prim, place);
     if (truth->flags & ORACLE_REFUSED)
         say(c, "Exactly", "ray %u is not finite, or its range is empty: any answer is right", i);
     else if (truth->prim == ABI_NO_PRIM)
         say(c, "Exactly", "ray %u hits nothing.", i);
     else
-        say(c, "Exactly", "ray %u hits triangle %u%s first, at t %s (%s).", i, truth->prim,
+        say(c, "Exactly", "ray %u hits %s%s first, at t %s (%s).", i, place,
             truth->tie_count > 1 ? " and others at the same t" : "", t,
             oracle_class_name((enum oracle_class)truth->class));
 }
@@ -188,7 +196,8 @@ static void say_tolerance(struct comment *c, const struct export_case *the)
         say(c, "Tolerance",
             "the formula is not known: an answer is right if it is exact for vertices moved by at "
             "most 2^-14 of the largest distance of a vertex from the ray's origin. u and v must "
-            "give the ray's point at t as exactly.");
+            "give the ray's point at t as exactly.%s",
+            the->world ? " In an instance it is more by as much as its transform may lose." : "");
     else if (export_is_vulkan(the))
         say(c, "Tolerance",
             "proven error bounds of the shader's own formula around the exact values, for a driver "
@@ -235,7 +244,12 @@ static void say_subject(struct comment *c, const struct export_case *the)
             the->left_out ? " Rays that Embree does not promise to survive are left out." : "");
         break;
     case SUBJECT_TRACER:
-        say(c, NULL, "%s %s among %u triangles.", rays, what, trial->scene.tri_count);
+        if (the->world)
+            say(c, NULL, "%s %s in a world of %u instance%s, %u placed triangle%s.", rays, what,
+                the->world->instance_count, plural(the->world->instance_count),
+                export_tri_count(the), plural(export_tri_count(the)));
+        else
+            say(c, NULL, "%s %s among %u triangles.", rays, what, trial->scene.tri_count);
         break;
     }
 }

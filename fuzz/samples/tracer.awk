@@ -13,6 +13,7 @@ function number(text,    part, sign, value, dot, i) {
         else value = value * 16 + index("0123456789abcdef", substr(part[1], i, 1)) - 1
     return sign * value * 2 ^ (part[2] - (dot ? 4 * (length(part[1]) - dot) : 0))
 }
+$1 == "raydiff" && $2 != 1 { print "refused this tracer takes scenes alone"; exit }
 $1 == "from" { print }
 $1 == "v" { for (k = 0; k < 3; k++) vertex[vertices, k] = number($(k + 2)); vertices++ }
 $1 == "t" {

@@ -18,8 +18,33 @@
  *   rounding  0 IEEE, 1 IEEE with subnormals flushed, 2 Vulkan, 3 Vulkan with RTE, 4 Embree
  *   flags     1: tmin < t < tmax; 2: watertight; 4: any-hits do not name their triangle
  *
+ *             8: it traces worlds, too
+ *
  * All 0 is always valid: the judge then computes how far vertices must move to make an answer right
- * (ref/judge/judge.h). docs/my-engine.md has the rules for the process. */
+ * (ref/judge/judge.h). docs/my-engine.md has the rules for the process.
+ *
+ * A peer with flag 8 is sent worlds (ref/world/world.h), in version 2, whose words have the same
+ * first eight:
+ *
+ *   request  "RDRQ", 2, query, meshes, instances, rays, same, 0
+ *            then, unless `same` is 1:
+ *              filter: kind (0 all, 1 none, 2 triangles, 3 cells), seed, share, 0
+ *              per mesh: vertices, triangles, geometries, 0; per vertex x y z; per triangle three
+ *                vertex numbers of the mesh; per geometry triangles, opaque (0 or 1), 0, 0. The
+ *                geometries take the triangles of their mesh in turn
+ *              per instance: mesh (0xFFFFFFFF none), custom index, mask, flags, and M and T as 12
+ *                floats, row by row
+ *            then per ray ox oy oz tmin dx dy dz tmax, mask, flags
+ *   answer   "RDRA", 2, refused, count, formula, rounding, flags, 0
+ *            then per ray t u v instance geometry triangle side custom; or `count` bytes of text
+ *
+ * `geometry` counts in the mesh, `triangle` in the geometry; side is 1 where the front is seen, 0
+ * where the back is; custom is the custom index of the instance, or 0xFFFFFFFF from a peer that
+ * keeps none. A miss is instance 0xFFFFFFFF, and the four words after it are 0. Flags of instances
+ * and rays have the values of ref/abi_world.h. How a filter decides stands in docs/formats.md. A
+ * peer's transforms are its own, so that its formula is unknown here, whatever it declares. With
+ * flag 4 the hit of an any-hit, or of a ray that ends at its first hit, is any instance number, and
+ * the words after it are not read. */
 #ifndef FUZZ_PIPE_H
 #define FUZZ_PIPE_H
 
@@ -28,8 +53,9 @@
 #define PIPE_PREFIX    "pipe:"
 #define PIPE_NAME_MOST 160 /* of "pipe:COMMAND" with its terminator */
 
-#define PIPE_VERSION 1u
-#define PIPE_WORDS   8u /* of each header */
+#define PIPE_VERSION       1u
+#define PIPE_VERSION_WORLD 2u
+#define PIPE_WORDS         8u /* of each header */
 
 struct pipe_request {
     char magic[4];
@@ -45,9 +71,10 @@ struct pipe_answer {
 #define PIPE_FLAG_OPEN       1u
 #define PIPE_FLAG_WATERTIGHT 2u
 #define PIPE_FLAG_UNNAMED    4u
+#define PIPE_FLAG_WORLDS     8u /* of its first answer; no part of its arithmetic */
 
-/* Converts a peer's description of its arithmetic to a model. Errors: STATUS_INPUT an unknown
- * number. */
+/* Converts a peer's description of its arithmetic to a model; PIPE_FLAG_WORLDS is no part of it.
+ * Errors: STATUS_INPUT an unknown number. */
 enum status pipe_model(uint32_t formula, uint32_t rounding, uint32_t flags, struct model *out,
                        struct reason *reason) MUST_USE;
 

@@ -1,312 +1,254 @@
 /* The engine "pipe:COMMAND". */
-#include "ref/outside/pipe.h"
-#include "ref/outside/pipe_child.h"
-#include "ref/twin/model.h"
+#include "ref/outside/pipe_peer.h"
+#include "ref/outside/pipe_world.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "floats are sent as they lie in memory");
-_Static_assert(sizeof(struct pipe_request) == 4 * PIPE_WORDS, "request");
-_Static_assert(sizeof(struct pipe_answer) == 4 * PIPE_WORDS, "answer");
-
 /* Rays of one request at most. The time limit is for one request. */
 #define RAYS_MOST ((size_t)1 << 18)
-/* How long to wait for a process to end after it closed its output. */
-#define FATE_MS 500u
 
-struct peer {
-    const char *name; /* "pipe:COMMAND" */
-    struct engine_options options;
-    struct pipe_child child; /* zero: not running */
-    bool has_scene;          /* the peer has the scene of `job` */
-    struct job job;
-    struct pipe_answer head; /* of its first answer: describes its arithmetic */
-    struct model model;
-    enum engine_fault fault; /* of the last call */
-    size_t fault_ray;
+struct pipe_tracer {
+    struct pipe_peer peer;
+    uint32_t triangles;         /* of the scene */
+    enum query query;           /* of the scene or the world */
+    const struct world *world;  /* NULL: a scene is prepared */
+    char *words;                /* of the world */
+    struct pipe_world_ray *ray; /* room for the rays of a request, and for its answers */
+    struct pipe_world_hit *answer;
+    size_t room;
 };
 
-/* One request, for messages about it. */
-struct asked {
-    size_t first; /* index of the first ray */
-    size_t rays;
-};
-
-static void end_peer(struct peer *peer)
+static void tracer_close(void *self)
 {
-    pipe_child_stop(&peer->child);
-    peer->has_scene = false;
+    struct pipe_tracer *tracer = self;
+    if (!tracer)
+        return;
+    pipe_peer_end(&tracer->peer);
+    free(tracer->words);
+    free(tracer->ray);
+    free(tracer->answer);
+    free(tracer);
 }
 
-/* Ends the peer. The reason contains its name, `what` and its standard error. */
-static enum status blame(struct peer *peer, enum status status, struct reason *reason,
-                         const char *what)
+static enum status tracer_open(const char *name, const struct engine_options *options, void **self,
+                               struct reason *reason)
 {
-    char said[PIPE_SAID_MOST + 40] = "";
-    pipe_child_listen(&peer->child);
-    if (peer->child.noisy)
-        snprintf(said, sizeof said, "; its standard error: %s", peer->child.said);
-    end_peer(peer);
-    return fail(reason, status, "%.80s: %s%s", peer->name, what, said);
-}
-
-/* Describes where the answers end: "after the answer to ray 17". */
-static void place(const struct asked *asked, size_t bytes, char text[64])
-{
-    size_t done = bytes / sizeof(struct hit);
-    if (asked->rays == 0)
-        snprintf(text, 64, "at a request without rays");
-    else if (done == 0)
-        snprintf(text, 64, "before the answer to ray %zu", asked->first);
+    struct pipe_tracer *tracer = alloc_zeroed(1, sizeof *tracer);
+    *self = NULL;
+    if (!tracer)
+        return fail(reason, STATUS_MEMORY, "no memory for an engine");
+    struct pipe_peer *peer = &tracer->peer;
+    peer->name = name;
+    peer->options = *options;
+    peer->options.peer_ms = options->peer_ms ? options->peer_ms : PEER_MS;
+    peer->options.peer_mb = options->peer_mb ? options->peer_mb : PEER_MB;
+    enum status status = pipe_peer_start(peer, reason);
+    if (status)
+        tracer_close(tracer);
     else
-        snprintf(text, 64, "after the answer to ray %zu", asked->first + done - 1);
+        *self = tracer;
+    return status;
 }
 
-/* Ends the peer after an exchange failed with `bytes` of answers received, and returns the
- * error. */
-static enum status blame_end(struct peer *peer, enum pipe_end end, const struct asked *asked,
-                             size_t bytes, struct reason *reason)
+static bool is_unnamed(const struct pipe_tracer *tracer, bool first)
 {
-    char where[64], fate[PIPE_FATE_MOST], what[200];
-    bool missing = false;
-    unsigned limit = peer->options.peer_ms;
-    place(asked, bytes, where);
-    peer->fault_ray = asked->first + bytes / sizeof(struct hit);
-    switch (end) {
-    case PIPE_LONG:
-        snprintf(what, sizeof what, "its answer is longer than %zu rays", asked->rays);
-        break;
-    case PIPE_LATE:
-        peer->fault = ENGINE_LATE;
-        snprintf(what, sizeof what, "late: not done within %g s, %s", 1e-3 * limit, where);
-        break;
-    case PIPE_CLOSED:
-        peer->fault = ENGINE_ENDED;
-        pipe_child_fate(&peer->child, FATE_MS, fate, &missing);
-        snprintf(what, sizeof what, "%s %s", fate, where);
-        break;
-    case PIPE_GOT:
-        break;
-    }
-    return blame(peer, missing ? STATUS_UNSUPPORTED : STATUS_DEVICE, reason, what);
+    return tracer->peer.model.any_unnamed && (first || tracer->query == QUERY_ANY);
 }
 
-/* Replaces unprintable characters with '?'. */
-static void make_printable(char *text)
-{
-    for (; *text; text++)
-        if (*text < ' ' || *text > '~')
-            *text = '?';
-}
+/* --- scenes ----------------------------------------------------------------------------------- */
 
-static enum status read_refusal(struct peer *peer, struct pipe_talk *talk, uint32_t bytes,
-                                const struct asked *asked, struct reason *reason)
+/* Sends the scene with a request of no rays, so that the peer builds its tree outside the timed
+ * calls, and can refuse the scene. */
+static enum status tracer_prepare(void *self, const struct job *job, struct reason *reason)
 {
-    char text[PIPE_REFUSED_MOST + 1] = "";
-    if (bytes > PIPE_REFUSED_MOST)
-        return blame(peer, STATUS_DEVICE, reason, "its refusal is longer than 256 bytes");
-    enum pipe_end end = pipe_talk(talk, text, bytes, true);
-    if (end != PIPE_GOT)
-        return blame_end(peer, end, asked, 0, reason);
-    make_printable(text);
-    peer->has_scene = false;
-    return fail(reason, STATUS_REFUSED, "%.80s refused: %s", peer->name, text);
-}
-
-/* Checks the header of an answer. When opening, sets peer->model from it. */
-static enum status check_head(struct peer *peer, const struct pipe_answer *head,
-                              const struct asked *asked, bool opening, struct reason *reason)
-{
-    char what[200];
-    struct reason why = {""};
-    if (memcmp(head->magic, "RDRA", 4) != 0) {
-        char begins[5] = "";
-        memcpy(begins, head->magic, 4);
-        make_printable(begins);
-        snprintf(what, sizeof what, "its answer begins with '%s', not with 'RDRA'", begins);
-    } else if (head->version != PIPE_VERSION) {
-        snprintf(what, sizeof what, "its answer is of version %u, not %u", head->version,
-                 PIPE_VERSION);
-    } else if (head->refused > 1) {
-        snprintf(what, sizeof what, "its answer has status %u, not 0 (given) or 1 (refused)",
-                 head->refused);
-    } else if (!head->refused && head->count != asked->rays) {
-        snprintf(what, sizeof what, "its answer is about %u rays, not %zu, from ray %zu on",
-                 head->count, asked->rays, asked->first);
-    } else if (opening &&
-               pipe_model(head->formula, head->rounding, head->flags, &peer->model, &why)) {
-        snprintf(what, sizeof what, "says of itself: %.150s", why.text);
-    } else if (!opening &&
-               (head->formula != peer->head.formula || head->rounding != peer->head.rounding ||
-                head->flags != peer->head.flags)) {
-        snprintf(what, sizeof what, "now declares another formula, rounding or flags");
-    } else {
-        return STATUS_OK;
-    }
-    return blame(peer, STATUS_DEVICE, reason, what);
+    struct pipe_tracer *tracer = self;
+    struct pipe_peer *peer = &tracer->peer;
+    const struct scene *scene = job->scene;
+    if (job->query == QUERY_ALL)
+        return fail(reason, STATUS_UNSUPPORTED, "%.80s cannot list all hits", peer->name);
+    tracer->world = NULL;
+    tracer->triangles = scene->tri_count;
+    tracer->query = job->query;
+    peer->subject = (struct pipe_subject){
+        .head = {.magic = {'R', 'D', 'R', 'Q'},
+                 .version = PIPE_VERSION,
+                 .query = (uint32_t)job->query,
+                 .vertices = scene->vertex_count,
+                 .triangles = scene->tri_count},
+        .part = {{scene->vertex, 3 * sizeof(float) * (size_t)scene->vertex_count},
+                 {scene->index, 3 * sizeof(uint32_t) * (size_t)scene->tri_count}}};
+    peer->has_subject = false;
+    return pipe_peer_need(peer, reason);
 }
 
 /* Checks that all triangles are in the scene; an answer with another number is not judged. t, u and
  * v may be anything: the judge finds wrong ones. */
-static enum status check_hits(struct peer *peer, const struct asked *asked, struct hit *hit,
-                              struct reason *reason)
+static enum status check_hits(struct pipe_tracer *tracer, const struct pipe_rays *rays,
+                              struct hit *hit, struct reason *reason)
 {
     char what[120];
-    bool unnamed = peer->model.any_unnamed && peer->job.query == QUERY_ANY;
-    for (size_t i = 0; i < asked->rays; i++) {
+    for (size_t i = 0; i < rays->count; i++) {
         if (hit[i].prim == ABI_NO_PRIM) {
             hit[i] = (struct hit){.prim = ABI_NO_PRIM};
-        } else if (hit[i].prim >= peer->job.scene->tri_count) {
-            peer->fault_ray = asked->first + i;
+        } else if (hit[i].prim >= tracer->triangles) {
             snprintf(what, sizeof what, "its answer to ray %zu names triangle %u of %u",
-                     asked->first + i, hit[i].prim, peer->job.scene->tri_count);
-            return blame(peer, STATUS_DEVICE, reason, what);
-        } else if (unnamed) {
+                     rays->first + i, hit[i].prim, tracer->triangles);
+            return pipe_peer_blame(&tracer->peer, rays->first + i, reason, what);
+        } else if (is_unnamed(tracer, false)) {
             hit[i] = (struct hit){.prim = 0};
         }
     }
     return STATUS_OK;
 }
 
-/* Sends a request and receives its answer. */
-static enum status ask(struct peer *peer, const struct asked *asked, const struct ray *ray,
-                       struct hit *hit, bool opening, struct reason *reason)
+static enum status tracer_trace(void *self, const struct ray *ray, size_t ray_count,
+                                struct hit *hit, struct trace_report *report, struct reason *reason)
 {
-    static const struct scene empty;
-    const struct scene *scene = opening ? &empty : peer->job.scene;
-    struct pipe_request request = {.version = PIPE_VERSION,
-                                   .query = opening ? 0u : (uint32_t)peer->job.query,
-                                   .vertices = scene->vertex_count,
-                                   .triangles = scene->tri_count,
-                                   .rays = (uint32_t)asked->rays,
-                                   .same = peer->has_scene};
-    memcpy(request.magic, "RDRQ", 4);
-    size_t send_scene = peer->has_scene ? 0 : 1;
-    const struct pipe_part part[] = {
-        {&request, sizeof request},
-        {scene->vertex, send_scene * 3 * sizeof(float) * (size_t)scene->vertex_count},
-        {scene->index, send_scene * 3 * sizeof(uint32_t) * (size_t)scene->tri_count},
-        {ray, asked->rays * sizeof *ray}};
-    struct pipe_talk talk = {.child = &peer->child,
-                             .part = part,
-                             .part_count = ARRAY_COUNT(part),
-                             .deadline_ns = time_ns() + (uint64_t)peer->options.peer_ms * 1000000u};
-    struct pipe_answer head;
-    peer->fault = ENGINE_NONSENSE; /* unless it is set below */
-    peer->fault_ray = asked->first;
-    if (!opening && pipe_child_is_early(&peer->child)) /* when opening, its bytes are shown */
-        return blame(peer, STATUS_DEVICE, reason, "wrote more bytes after its previous answer");
-    enum pipe_end end = pipe_talk(&talk, &head, sizeof head, false);
-    if (end != PIPE_GOT)
-        return blame_end(peer, end, asked, 0, reason);
-    enum status status = check_head(peer, &head, asked, opening, reason);
-    if (status)
-        return status;
-    if (opening)
-        peer->head = head;
-    if (head.refused)
-        return read_refusal(peer, &talk, head.count, asked, reason);
-    end = pipe_talk(&talk, hit, asked->rays * sizeof *hit, true);
-    if (end != PIPE_GOT)
-        return blame_end(peer, end, asked, talk.got, reason);
-    peer->has_scene = true;
-    if (peer->child.noisy)
-        return blame(peer, STATUS_DEVICE, reason,
-                     "answered, but must not write to its standard error");
-    return check_hits(peer, asked, hit, reason);
-}
-
-/* Starts the process if it is not running, and reads the description of its arithmetic. */
-static enum status need_peer(struct peer *peer, struct reason *reason)
-{
-    if (pipe_child_runs(&peer->child))
-        return STATUS_OK;
-    struct reason why = {""};
-    const char *command = peer->name + strlen(PIPE_PREFIX);
-    enum status status = pipe_child_start(command, peer->options.peer_mb, &peer->child, &why);
-    if (status)
-        return fail(reason, status, "%.80s: %s", peer->name, why.text);
-    peer->has_scene = false;
-    status = ask(peer, &(struct asked){0, 0}, NULL, NULL, true, reason);
-    peer->has_scene = false;                              /* the request had no scene */
-    return status == STATUS_REFUSED ? STATUS_OK : status; /* it may accept another scene */
-}
-
-static void peer_close(void *self)
-{
-    struct peer *peer = self;
-    if (!peer)
-        return;
-    end_peer(peer);
-    free(peer);
-}
-
-static enum status peer_open(const char *name, const struct engine_options *options, void **self,
-                             struct reason *reason)
-{
-    struct peer *peer = alloc_zeroed(1, sizeof *peer);
-    *self = NULL;
-    if (!peer)
-        return fail(reason, STATUS_MEMORY, "no memory for an engine");
-    peer->name = name;
-    peer->options = *options;
-    peer->options.peer_ms = options->peer_ms ? options->peer_ms : PEER_MS;
-    peer->options.peer_mb = options->peer_mb ? options->peer_mb : PEER_MB;
-    enum status status = need_peer(peer, reason);
-    if (status)
-        peer_close(peer);
-    else
-        *self = peer;
-    return status;
-}
-
-/* Sends the scene with a request of no rays, so that the peer builds its tree outside the timed
- * calls, and can refuse the scene. */
-static enum status peer_prepare(void *self, const struct job *job, struct reason *reason)
-{
-    struct peer *peer = self;
-    if (job->query == QUERY_ALL)
-        return fail(reason, STATUS_UNSUPPORTED, "%.80s cannot list all hits", peer->name);
-    peer->job = *job;
-    peer->has_scene = false;
-    enum status status = need_peer(peer, reason);
-    return status ? status : ask(peer, &(struct asked){0, 0}, NULL, NULL, false, reason);
-}
-
-static enum status peer_trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
-                              struct trace_report *report, struct reason *reason)
-{
-    struct peer *peer = self;
+    struct pipe_tracer *tracer = self;
     *report = (struct trace_report){0};
     for (size_t first = 0; first < ray_count; first += RAYS_MOST) {
         size_t rest = ray_count - first;
-        struct asked asked = {first, rest < RAYS_MOST ? rest : RAYS_MOST};
-        enum status status = need_peer(peer, reason); /* restarts it if it was ended */
-        if (!status && !peer->has_scene)
-            status = ask(peer, &(struct asked){0, 0}, NULL, NULL, false, reason);
+        struct pipe_rays rays = {.first = first,
+                                 .count = rest < RAYS_MOST ? rest : RAYS_MOST,
+                                 .ray = ray + first,
+                                 .answer = hit + first,
+                                 .ray_bytes = sizeof *ray,
+                                 .answer_bytes = sizeof *hit};
+        enum status status = pipe_peer_need(&tracer->peer, reason);
         uint64_t start = time_ns();
         if (!status)
-            status = ask(peer, &asked, ray + first, hit + first, false, reason);
+            status = pipe_peer_ask(&tracer->peer, &rays, reason);
+        report->ns += time_ns() - start;
+        if (!status)
+            status = check_hits(tracer, &rays, hit + first, reason);
         if (status)
             return status;
-        report->ns += time_ns() - start;
     }
     return STATUS_OK;
 }
 
-static enum engine_fault peer_fault(void *self, size_t *ray)
+/* --- worlds ----------------------------------------------------------------------------------- */
+
+static bool tracer_traces(const void *self)
 {
-    const struct peer *peer = self;
-    *ray = peer->fault_ray;
-    return peer->fault;
+    return (((const struct pipe_tracer *)self)->peer.head.flags & PIPE_FLAG_WORLDS) != 0;
 }
 
-static struct model peer_model(void *self, const struct tri_test *tri)
+static enum status tracer_prepare_world(void *self, const struct world_job *job,
+                                        struct reason *reason)
 {
+    struct pipe_tracer *tracer = self;
+    struct pipe_peer *peer = &tracer->peer;
+    size_t size;
+    if (!tracer_traces(tracer))
+        return fail(reason, STATUS_UNSUPPORTED,
+                    "%.80s traces scenes, not worlds: its flags have no 8", peer->name);
+    if (job->query == QUERY_ALL)
+        return fail(reason, STATUS_UNSUPPORTED, "%.80s cannot list all hits", peer->name);
+    free(tracer->words);
+    tracer->words = pipe_world_words(job->world, &size);
+    if (!tracer->words)
+        return fail(reason, STATUS_MEMORY, "%.80s: no memory for a world", peer->name);
+    tracer->world = job->world;
+    tracer->query = job->query;
+    peer->subject = (struct pipe_subject){.head = {.magic = {'R', 'D', 'R', 'Q'},
+                                                   .version = PIPE_VERSION_WORLD,
+                                                   .query = (uint32_t)job->query,
+                                                   .vertices = job->world->mesh_count,
+                                                   .triangles = job->world->instance_count},
+                                          .part = {{tracer->words, size}}};
+    peer->has_subject = false;
+    return pipe_peer_need(peer, reason);
+}
+
+static bool make_room(struct pipe_tracer *tracer, size_t count)
+{
+    if (tracer->room >= count)
+        return true;
+    free(tracer->ray);
+    free(tracer->answer);
+    tracer->ray = alloc_zeroed(count, sizeof *tracer->ray);
+    tracer->answer = alloc_zeroed(count, sizeof *tracer->answer);
+    tracer->room = tracer->ray && tracer->answer ? count : 0;
+    return tracer->room == count;
+}
+
+/* Checks the answers of one request and converts them. */
+static enum status take_answers(struct pipe_tracer *tracer, const struct pipe_rays *rays,
+                                const struct ray_mode *mode, struct hit *hit, uint32_t *tag,
+                                struct reason *reason)
+{
+    for (size_t i = 0; i < rays->count; i++) {
+        struct reason why;
+        char what[200];
+        bool first = mode && (mode[i].flags & ABI_RAY_FIRST);
+        if (pipe_world_take(tracer->world, &tracer->answer[i], is_unnamed(tracer, first), &hit[i],
+                            &tag[i], &why) == STATUS_OK)
+            continue;
+        snprintf(what, sizeof what, "its answer to ray %zu %.150s", rays->first + i, why.text);
+        return pipe_peer_blame(&tracer->peer, rays->first + i, reason, what);
+    }
+    return STATUS_OK;
+}
+
+static enum status tracer_trace_world(void *self, const struct ray *ray,
+                                      const struct ray_mode *mode, size_t ray_count,
+                                      struct hit *hit, uint32_t *tag, struct trace_report *report,
+                                      struct reason *reason)
+{
+    struct pipe_tracer *tracer = self;
+    *report = (struct trace_report){0};
+    if (!make_room(tracer, ray_count < RAYS_MOST ? ray_count : RAYS_MOST))
+        return fail(reason, STATUS_MEMORY, "%.80s: no memory for rays", tracer->peer.name);
+    for (size_t first = 0; first < ray_count; first += RAYS_MOST) {
+        size_t rest = ray_count - first;
+        const struct ray_mode *some = mode ? mode + first : NULL;
+        struct pipe_rays rays = {.first = first,
+                                 .count = rest < RAYS_MOST ? rest : RAYS_MOST,
+                                 .ray = tracer->ray,
+                                 .answer = tracer->answer,
+                                 .ray_bytes = sizeof *tracer->ray,
+                                 .answer_bytes = sizeof *tracer->answer};
+        for (size_t i = 0; i < rays.count; i++)
+            tracer->ray[i] =
+                (struct pipe_world_ray){ray[first + i], some ? some[i] : ray_mode_all()};
+        enum status status = pipe_peer_need(&tracer->peer, reason);
+        uint64_t start = time_ns();
+        if (!status)
+            status = pipe_peer_ask(&tracer->peer, &rays, reason);
+        report->ns += time_ns() - start;
+        if (!status)
+            status = take_answers(tracer, &rays, some, hit + first, tag + first, reason);
+        if (status)
+            return status;
+    }
+    return STATUS_OK;
+}
+
+static const struct world_tracer tracer_worlds = {.prepare_world = tracer_prepare_world,
+                                                  .trace_world = tracer_trace_world,
+                                                  .traces = tracer_traces};
+
+/* --- the engines ------------------------------------------------------------------------------ */
+
+static enum engine_fault tracer_fault(void *self, size_t *ray)
+{
+    const struct pipe_tracer *tracer = self;
+    *ray = tracer->peer.fault_ray;
+    return tracer->peer.fault;
+}
+
+/* In worlds transforms are its own, and no formula of ours has these. */
+static struct model tracer_model(void *self, const struct tri_test *tri)
+{
+    const struct pipe_tracer *tracer = self;
+    struct model model = tracer->peer.model;
     (void)tri;
-    return ((const struct peer *)self)->model;
+    if (tracer->world)
+        model.formula = TWIN_UNKNOWN;
+    return model;
 }
 
 /* Engines are constant tables of functions, so each name is bound to one by its index here. */
@@ -317,7 +259,7 @@ static size_t name_count;
     static enum status open_##n(const struct engine_options *options, void **self,                 \
                                 struct reason *reason)                                             \
     {                                                                                              \
-        return peer_open(name_of[n], options, self, reason);                                       \
+        return tracer_open(name_of[n], options, self, reason);                                     \
     }                                                                                              \
     static void describe_##n(const struct engine_options *options, char *text, size_t text_bytes)  \
     {                                                                                              \
@@ -328,8 +270,9 @@ static size_t name_count;
 #define ENGINE(n)                                                                                  \
     {                                                                                              \
         .name = name_of[n], .summary = "a child process, over a pipe", .own_tri = true,            \
-        .open = open_##n, .prepare = peer_prepare, .trace = peer_trace, .model = peer_model,       \
-        .fault = peer_fault, .close = peer_close, .describe = describe_##n                         \
+        .open = open_##n, .prepare = tracer_prepare, .trace = tracer_trace, .model = tracer_model, \
+        .fault = tracer_fault, .worlds = &tracer_worlds, .close = tracer_close,                    \
+        .describe = describe_##n                                                                   \
     }
 
 PLACE(0)

@@ -1,35 +1,24 @@
-#include "ref/outside/pipe_text.h"
+#include "ref/outside/pipe_text_inner.h"
 
-#include "ref/outside/pipe.h"
-#include "ref/base/decimal.h"
 #include "ref/base/ray_text.h"
-#include "ref/scene/mesh.h"
-#include "ref/files/scan.h"
+#include "ref/outside/pipe.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A file being read. */
-struct pipe_reading {
-    struct scan scan;
-    const struct pipe_limits *limits;
-    struct mesh mesh;
-    size_t ray_capacity, hit_capacity;
-    bool ended;
-    struct pipe_text *out;
-    struct reason *reason;
-};
-
 void pipe_text_free(struct pipe_text *text)
 {
     scene_free(&text->scene);
+    world_free(&text->world);
     free(text->ray);
+    free(text->mode);
     free(text->hit);
+    free(text->tag);
     *text = (struct pipe_text){0};
 }
 
-static enum status no_memory(struct pipe_reading *r)
+enum status pipe_text_no_memory(struct pipe_reading *r)
 {
     return fail(r->reason, STATUS_MEMORY, "%s: no memory", r->scan.name);
 }
@@ -49,8 +38,7 @@ static enum status read_float(struct pipe_reading *r, const char *what, float *o
                      scan_show(&r->scan, shown));
 }
 
-static enum status read_floats(struct pipe_reading *r, const char *const *what, float *out,
-                               int count)
+enum status pipe_text_floats(struct pipe_reading *r, const char *const *what, float *out, int count)
 {
     enum status status = STATUS_OK;
     for (int i = 0; i < count && !status; i++)
@@ -62,13 +50,13 @@ static enum status read_vertex(struct pipe_reading *r)
 {
     static const char *const what[] = {"x", "y", "z"};
     float position[3];
-    enum status status = read_floats(r, what, position, 3);
+    enum status status = pipe_text_floats(r, what, position, 3);
     if (status)
         return status;
     for (int k = 0; k < 3; k++)
         if (!float_is_finite(position[k]))
             return scan_fail(&r->scan, r->reason, "a vertex is finite");
-    return mesh_vertex(&r->mesh, position) ? no_memory(r) : STATUS_OK;
+    return mesh_vertex(&r->mesh, position) ? pipe_text_no_memory(r) : STATUS_OK;
 }
 
 static enum status read_triangle(struct pipe_reading *r)
@@ -84,7 +72,7 @@ static enum status read_triangle(struct pipe_reading *r)
                              "vertex %" PRId64 " is none of the %zu before this line", n,
                              r->mesh.vertex_count);
         if (mesh_corner(&r->mesh, (uint32_t)n))
-            return no_memory(r);
+            return pipe_text_no_memory(r);
     }
     return STATUS_OK;
 }
@@ -94,25 +82,54 @@ static enum status read_ray(struct pipe_reading *r)
     static const char *const what[] = {"origin x",    "origin y",    "origin z",    "tmin",
                                        "direction x", "direction y", "direction z", "tmax"};
     float n[8];
-    enum status status = read_floats(r, what, n, 8);
+    enum status status = pipe_text_floats(r, what, n, 8);
     if (status)
         return status;
     if (array_reserve(&r->out->ray, &r->ray_capacity, r->out->ray_count + 1, sizeof *r->out->ray))
-        return no_memory(r);
-    r->out->ray[r->out->ray_count++] =
+        return pipe_text_no_memory(r);
+    r->out->ray[r->out->ray_count] =
         (struct ray){{n[0], n[1], n[2]}, n[3], {n[4], n[5], n[6]}, n[7]};
+    status = r->out->version == PIPE_VERSION_WORLD ? pipe_text_mode(r) : STATUS_OK;
+    r->out->ray_count += !status;
+    return status;
+}
+
+enum status pipe_text_number(struct pipe_reading *r, const char *what, uint32_t most, uint32_t *out)
+{
+    int64_t n;
+    enum status status = scan_whole(&r->scan, what, &n, r->reason);
+    if (status)
+        return status;
+    if (n < 0 || n > (int64_t)most)
+        return scan_fail(&r->scan, r->reason, "%s %" PRId64 " is not in 0 .. %" PRIu32, what, n,
+                         most);
+    *out = (uint32_t)n;
     return STATUS_OK;
 }
 
-static enum status add_hit(struct pipe_reading *r, struct hit hit)
+enum status pipe_text_add_hit(struct pipe_reading *r, struct hit hit, uint32_t tag)
 {
-    if (r->out->hit_count == r->limits->rays)
+    struct pipe_text *out = r->out;
+    if (out->hit_count == r->limits->rays)
         return scan_fail(&r->scan, r->reason, "an answer to ray %zu, but there are only %zu rays",
-                         r->out->hit_count, r->limits->rays);
-    if (array_reserve(&r->out->hit, &r->hit_capacity, r->out->hit_count + 1, sizeof hit))
-        return no_memory(r);
-    r->out->hit[r->out->hit_count++] = hit;
+                         out->hit_count, r->limits->rays);
+    if (array_reserve(&out->hit, &r->hit_capacity, out->hit_count + 1, sizeof hit) ||
+        (out->version == PIPE_VERSION_WORLD &&
+         array_reserve(&out->tag, &r->tag_capacity, out->hit_count + 1, sizeof tag)))
+        return pipe_text_no_memory(r);
+    if (out->version == PIPE_VERSION_WORLD)
+        out->tag[out->hit_count] = tag;
+    out->hit[out->hit_count++] = hit;
     return STATUS_OK;
+}
+
+/* An answer of version 1 about a world is never taken. */
+static enum status check_answer(const struct pipe_reading *r)
+{
+    if (!r->limits->world || r->out->version == PIPE_VERSION_WORLD)
+        return STATUS_OK;
+    return scan_fail(&r->scan, r->reason,
+                     "an answer of version 1, to rays in a world: its first line is 'raydiff 2'");
 }
 
 static enum status read_hit(struct pipe_reading *r)
@@ -120,7 +137,11 @@ static enum status read_hit(struct pipe_reading *r)
     static const char *const what[] = {"t", "u", "v"};
     float n[3];
     int64_t prim;
-    enum status status = read_floats(r, what, n, 3);
+    enum status status = check_answer(r);
+    if (r->out->version == PIPE_VERSION_WORLD)
+        return pipe_text_world_hit(r);
+    if (!status)
+        status = pipe_text_floats(r, what, n, 3);
     if (!status)
         status = scan_whole(&r->scan, "triangle", &prim, r->reason);
     if (status)
@@ -128,12 +149,13 @@ static enum status read_hit(struct pipe_reading *r)
     uint32_t most = r->limits->triangles;
     if (prim < 0 || prim >= most)
         return scan_fail(&r->scan, r->reason, "triangle %" PRId64 " is none of %u", prim, most);
-    return add_hit(r, (struct hit){n[0], n[1], n[2], (uint32_t)prim});
+    return pipe_text_add_hit(r, (struct hit){n[0], n[1], n[2], (uint32_t)prim}, 0);
 }
 
 static enum status read_miss(struct pipe_reading *r)
 {
-    return add_hit(r, (struct hit){.prim = ABI_NO_PRIM});
+    enum status status = check_answer(r);
+    return status ? status : pipe_text_add_hit(r, (struct hit){.prim = ABI_NO_PRIM}, 0);
 }
 
 static bool word_is(const char *word, size_t length, const char *name)
@@ -141,8 +163,7 @@ static bool word_is(const char *word, size_t length, const char *name)
     return strlen(name) == length && memcmp(word, name, length) == 0;
 }
 
-/* Reads the next word and returns its index in a table, or the table's length. */
-static uint32_t read_word(struct pipe_reading *r, const char *(*name)(uint32_t))
+uint32_t pipe_text_word(struct pipe_reading *r, const char *(*name)(uint32_t))
 {
     const char *word;
     size_t length = scan_word(&r->scan, &word);
@@ -154,7 +175,7 @@ static uint32_t read_word(struct pipe_reading *r, const char *(*name)(uint32_t))
 
 static enum status read_formula(struct pipe_reading *r)
 {
-    r->out->formula = read_word(r, pipe_formula_name);
+    r->out->formula = pipe_text_word(r, pipe_formula_name);
     if (!pipe_formula_name(r->out->formula))
         return scan_fail(&r->scan, r->reason,
                          "formulas are unknown, mt, woop, embree, embree_robust, "
@@ -162,7 +183,7 @@ static enum status read_formula(struct pipe_reading *r)
     scan_blanks(&r->scan);
     if (scan_line_done(&r->scan))
         return STATUS_OK;
-    r->out->rounding = read_word(r, pipe_rounding_name);
+    r->out->rounding = pipe_text_word(r, pipe_rounding_name);
     if (!pipe_rounding_name(r->out->rounding))
         return scan_fail(&r->scan, r->reason,
                          "roundings are ieee, flushed, vulkan, vulkan_rte, embree");
@@ -178,7 +199,7 @@ static const char *flag_name(uint32_t i)
 static enum status read_flags(struct pipe_reading *r)
 {
     for (scan_blanks(&r->scan); !scan_line_done(&r->scan); scan_blanks(&r->scan)) {
-        uint32_t flag = read_word(r, flag_name);
+        uint32_t flag = pipe_text_word(r, flag_name);
         if (!flag_name(flag))
             return scan_fail(&r->scan, r->reason, "flags are open, watertight, unnamed");
         r->out->flags |= 1u << flag;
@@ -207,6 +228,28 @@ static enum status read_refused(struct pipe_reading *r)
     return STATUS_OK;
 }
 
+/* Reads "modes=MODES", which a world's line has and no other. */
+static enum status read_modes(struct pipe_reading *r)
+{
+    const size_t begins = strlen("modes=");
+    struct scan ahead = r->scan;
+    const char *word;
+    const size_t length = scan_word(&ahead, &word);
+    const bool is_there = length > begins && memcmp(word, "modes=", begins) == 0;
+    if (is_there != (r->out->version == PIPE_VERSION_WORLD))
+        return scan_fail(&r->scan, r->reason,
+                         is_there ? "'from' is of a world, but the first line is not 'raydiff 2': "
+                                    "this tracer has version 1"
+                                  : "'from' is of a scene, but the first line is 'raydiff 2'");
+    if (!is_there)
+        return STATUS_OK;
+    if (length - begins >= sizeof r->out->from.modes || memchr(word, 0, length))
+        return scan_fail(&r->scan, r->reason, "not a 'from' line as raydiff gen writes it");
+    memcpy(r->out->from.modes, word + begins, length - begins);
+    r->scan = ahead;
+    return STATUS_OK;
+}
+
 static enum status read_from(struct pipe_reading *r)
 {
     struct pipe_from *from = &r->out->from;
@@ -224,6 +267,9 @@ static enum status read_from(struct pipe_reading *r)
     good = good && length > 0 && length < sizeof from->rays && !memchr(rest, 0, length);
     if (good)
         memcpy(from->rays, rest, length);
+    enum status status = good ? read_modes(r) : STATUS_OK;
+    if (status)
+        return status;
     if (good)
         read_rest(r, from->spec, sizeof from->spec);
     if (!good || from->spec[0] == '\0')
@@ -245,9 +291,21 @@ static enum status read_version(struct pipe_reading *r)
 {
     int64_t version;
     enum status status = scan_whole(&r->scan, "version", &version, r->reason);
-    if (!status && version != PIPE_VERSION)
-        return scan_fail(&r->scan, r->reason, "version %" PRId64 ", not %u", version, PIPE_VERSION);
-    return status;
+    const bool of_scene = r->limits->triangles != UINT32_MAX, of_world = r->limits->world != NULL;
+    if (status)
+        return status;
+    if (version != PIPE_VERSION && version != PIPE_VERSION_WORLD)
+        return scan_fail(&r->scan, r->reason, "version %" PRId64 ", not %u or %u", version,
+                         PIPE_VERSION, PIPE_VERSION_WORLD);
+    if (of_world ? version != PIPE_VERSION_WORLD : of_scene && version != PIPE_VERSION)
+        return scan_fail(&r->scan, r->reason, "version %" PRId64 ", not %u: the rays are in a %s",
+                         version, of_world ? PIPE_VERSION_WORLD : PIPE_VERSION,
+                         of_world ? "world" : "scene");
+    if (version != (int64_t)r->out->version && r->lines > 0)
+        return scan_fail(&r->scan, r->reason, "'raydiff %" PRId64 "' is not the first line",
+                         version);
+    r->out->version = (uint32_t)version;
+    return STATUS_OK;
 }
 
 static enum status read_end(struct pipe_reading *r)
@@ -273,28 +331,43 @@ static enum status read_line(struct pipe_reading *r)
         return STATUS_OK;
     if (r->ended)
         return scan_fail(&before, r->reason, "nothing follows 'end'");
-    for (size_t i = 0; i < ARRAY_COUNT(lines); i++) {
-        if (!word_is(word, length, lines[i].name))
-            continue;
-        enum status status = lines[i].read(r);
-        if (status)
-            return status;
-        scan_blanks(&r->scan);
-        if (!scan_line_done(&r->scan))
-            return scan_fail(&r->scan, r->reason, "%s is too much on a line '%s'",
-                             scan_show(&r->scan, shown), lines[i].name);
-        return STATUS_OK;
-    }
-    return scan_fail(&before, r->reason,
-                     "%s is no line: v, t, r, h, m, query, formula, flags, refused, from, end",
-                     scan_show(&before, shown));
+    enum status status = STATUS_OK;
+    bool known = pipe_text_world_line(r, word, length, &status);
+    for (size_t i = 0; i < ARRAY_COUNT(lines) && !known; i++)
+        if (word_is(word, length, lines[i].name)) {
+            known = true;
+            status = lines[i].read(r);
+        }
+    if (!known)
+        return scan_fail(&before, r->reason,
+                         "%s is no line: v, t, r, h, m, query, formula, flags, refused, from, "
+                         "end; of worlds also mesh, g, i, filter",
+                         scan_show(&before, shown));
+    if (status)
+        return status;
+    scan_blanks(&r->scan);
+    if (!scan_line_done(&r->scan))
+        return scan_fail(&r->scan, r->reason, "%s is too much on a line '%.*s'",
+                         scan_show(&r->scan, shown), (int)length, word);
+    r->lines++;
+    return STATUS_OK;
+}
+
+static enum status finish_world(struct pipe_reading *r)
+{
+    struct reason why = {""};
+    enum status status = pipe_text_end_mesh(r);
+    if (status)
+        return status;
+    status = world_finish(&r->out->world, &why);
+    return status ? fail(r->reason, status, "%s: %s", r->scan.name, why.text) : STATUS_OK;
 }
 
 enum status pipe_text_parse(const char *name, const char *bytes, size_t size,
                             const struct pipe_limits *limits, struct pipe_text *out,
                             struct reason *reason)
 {
-    *out = (struct pipe_text){0};
+    *out = (struct pipe_text){.version = PIPE_VERSION};
     struct pipe_reading r = {
         .scan = scan_make(name, bytes, size), .limits = limits, .out = out, .reason = reason};
     enum status status = STATUS_OK;
@@ -306,70 +379,12 @@ enum status pipe_text_parse(const char *name, const char *bytes, size_t size,
         if (!status)
             scan_next_line(&r.scan);
     }
-    if (!status && r.mesh.vertex_count > 0)
+    if (!status && out->version == PIPE_VERSION_WORLD)
+        status = finish_world(&r);
+    else if (!status && r.mesh.vertex_count > 0)
         status = mesh_finish(&r.mesh, name, &out->scene, reason);
     mesh_free(&r.mesh);
     if (status)
         pipe_text_free(out);
     return status;
-}
-
-static uint64_t hash_more(uint64_t hash, const void *bytes, size_t size)
-{
-    const unsigned char *at = bytes;
-    for (size_t i = 0; i < size; i++)
-        hash = (hash ^ at[i]) * UINT64_C(0x100000001B3);
-    return hash;
-}
-
-uint64_t pipe_hash(const struct scene *scene, const struct ray *ray, size_t ray_count,
-                   enum query query)
-{
-    uint64_t hash = UINT64_C(0xCBF29CE484222325);
-    const uint32_t head[] = {scene->vertex_count, scene->tri_count, (uint32_t)query};
-    hash = hash_more(hash, head, sizeof head);
-    hash = hash_more(hash, scene->vertex, 3 * sizeof(float) * (size_t)scene->vertex_count);
-    hash = hash_more(hash, scene->index, 3 * sizeof(uint32_t) * (size_t)scene->tri_count);
-    return hash_more(hash, ray, ray_count * sizeof *ray);
-}
-
-static void put(FILE *stream, float x, bool decimal)
-{
-    char text[32];
-    if (decimal && float_is_finite(x))
-        decimal_write_float(x, text);
-    else
-        float_text_write(x, text);
-    fputc(' ', stream);
-    fputs(text, stream);
-}
-
-static void put_line(FILE *stream, char kind, const float *x, int count, bool decimal)
-{
-    fputc(kind, stream);
-    for (int i = 0; i < count; i++)
-        put(stream, x[i], decimal);
-    fputc('\n', stream);
-}
-
-void pipe_text_write(FILE *stream, const struct pipe_from *from, const struct scene *scene,
-                     const struct ray *ray, size_t ray_count, enum query query, bool decimal)
-{
-    fprintf(stream, "raydiff %u\n", PIPE_VERSION);
-    if (from)
-        fprintf(stream, "from %016" PRIx64 " %" PRIu64 " %" PRIu64 " %s %s\n", from->hash,
-                from->seed, from->count, from->rays, from->spec);
-    fprintf(stream, "query %s\n", query_name(query));
-    for (size_t i = 0; i < scene->vertex_count; i++)
-        put_line(stream, 'v', scene->vertex + 3 * i, 3, decimal);
-    for (size_t i = 0; i < scene->tri_count; i++)
-        fprintf(stream, "t %u %u %u\n", scene->index[3 * i], scene->index[3 * i + 1],
-                scene->index[3 * i + 2]);
-    for (size_t i = 0; i < ray_count; i++) {
-        const struct ray *r = &ray[i];
-        const float x[8] = {r->org[0], r->org[1], r->org[2], r->tmin,
-                            r->dir[0], r->dir[1], r->dir[2], r->tmax};
-        put_line(stream, 'r', x, 8, decimal);
-    }
-    fputs("end\n", stream);
 }

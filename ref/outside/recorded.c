@@ -3,6 +3,7 @@
 #include "ref/outside/pipe.h"
 #include "ref/base/ray_text.h"
 #include "ref/twin/model.h"
+#include "ref/world/world.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -17,6 +18,7 @@ struct tape {
     struct ray first; /* single answer: the ray that it belongs to */
     struct hit only;
     bool asked;
+    bool of_world; /* what was prepared */
 };
 static struct tape of_file, of_ray;
 
@@ -42,15 +44,27 @@ static enum status open_ray(const struct engine_options *options, void **self,
     return STATUS_OK;
 }
 
+static enum status check_hits(const struct tape *tape, uint32_t triangles, struct reason *reason)
+{
+    for (size_t i = 0; i < tape->answers.count; i++)
+        if (tape->answers.hit[i].prim != ABI_NO_PRIM && tape->answers.hit[i].prim >= triangles)
+            return fail(reason, STATUS_LIMIT, "answer %zu names triangle %u of %u", i,
+                        tape->answers.hit[i].prim, triangles);
+    return STATUS_OK;
+}
+
 static enum status prepare(void *self, const struct job *job, struct reason *reason)
 {
-    const struct tape *tape = self;
-    for (size_t i = 0; i < tape->answers.count; i++)
-        if (tape->answers.hit[i].prim != ABI_NO_PRIM &&
-            tape->answers.hit[i].prim >= job->scene->tri_count)
-            return fail(reason, STATUS_LIMIT, "answer %zu names triangle %u of %u", i,
-                        tape->answers.hit[i].prim, job->scene->tri_count);
-    return STATUS_OK;
+    struct tape *tape = self;
+    tape->of_world = false;
+    return check_hits(tape, job->scene->tri_count, reason);
+}
+
+static enum status prepare_world(void *self, const struct world_job *job, struct reason *reason)
+{
+    struct tape *tape = self;
+    tape->of_world = true;
+    return check_hits(tape, world_tri_count(job->world), reason);
 }
 
 static enum status trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
@@ -69,10 +83,37 @@ static enum status trace(void *self, const struct ray *ray, size_t ray_count, st
     return STATUS_OK;
 }
 
+static bool traces_worlds(const void *self)
+{
+    return ((const struct tape *)self)->answers.tag != NULL;
+}
+
+static enum status trace_world(void *self, const struct ray *ray, const struct ray_mode *mode,
+                               size_t ray_count, struct hit *hit, uint32_t *tag,
+                               struct trace_report *report, struct reason *reason)
+{
+    const struct recorded *answers = &((const struct tape *)self)->answers;
+    enum status status = trace(self, ray, ray_count, hit, report, reason);
+    if (status)
+        return status;
+    if (memcmp(mode, answers->mode, ray_count * sizeof *mode) != 0)
+        return fail(reason, STATUS_UNSUPPORTED, "no answer is recorded for this mask and flags");
+    memcpy(tag, answers->tag, ray_count * sizeof *tag);
+    return STATUS_OK;
+}
+
+static const struct world_tracer worlds = {
+    .prepare_world = prepare_world, .trace_world = trace_world, .traces = traces_worlds};
+
+/* As of a pipe: in worlds transforms are its own. */
 static struct model model(void *self, const struct tri_test *tri)
 {
+    const struct tape *tape = self;
+    struct model model = tape->model;
     (void)tri;
-    return ((const struct tape *)self)->model;
+    if (tape->of_world)
+        model.formula = TWIN_UNKNOWN;
+    return model;
 }
 
 static void close_tape(void *self)
@@ -94,6 +135,7 @@ static const struct engine file_engine = {
     .open = open_file,
     .prepare = prepare,
     .trace = trace,
+    .worlds = &worlds,
     .model = model,
     .close = close_tape,
     .describe = describe,

@@ -11,7 +11,9 @@
 /* Answers to `count` rays; all arrays are borrowed. */
 struct recorded {
     const struct ray *ray;
-    const struct hit *hit;
+    const struct ray_mode *mode; /* in a world; else NULL */
+    const struct hit *hit;       /* in a world of placed triangles */
+    const uint32_t *tag;         /* in a world; else NULL */
     size_t count;
     uint32_t formula, rounding, flags; /* as in ref/outside/pipe.h */
 };

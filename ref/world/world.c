@@ -115,7 +115,7 @@ static enum status check_transform(const struct instance *instance, uint32_t at,
     return STATUS_OK;
 }
 
-static enum status check_instance(const struct world *world, uint32_t at, struct reason *reason)
+enum status world_check_instance(const struct world *world, uint32_t at, struct reason *reason)
 {
     const struct instance *instance = &world->instance[at];
     const uint32_t both = ABI_INSTANCE_FORCE_OPAQUE | ABI_INSTANCE_FORCE_NO_OPAQUE;
@@ -175,7 +175,7 @@ enum status world_finish(struct world *world, struct reason *reason)
             return status;
     }
     for (uint32_t i = 0; i < world->instance_count; i++) {
-        enum status status = check_instance(world, i, reason);
+        enum status status = world_check_instance(world, i, reason);
         if (status)
             return status;
     }

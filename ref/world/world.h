@@ -91,6 +91,11 @@ void world_free(struct world *world);
  * or without triangles, passes. */
 enum status world_finish(struct world *world, struct reason *reason) MUST_USE;
 
+/* Checks the rules of instance `at` alone, whose mesh must be among those that the world has.
+ * Errors: those of world_finish for an instance. */
+enum status world_check_instance(const struct world *world, uint32_t at,
+                                 struct reason *reason) MUST_USE;
+
 /* Number of placed triangles. */
 static inline uint32_t world_tri_count(const struct world *world)
 {

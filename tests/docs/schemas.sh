@@ -39,6 +39,12 @@ for change in 's/"instances": *40/"instances": "40"/' 's/"modes": *"mixed"/"mode
     planted check "$change"
 done
 written check 0 mixed:count=20 --engine cpu,brute --query closest,any,all --layout f32 --count 200 --repeat 1
+# Answers of a file to rays in a world: those that may meet what the file has given them.
+"$raydiff" gen crowd:n=3 --count 3 --out "$dir/rays" 2>"$dir/text" || bad 'gen of a world'
+printf 'raydiff 2\nm\nm\nm\n' >"$dir/hits"
+"$raydiff" judge crowd:n=3 "$dir/rays" "$dir/hits" --json "$dir/judge.json" >"$dir/text" 2>&1
+grep -q '"modes": *"given"' "$dir/judge.json" || bad 'judge: the modes of a file'
+holds check "$dir/judge.json" || bad 'judge: not as the schema of check'
 written leaks 0 sphere:n=8 --engine cpu --layout f32 --tri woop --box watertight --count 2000
 for schema in check leaks; do
     planted $schema 's/"status"/"state"/'

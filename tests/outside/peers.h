@@ -146,7 +146,7 @@ static void peer_after(const char *what, const struct pipe_request *request)
 }
 
 /* Answers requests as `what` says; the exit code of its process. */
-static int peer_main(const char *what)
+static inline int peer_main(const char *what)
 {
     struct peer_request request = {0};
     peer_before(what);

@@ -14,7 +14,7 @@
 #include <string.h>
 #include <cmocka.h>
 
-static const struct pipe_limits any_limits = {SIZE_MAX, UINT32_MAX};
+static const struct pipe_limits any_limits = {SIZE_MAX, UINT32_MAX, NULL};
 
 static enum status parse(const char *text, const struct pipe_limits *limits, struct pipe_text *out,
                          struct reason *reason)
@@ -123,7 +123,7 @@ static void answers_have_what_their_words_say(void **state)
                        "h nan inf -inf 0\n"
                        "end\n"
                        "# that was all";
-    if (parse(file, &(struct pipe_limits){3, 8}, &text, &reason))
+    if (parse(file, &(struct pipe_limits){3, 8, NULL}, &text, &reason))
         fail_msg("%s", reason.text);
     assert_int_equal(text.hit_count, 3);
     assert_true(text.hit[0].t == 3.0f && text.hit[0].u == 0.25f && text.hit[0].v == -0.25f);
@@ -181,7 +181,7 @@ static void what_is_wrong_is_named_with_its_line(void **state)
     for (size_t i = 0; i < ARRAY_COUNT(bad); i++) {
         struct pipe_text text;
         struct reason reason = {""};
-        enum status status = parse(bad[i].text, &(struct pipe_limits){3, 8}, &text, &reason);
+        enum status status = parse(bad[i].text, &(struct pipe_limits){3, 8, NULL}, &text, &reason);
         if (status != STATUS_INPUT || strncmp(reason.text, bad[i].said, strlen(bad[i].said)) != 0)
             fail_msg("'%s': %s '%s', not '%s'", bad[i].text, status_text(status), reason.text,
                      bad[i].said);
@@ -242,7 +242,8 @@ static void a_written_answer_is_an_engine(void **state)
     for (size_t i = 0; i < ARRAY_COUNT(bad); i++)
         if (recorded_find(bad[i], &engine, &reason) != STATUS_INPUT)
             fail_msg("'%s' was taken", bad[i]);
-    struct recorded answers = {ray, &given, 1, 1, 4, 1};
+    struct recorded answers = {
+        .ray = ray, .hit = &given, .count = 1, .formula = 1, .rounding = 4, .flags = 1};
     assert_int_equal(recorded_engine(&answers, &engine, &reason), STATUS_OK);
     recorded_name(engine->name, &given, name);
     assert_string_equal(name, "answer:mt:embree:1:0x1.8p+1:0x1p-1:0x1p-2:17");

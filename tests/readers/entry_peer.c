@@ -1,6 +1,7 @@
 /* The binary protocol: what a peer writes, without the process. The input is what it answers to
  * each request in turn, a byte of length in front: first to the one that asks what it is, then to a
- * scene, then to rays. Linked with --wrap, so that the child process is a file. */
+ * scene, then to rays; where it traces worlds, to a world and to rays, too. Linked with --wrap, so
+ * that the child process is a file. */
 #define _GNU_SOURCE /* pwrite, O_CLOEXEC */
 #include "tests/readers/reader_entry.h"
 #include "ref/outside/pipe.h"
@@ -93,6 +94,38 @@ static bool ask(const struct engine *engine, void *self, const struct job *job)
     return true;
 }
 
+/* The same of a world. */
+static bool ask_world(const struct engine *engine, void *self, const struct world_job *job)
+{
+    static const struct ray ray[RAYS] = {{{0, 0, -3}, 0, {0, 0, 1}, 1e30f}};
+    const struct ray_mode mode[RAYS] = {{255, 0}, {255, ABI_RAY_FIRST}, {1, 0}};
+    struct hit hit[RAYS + 1];
+    uint32_t tag[RAYS + 1];
+    struct trace_report report;
+    struct reason reason = {""};
+    size_t at = 0;
+    hit[RAYS] = (struct hit){.prim = 0xA5A5A5A5u};
+    tag[RAYS] = 0xA5A5A5A5u;
+    enum status status = engine->worlds->prepare_world(self, job, &reason);
+    if (!status)
+        status = engine->worlds->trace_world(self, ray, mode, RAYS, hit, tag, &report, &reason);
+    READER_MUST(hit[RAYS].prim == 0xA5A5A5A5u && tag[RAYS] == 0xA5A5A5A5u);
+    if (status) {
+        READER_MUST(status == STATUS_DEVICE || status == STATUS_REFUSED ||
+                    (status == STATUS_UNSUPPORTED && !engine_traces_worlds(engine, self)));
+        READER_MUST(status != STATUS_DEVICE || engine->fault(self, &at) != ENGINE_FINE);
+        READER_MUST(at <= RAYS);
+        reader_must_be_reason(&reason);
+        return false;
+    }
+    for (size_t i = 0; i < RAYS; i++) {
+        READER_MUST(hit[i].prim == ABI_NO_PRIM || hit[i].prim < world_tri_count(job->world));
+        READER_MUST((tag[i] & ~ABI_TAG_FRONT) <= ABI_TAG_CUSTOM);
+        READER_MUST(hit[i].prim != ABI_NO_PRIM || tag[i] == 0);
+    }
+    return true;
+}
+
 static bool play(const char *bytes, size_t size)
 {
     const struct engine_options options = {.peer_ms = 5000, .peer_mb = UINT32_MAX};
@@ -114,6 +147,15 @@ static bool play(const char *bytes, size_t size)
         struct job job = {
             .scene = &scene, .box = box_tests[0], .tri = tri_tests[0], .query = query};
         taken = ask(engine, self, &job) || taken;
+    }
+    if (!status && engine_traces_worlds(engine, self)) {
+        struct world world;
+        READER_MUST(world_of_scene(&scene, &world, &reason) == STATUS_OK);
+        for (enum query query = QUERY_CLOSEST; query <= QUERY_ANY; query++) {
+            struct world_job job = {.world = &world, .tri = tri_tests[0], .query = query};
+            taken = ask_world(engine, self, &job) || taken;
+        }
+        world_free(&world);
     }
     engine->close(self);
     scene_free(&scene);

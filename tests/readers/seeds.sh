@@ -285,6 +285,34 @@ hits() {
     printf '\045RDRA\001\000\000\000\001\000\000\000\005\000\000\000\001\000\000\000\000\000\000\000'
     printf '\000\000\000\000\000\000\000\000large'
 } >peer/refused
+# Of a peer of worlds: refusals of scenes, then a miss and hits of both sides.
+world_answer() { # version, refused, count, flags
+    printf 'RDRA\'$1'\000\000\000\'$2'\000\000\000\'$3'\000\000\000\000\000\000\000'
+    printf '\000\000\000\000\'$4'\000\000\000\000\000\000\000'
+}
+world_hit() { # instance, geometry, triangle, side, custom
+    printf '\000\000\000\100\000\000\200\076\000\000\200\076%b%b%b%b%b' "$@"
+}
+world_hits() { # what the last is
+    none='\0377\0377\0377\0377' zero='\0000\0000\0000\0000' one='\0001\0000\0000\0000'
+    for triangle in $zero $one; do world_hit $zero $zero $triangle $one $none; done
+    world_hit $zero $zero $one $zero $zero
+    world_hit $none $zero $zero $zero $zero
+    "$@"
+}
+miss() { world_hit $none $zero $zero $zero $zero; }
+sided_miss() { world_hit $none $zero $zero $one $zero; }
+no_instance() { world_hit $one $zero $zero $one $zero; }
+for last in miss sided_miss no_instance; do
+    {
+        printf '\040'; world_answer 001 000 000 010
+        for query in 1 2; do printf '\042'; world_answer 001 001 002 010; printf no; done
+        for query in 1 2; do
+            printf '\040'; world_answer 002 000 000 010
+            printf '\300'; world_answer 002 000 005 010; world_hits $last
+        done
+    } >peer/world-$last
+done
 printf '\040RDRX' >peer/short
 printf 'R' >peer/nothing
 
@@ -299,6 +327,14 @@ awk -f "$repository/fuzz/samples/tracer.awk" text/decimal >text/answer
 printf '\002refused too many triangles\n' >text/refused
 printf 'v 0 0 0\nt 0 1 2\n' >text/forward
 printf 'r 0 0 -1 0 nan 0 1 inf\nquery any\n' >text/rays
+
+"$raydiff" gen placed-turned:n=1,count=2 --count 3 --modes drawn >text/world
+"$raydiff" gen crowd:n=2,size=0.5 --count 2 --decimal --query any >text/world-decimal
+sed 's/^g .*/g 3 opaque/' text/world >text/world-geometries
+sed 's/^raydiff 2/raydiff 1/' text/world >text/world-of-scenes
+printf '\003raydiff 2\nh 1 .25 0x1p-2 0 1 0 front\nh 2 0 0 0 0 0 back 7\nend\n' >text/world-answer
+printf '\003raydiff 2\nm\nh 1 0 0 1 0 0 front\n' >text/world-no-mesh
+printf '\003m\nh 1 0 0 0\n' >text/world-old
 
 # --- logs
 line='"stream":"gen","seed":"7","index":"12","version":1,"trial":"00000000000000ff","triangles":2'

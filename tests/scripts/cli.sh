@@ -373,7 +373,7 @@ eval "expect 1 . $again"
 grep -q '^verdict   WRONG' "$dir/out" || bad "judge's explain command says why"
 "$raydiff" verify <"$dir/bad" >"$dir/out" 2>"$dir/err"
 [ $? -eq 1 ] || bad "verify: a wrong answer exits with 1"
-expect 2 'MESH, RAYS and HITS are needed' judge sphere "$dir/rays"
+expect 2 'SCENE, RAYS and HITS are needed' judge sphere "$dir/rays"
 expect 2 "cannot both be '-'" judge sphere - -
 expect 2 'hits: has h or m lines' judge sphere:n=4 "$dir/hits" "$dir/hits"
 expect 2 'rays: has v, t or r lines' judge sphere:n=4 "$dir/rays" "$dir/rays"

@@ -1,0 +1,220 @@
+#include "ref/outside/pipe_peer.h"
+
+#include <stdio.h>
+#include <string.h>
+
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "floats are sent as they lie in memory");
+_Static_assert(sizeof(struct pipe_request) == 4 * PIPE_WORDS, "request");
+_Static_assert(sizeof(struct pipe_answer) == 4 * PIPE_WORDS, "answer");
+
+/* How long to wait for a process to end after it closed its output. */
+#define FATE_MS 500u
+
+/* One request. */
+struct asked {
+    const struct pipe_rays *rays;
+    uint32_t version;
+    bool opening;
+};
+
+void pipe_peer_end(struct pipe_peer *peer)
+{
+    pipe_child_stop(&peer->child);
+    peer->has_subject = false;
+}
+
+/* Ends the peer. The reason contains its name, `what` and its standard error. */
+static enum status blame(struct pipe_peer *peer, enum status status, struct reason *reason,
+                         const char *what)
+{
+    char said[PIPE_SAID_MOST + 40] = "";
+    pipe_child_listen(&peer->child);
+    if (peer->child.noisy)
+        snprintf(said, sizeof said, "; its standard error: %s", peer->child.said);
+    pipe_peer_end(peer);
+    return fail(reason, status, "%.80s: %s%s", peer->name, what, said);
+}
+
+/* How many whole answers there are in so many bytes. */
+static size_t answers_in(const struct asked *asked, size_t bytes)
+{
+    return asked->rays->count ? bytes / asked->rays->answer_bytes : 0;
+}
+
+/* Describes where the answers end: "after the answer to ray 17". */
+static void place(const struct asked *asked, size_t bytes, char text[64])
+{
+    size_t done = answers_in(asked, bytes);
+    if (asked->rays->count == 0)
+        snprintf(text, 64, "at a request without rays");
+    else if (done == 0)
+        snprintf(text, 64, "before the answer to ray %zu", asked->rays->first);
+    else
+        snprintf(text, 64, "after the answer to ray %zu", asked->rays->first + done - 1);
+}
+
+/* Ends the peer after an exchange failed with `bytes` of answers received, and returns the
+ * error. */
+static enum status blame_end(struct pipe_peer *peer, enum pipe_end end, const struct asked *asked,
+                             size_t bytes, struct reason *reason)
+{
+    char where[64], fate[PIPE_FATE_MOST], what[200];
+    bool missing = false;
+    unsigned limit = peer->options.peer_ms;
+    place(asked, bytes, where);
+    peer->fault_ray = asked->rays->first + answers_in(asked, bytes);
+    switch (end) {
+    case PIPE_LONG:
+        snprintf(what, sizeof what, "its answer is longer than %zu rays", asked->rays->count);
+        break;
+    case PIPE_LATE:
+        peer->fault = ENGINE_LATE;
+        snprintf(what, sizeof what, "late: not done within %g s, %s", 1e-3 * limit, where);
+        break;
+    case PIPE_CLOSED:
+        peer->fault = ENGINE_ENDED;
+        pipe_child_fate(&peer->child, FATE_MS, fate, &missing);
+        snprintf(what, sizeof what, "%s %s", fate, where);
+        break;
+    case PIPE_GOT:
+        break;
+    }
+    return blame(peer, missing ? STATUS_UNSUPPORTED : STATUS_DEVICE, reason, what);
+}
+
+/* Replaces unprintable characters with '?'. */
+static void make_printable(char *text)
+{
+    for (; *text; text++)
+        if (*text < ' ' || *text > '~')
+            *text = '?';
+}
+
+static enum status read_refusal(struct pipe_peer *peer, struct pipe_talk *talk, uint32_t bytes,
+                                const struct asked *asked, struct reason *reason)
+{
+    char text[PIPE_REFUSED_MOST + 1] = "";
+    if (bytes > PIPE_REFUSED_MOST)
+        return blame(peer, STATUS_DEVICE, reason, "its refusal is longer than 256 bytes");
+    enum pipe_end end = pipe_talk(talk, text, bytes, true);
+    if (end != PIPE_GOT)
+        return blame_end(peer, end, asked, 0, reason);
+    make_printable(text);
+    peer->has_subject = false;
+    return fail(reason, STATUS_REFUSED, "%.80s refused: %s", peer->name, text);
+}
+
+/* Checks the header of an answer. Of the first request, sets peer->model from it. */
+static enum status check_head(struct pipe_peer *peer, const struct pipe_answer *head,
+                              const struct asked *asked, struct reason *reason)
+{
+    char what[200];
+    struct reason why = {""};
+    if (memcmp(head->magic, "RDRA", 4) != 0) {
+        char begins[5] = "";
+        memcpy(begins, head->magic, 4);
+        make_printable(begins);
+        snprintf(what, sizeof what, "its answer begins with '%s', not with 'RDRA'", begins);
+    } else if (head->version != asked->version) {
+        snprintf(what, sizeof what, "its answer is of version %u, not %u", head->version,
+                 asked->version);
+    } else if (head->refused > 1) {
+        snprintf(what, sizeof what, "its answer has status %u, not 0 (given) or 1 (refused)",
+                 head->refused);
+    } else if (!head->refused && head->count != asked->rays->count) {
+        snprintf(what, sizeof what, "its answer is about %u rays, not %zu, from ray %zu on",
+                 head->count, asked->rays->count, asked->rays->first);
+    } else if (asked->opening && pipe_model(head->formula, head->rounding,
+                                            head->flags & ~PIPE_FLAG_WORLDS, &peer->model, &why)) {
+        snprintf(what, sizeof what, "says of itself: %.150s", why.text);
+    } else if (!asked->opening &&
+               (head->formula != peer->head.formula || head->rounding != peer->head.rounding ||
+                head->flags != peer->head.flags)) {
+        snprintf(what, sizeof what, "now declares another formula, rounding or flags");
+    } else {
+        return STATUS_OK;
+    }
+    return blame(peer, STATUS_DEVICE, reason, what);
+}
+
+/* Sends a request and receives its answer. */
+static enum status ask(struct pipe_peer *peer, const struct asked *asked, struct reason *reason)
+{
+    static const struct pipe_subject empty = {
+        .head = {.magic = {'R', 'D', 'R', 'Q'}, .version = PIPE_VERSION}};
+    const struct pipe_subject *subject = asked->opening ? &empty : &peer->subject;
+    const struct pipe_rays *rays = asked->rays;
+    struct pipe_request request = subject->head;
+    request.rays = (uint32_t)rays->count;
+    request.same = peer->has_subject;
+    const struct pipe_part part[] = {{&request, sizeof request},
+                                     {subject->part[0].bytes, subject->part[0].size},
+                                     {subject->part[1].bytes, subject->part[1].size},
+                                     {rays->ray, rays->count * rays->ray_bytes}};
+    const struct pipe_part again[] = {part[0], part[3]}; /* without the subject */
+    struct pipe_talk talk = {.child = &peer->child,
+                             .part = peer->has_subject ? again : part,
+                             .part_count =
+                                 peer->has_subject ? ARRAY_COUNT(again) : ARRAY_COUNT(part),
+                             .deadline_ns = time_ns() + (uint64_t)peer->options.peer_ms * 1000000u};
+    struct pipe_answer head;
+    peer->fault = ENGINE_NONSENSE; /* unless it is set below */
+    peer->fault_ray = rays->first;
+    if (!asked->opening && pipe_child_is_early(&peer->child)) /* else its bytes are shown */
+        return blame(peer, STATUS_DEVICE, reason, "wrote more bytes after its previous answer");
+    enum pipe_end end = pipe_talk(&talk, &head, sizeof head, false);
+    if (end != PIPE_GOT)
+        return blame_end(peer, end, asked, 0, reason);
+    enum status status = check_head(peer, &head, asked, reason);
+    if (status)
+        return status;
+    if (asked->opening)
+        peer->head = head;
+    if (head.refused)
+        return read_refusal(peer, &talk, head.count, asked, reason);
+    end = pipe_talk(&talk, rays->answer, rays->count * rays->answer_bytes, true);
+    if (end != PIPE_GOT)
+        return blame_end(peer, end, asked, talk.got, reason);
+    peer->has_subject = true;
+    if (peer->child.noisy)
+        return blame(peer, STATUS_DEVICE, reason,
+                     "answered, but must not write to its standard error");
+    return STATUS_OK;
+}
+
+enum status pipe_peer_start(struct pipe_peer *peer, struct reason *reason)
+{
+    static const struct pipe_rays none;
+    if (pipe_child_runs(&peer->child))
+        return STATUS_OK;
+    struct reason why = {""};
+    const char *command = peer->name + strlen(PIPE_PREFIX);
+    enum status status = pipe_child_start(command, peer->options.peer_mb, &peer->child, &why);
+    if (status)
+        return fail(reason, status, "%.80s: %s", peer->name, why.text);
+    peer->has_subject = false;
+    status = ask(peer, &(struct asked){&none, PIPE_VERSION, true}, reason);
+    peer->has_subject = false;                            /* the request had none */
+    return status == STATUS_REFUSED ? STATUS_OK : status; /* it may accept another */
+}
+
+enum status pipe_peer_need(struct pipe_peer *peer, struct reason *reason)
+{
+    static const struct pipe_rays none;
+    enum status status = pipe_peer_start(peer, reason); /* restarts it if it was ended */
+    return status || peer->has_subject ? status : pipe_peer_ask(peer, &none, reason);
+}
+
+enum status pipe_peer_ask(struct pipe_peer *peer, const struct pipe_rays *rays,
+                          struct reason *reason)
+{
+    return ask(peer, &(struct asked){rays, peer->subject.head.version, false}, reason);
+}
+
+enum status pipe_peer_blame(struct pipe_peer *peer, size_t ray, struct reason *reason,
+                            const char *what)
+{
+    peer->fault = ENGINE_NONSENSE;
+    peer->fault_ray = ray;
+    return blame(peer, STATUS_DEVICE, reason, what);
+}
