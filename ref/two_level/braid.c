@@ -10,10 +10,11 @@
 /* What sums and products of doubles may lack, and the conversion to float. */
 #define OUTWARD (1 + 0x1p-20)
 
-struct entry {
-    double area;
+struct braid_entry {
     struct world_part of;
-    struct box box;
+    bool whole;               /* it cannot be opened: the last of all */
+    double gain;              /* else braid_gain */
+    struct box box, child[2]; /* of itself; of the children of its node, if it can be opened */
 };
 
 /* Entries that may be opened are a heap, the largest first, at the beginning of the array; those
@@ -23,23 +24,25 @@ struct braiding {
     const struct bvh *bottom;
     struct box *mesh; /* the box of each mesh */
     bool of_vertices;
-    struct entry *entry;
+    struct braid_entry *entry;
     uint32_t room, open, stay;
     float share, reach;
 };
 
 /* --- the heap --------------------------------------------------------------------------------- */
 
-static bool comes_first(const struct entry *a, const struct entry *b)
+static bool comes_first(const struct braid_entry *a, const struct braid_entry *b)
 {
-    if (a->area != b->area)
-        return a->area > b->area;
+    if (a->whole != b->whole)
+        return b->whole;
+    if (a->gain != b->gain)
+        return a->gain > b->gain;
     if (a->of.instance != b->of.instance)
         return a->of.instance < b->of.instance;
     return a->of.node < b->of.node;
 }
 
-static void heap_push(struct braiding *b, const struct entry *entry)
+static void heap_push(struct braiding *b, const struct braid_entry *entry)
 {
     uint32_t at = b->open++;
     for (; at > 0 && comes_first(entry, &b->entry[(at - 1) / 2]); at = (at - 1) / 2)
@@ -47,9 +50,9 @@ static void heap_push(struct braiding *b, const struct entry *entry)
     b->entry[at] = *entry;
 }
 
-static struct entry heap_pop(struct braiding *b)
+static struct braid_entry heap_pop(struct braiding *b)
 {
-    const struct entry top = b->entry[0], last = b->entry[--b->open];
+    const struct braid_entry top = b->entry[0], last = b->entry[--b->open];
     uint32_t at = 0;
     for (uint32_t child; (child = 2 * at + 1) < b->open; at = child) {
         if (child + 1 < b->open && comes_first(&b->entry[child + 1], &b->entry[child]))
@@ -129,12 +132,11 @@ bool braid_needs(const struct world *world, uint32_t instance, const struct box 
 
 /* True if the entry may be opened; share and reach then cover its instance. Those of a part were
  * set when its instance was opened. */
-static bool may_open(struct braiding *b, const struct entry *entry)
+static bool may_open(struct braiding *b, const struct braid_entry *entry)
 {
     const struct instance *instance = &b->world->instance[entry->of.instance];
-    const struct bvh *bvh = &b->bottom[instance->mesh];
     float share = 0, reach = 0;
-    if (bvh_is_split(bvh) || bvh->node[entry->of.node].item_count > 0)
+    if (entry->whole)
         return false;
     if (entry->of.node == 0 &&
         !needs_of(instance, &b->mesh[instance->mesh], &entry->box, &share, &reach))
@@ -173,32 +175,37 @@ static struct box box_of(const struct braiding *b, struct world_part part)
 
 static void push(struct braiding *b, uint32_t instance, uint32_t node, const struct box *box)
 {
-    const struct entry entry = {box_half_area(box), {instance, node}, *box};
+    const struct bvh *bvh = &b->bottom[b->world->instance[instance].mesh];
+    const struct bvh_node *at = &bvh->node[node];
+    struct braid_entry entry = {
+        .of = {instance, node}, .whole = bvh_is_split(bvh) || at->item_count > 0, .box = *box};
+    if (!entry.whole) {
+        entry.child[0] = box_of(b, (struct world_part){instance, at->fst});
+        entry.child[1] = box_of(b, (struct world_part){instance, at->snd});
+        entry.gain = braid_gain(box, entry.child);
+    }
     heap_push(b, &entry);
 }
 
 static void open_entries(struct braiding *b)
 {
     while (b->open > 0) {
-        const struct entry entry = heap_pop(b);
+        const struct braid_entry entry = heap_pop(b);
         const uint32_t instance = entry.of.instance;
         if (b->open + b->stay + 2 > b->room || !may_open(b, &entry)) {
             b->entry[b->room - ++b->stay] = entry;
             continue;
         }
         const struct bvh *bvh = &b->bottom[b->world->instance[instance].mesh];
-        const uint32_t child[] = {bvh->node[entry.of.node].fst, bvh->node[entry.of.node].snd};
-        for (int i = 0; i < 2; i++) {
-            const struct box box = box_of(b, (struct world_part){instance, child[i]});
-            push(b, instance, child[i], &box);
-        }
+        push(b, instance, bvh->node[entry.of.node].fst, &entry.child[0]);
+        push(b, instance, bvh->node[entry.of.node].snd, &entry.child[1]);
     }
 }
 
 static int part_order(const void *left, const void *right)
 {
-    const struct world_part *a = &((const struct entry *)left)->of;
-    const struct world_part *b = &((const struct entry *)right)->of;
+    const struct world_part *a = &((const struct braid_entry *)left)->of;
+    const struct world_part *b = &((const struct braid_entry *)right)->of;
     if (a->instance != b->instance)
         return a->instance < b->instance ? -1 : 1;
     return (a->node > b->node) - (a->node < b->node);
@@ -207,7 +214,7 @@ static int part_order(const void *left, const void *right)
 /* Copies the entries that are parts. */
 static enum status take_parts(struct braiding *b, struct world_parts *out, struct box **part_box)
 {
-    struct entry *entry = b->entry + (b->room - b->stay);
+    struct braid_entry *entry = b->entry + (b->room - b->stay);
     uint32_t count = 0;
     for (uint32_t i = 0; i < b->stay; i++)
         count += entry[i].of.node > 0;

@@ -3,8 +3,12 @@
  * lie across each other have boxes that overlap; those of their parts overlap less.
  *
  * A part is an instance and a node of the tree of its mesh: the triangles below it. Opening
- * replaces an entry of the top by one for each child of its node. Entries are opened in the order
- * of the surface of their boxes, the largest first, of equal ones that of the first instance.
+ * replaces an entry of the top by one for each child of its node. The entry of the largest gain is
+ * opened next (braid_gain), of equal ones that of the first instance, until the budget is spent. A
+ * ray enters an entry about as often as its box has surface, so what is saved is the surface of the
+ * box less that of the children's; these count for 3/4, since smaller boxes also are better told
+ * apart by the nodes above. The paper opens what is largest, also
+ * where the children's boxes are nearly the parent's, as those of two sides of a box are.
  *
  * What stays whole: an instance whose mesh is one leaf; one whose mesh has a split tree, since
  * parts of it would share triangles; and what would need boxes too wide (below). The paper measures
@@ -33,8 +37,8 @@
  *              |t d| + 4a u K N L, since |d| <= N |d'_z|. The means of the axes have weights that
  *              differ by 4a u: the point is that far, times L, from the triangle: 4a u N L.
  *   planes     slab_ray_widen rounds by a u (|o| + e)
- * With |x| <= |o| + |T|, |t d| <= |o| + B, B the largest coordinate of the instance's box, and R the
- * largest of |T|, B and N L over all opened instances, the sum is at most
+ * With |x| <= |o| + |T|, |t d| <= |o| + B, B the largest coordinate of the instance's box, and R
+ * the largest of |T|, B and N L over all opened instances, the sum is at most
  *   u K ((12a + r + 2) |o| + (19a + r + 2) R)   31 |o| + 45 R at a = 2, r = 5
  * since K >= 1. 64 u K (|o| + R) has room for what is left: products of errors, which are below
  * 2^-8 of this for K <= 2^10, and e's own two roundings; share and reach are rounded up. Numbers
@@ -82,13 +86,19 @@ static inline float braid_width(float share, float reach, const float org[3])
     return share * (largest + reach);
 }
 
+/* What opening is worth: surface that it saves. `child` are the boxes of the node's children. */
+static inline double braid_gain(const struct box *box, const struct box child[2])
+{
+    return box_half_area(box) - 0.75 * (box_half_area(&child[0]) + box_half_area(&child[1]));
+}
+
 /* What share and reach must be at least if the instance, whose box is `box`, is opened; false if it
  * must not be opened. */
 bool braid_needs(const struct world *world, uint32_t instance, const struct box *box, float *share,
                  float *reach);
 
-/* Opens instances until the top has braid * (active instances) entries, or BRAID_ENTRIES, or nothing
- * is left to be opened. Of 0 and 1 there are no parts.
+/* Opens instances until the top has braid * (active instances) entries, or BRAID_ENTRIES, or
+ * nothing is left to be opened. Of 0 and 1 there are no parts.
  *   bottom  the trees of the meshes
  *   box     the boxes of the instances
  *   how     what boxes of parts are made of, as those of instances

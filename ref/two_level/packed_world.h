@@ -6,17 +6,17 @@
 #include "ref/layout.h"
 #include "ref/two_level/world_trees.h"
 
-/* Owns its arrays (see packed_world_free). The top's entries are the instances and, behind them, the
- * parts of those that are opened (ref/two_level/braid.h). Items of `top` are numbers of entries and
- * are stored by `indexed`. bottom[m] is the tree of mesh m, whose triangles are its items; behind
- * them are trees of parts, of some of the triangles of a mesh, shared by all entries of the same
- * part. An instance that is not active (world_is_active) is in no leaf of the top, nor is one that
- * is opened, and both keep their numbers. */
+/* Owns its arrays (see packed_world_free). The top's entries are the instances and, behind them,
+ * the parts of those that are opened (ref/two_level/braid.h). Items of `top` are numbers of entries
+ * and are stored by `indexed`. bottom[m] is the tree of mesh m, whose triangles are its items;
+ * behind them are trees of parts, of some of the triangles of a mesh, shared by all entries of the
+ * same part. An instance that is not active (world_is_active) is in no leaf of the top, nor is one
+ * that is opened, and both keep their numbers. */
 struct packed_world {
     struct packed top;
     struct packed *bottom; /* tree_count; node_count 0 if the mesh has no triangles */
     uint32_t *mesh;        /* of each tree; mesh[m] is m below mesh_count */
-    /* One per entry. That of a part is its instance's, but record.mesh is the number of its tree. */
+    /* One per entry. That of a part is its instance's, but `mesh` is the number of its tree. */
     struct instance_record *record;
     uint32_t *instance; /* of each entry */
     struct box *box;    /* in the world, of each entry: see struct world_trees */

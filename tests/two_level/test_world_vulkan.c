@@ -164,6 +164,41 @@ static void every_layout_has_the_bits_of_cpu(void **state)
     assert_true(count > 50);
 }
 
+/* Tops with parts of instances: the shader reads their records, trees and instances, and tests its
+ * boxes as wide. */
+static void parts_of_instances_have_the_bits_of_cpu(void **state)
+{
+    (void)state;
+    if (!on_gpu)
+        skip();
+    uint32_t count = 0;
+    for (uint32_t i = 0; layouts_all[i]; i++) {
+        if (i % 5)
+            continue;
+        struct world world = mixed_world((enum filter_kind)(i % 4), 1);
+        struct world_build build = stand_build("sah_sweep", 1 + i % 3);
+        struct world_trees trees;
+        struct packed_world packed;
+        struct reason reason = {""};
+        build.braid = 3 + i % 5;
+        if (world_trees_make(&world, &build, &trees, &reason) ||
+            packed_world_make(&world, &trees, layouts_all[i], layouts_all[i], tri_stores[0],
+                              &packed, &reason))
+            fail_msg("%s: %s", layouts_all[i]->name, reason.text);
+        assert_true(packed.entry_count > 50 && packed.share > 0);
+        make_rays(&packed);
+        struct world_job job = stand_job(&world, &packed, i % 2 ? QUERY_CLOSEST : QUERY_ANY);
+        job.box = box_tests[i % 3];
+        assert_true(assert_same(&job, true) > (layouts_all[i]->faithful ? 0 : RAYS / 8));
+        assert_same_lists(job, CAPACITY);
+        count++;
+        packed_world_free(&packed);
+        world_trees_free(&trees);
+        world_free(&world);
+    }
+    assert_true(count > 10);
+}
+
 static void every_test_and_query(void **state)
 {
     (void)state;
@@ -273,6 +308,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_layout_has_the_bits_of_cpu),
+        cmocka_unit_test(parts_of_instances_have_the_bits_of_cpu),
         cmocka_unit_test(every_test_and_query),
         cmocka_unit_test(every_storage_of_meshes),
         cmocka_unit_test(worlds_without_anything),
