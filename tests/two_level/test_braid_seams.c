@@ -288,11 +288,15 @@ static void the_width_covers_what_transforms_move(void **state)
     assert_true(most > 0.5 / 64 && count > 200000);
 }
 
-static bool has_bound(float scale, float shear, float far, float *share, float *reach)
+/* `side` is half of the mesh's. */
+static bool has_bound_of(float side, float scale, float shear, float far, float *share,
+                         float *reach)
 {
     struct world world = fixture_room(1, 1);
     struct box *box;
     tiled_box(&world, 0, 1);
+    for (uint32_t i = 0; i < 3 * world.mesh[0].scene->vertex_count; i++)
+        world.mesh[0].scene->vertex[i] *= side;
     float(*m)[4] = world.instance[0].m;
     for (int k = 0; k < 3; k++)
         m[k][k] = scale;
@@ -304,6 +308,11 @@ static bool has_bound(float scale, float shear, float far, float *share, float *
     free(box);
     world_free(&world);
     return has;
+}
+
+static bool has_bound(float scale, float shear, float far, float *share, float *reach)
+{
+    return has_bound_of(1, scale, shear, far, share, reach);
 }
 
 /* The share is 64 u kappa, the reach what is largest; each end of what the proof is for. */
@@ -325,6 +334,8 @@ static void the_bound_has_conditions(void **state)
     assert_false(has_bound(0x1p-42f, 0, 0, &share, &reach));
     assert_false(has_bound(0x1p-42f, 0, 1, &share, &reach)); /* the inverse is too large */
     assert_false(has_bound(1, 0, 0x1p40f, &share, &reach));
+    assert_true(has_bound_of(0x1p-20f, 0x1p-20f, 0, 0, &share, &reach));
+    assert_false(has_bound_of(0x1p-21f, 0x1p-21f, 0, 0, &share, &reach)); /* all is too small */
 }
 
 int main(void)
