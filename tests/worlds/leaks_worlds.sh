@@ -78,8 +78,8 @@ for world in placed-turned placed-stretched placed-mirrored placed-sheared crowd
 done
 # The option is used: with parts the top is more than the layout holds.
 expect 0 . leaks crowd:n=5000,size=1 --engine cpu --tri woop --box watertight --count 1000 --layout rf16 --leaf 1
-expect 2 'rf16 refused: top level' leaks crowd:n=5000,size=1 --engine cpu --tri woop \
-    --box watertight --count 1000 --layout rf16 --leaf 1 --braid 8
+expect 2 . leaks crowd:n=5000,size=1 --engine cpu --tri woop --box watertight --count 1000 --layout rf16 --leaf 1 --braid 8
+grep -q 'rf16 refused: top level' "$dir/out" || bad "leaks --braid: the top has no parts"
 expect 2 '^raydiff leaks: sphere:n=2: --braid: is of worlds, not of scenes$' leaks sphere:n=2 --engine cpu --braid 2 $few
 expect 2 'rf16: a child record index is at most 32767' explain crowd:n=5000,size=1 --layout rf16 --leaf 1 --count 100 --braid 8
 expect 2 '^raydiff check: --braid: sphere:n=2 is a scene' check sphere:n=2 --engine cpu --count 100 --braid 2
