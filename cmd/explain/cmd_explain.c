@@ -267,9 +267,9 @@ static enum status open_either(struct explaining *e, struct reason *reason)
                       "--modes: %s is a scene; only worlds have masks and flags (docs/worlds.md)",
                       of->spec);
     if (!status && e->world.instance_count == 0 && option_was_given("braid"))
-        status = fail(reason, STATUS_INPUT,
-                      "--braid: %s is a scene; only worlds have instances (docs/worlds.md)",
-                      of->spec);
+        status =
+            fail(reason, STATUS_INPUT,
+                 "--braid: %s is a scene; only worlds have instances (docs/worlds.md)", of->spec);
     return status;
 }
 

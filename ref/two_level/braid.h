@@ -7,8 +7,8 @@
  * opened next (braid_gain), of equal ones that of the first instance, until the budget is spent. A
  * ray enters an entry about as often as its box has surface, so what is saved is the surface of the
  * box less that of the children's; these count for 3/4, since smaller boxes also are better told
- * apart by the nodes above. The paper opens what is largest, also
- * where the children's boxes are nearly the parent's, as those of two sides of a box are.
+ * apart by the nodes above. The paper opens what is largest, also where the children's boxes are
+ * nearly the parent's, as those of two sides of a box are.
  *
  * What stays whole: an instance whose mesh is one leaf; one whose mesh has a split tree, since
  * parts of it would share triangles; and what would need boxes too wide (below). The paper measures
@@ -54,13 +54,13 @@
 #include "ref/tree/bvh.h"
 #include "ref/world/world_boxes.h"
 
-#define BRAID_MOST       64u /* largest world_build.braid */
-#define BRAID_ENTRIES    (1u << 29)
-#define BRAID_SHARE      0x1p-18 /* 64 u */
-#define BRAID_KAPPA_MOST 0x1p10  /* instances of larger K stay whole */
-#define BRAID_WIDTH_MOST 0x1p-6  /* of the longest side of a box */
-#define BRAID_LARGEST    0x1p40  /* of R, N and the inverse's numbers */
-#define BRAID_LEAST      0x1p-40 /* of R */
+#define BRAID_MOST       64u        /* largest world_build.braid */
+#define BRAID_ENTRIES    (1u << 29) /* most entries that opening makes */
+#define BRAID_SHARE      0x1p-18    /* 64 u */
+#define BRAID_KAPPA_MOST 0x1p10     /* instances of larger K stay whole */
+#define BRAID_WIDTH_MOST 0x1p-6     /* of the longest side of a box */
+#define BRAID_LARGEST    0x1p40     /* of R, N and the inverse's numbers */
+#define BRAID_LEAST      0x1p-40    /* of R */
 
 struct world_part {
     uint32_t instance;

@@ -16,6 +16,23 @@
 #include "tests/two_level/braid_stand.h"
 #include "tests/two_level/mixed_world.h"
 
+/* The box of the triangles below a node, placed. */
+static struct box box_of(const struct world *world, const struct world_trees *trees,
+                         struct world_part part)
+{
+    const struct instance *instance = &world->instance[part.instance];
+    const struct bvh *bvh = &trees->bottom[instance->mesh];
+    const struct subtree_range range = subtree_range(bvh, part.node);
+    struct box box = box_empty();
+    for (uint32_t i = range.first; i < range.end; i++) {
+        float v[3][3];
+        scene_tri(world->mesh[instance->mesh].scene, bvh->prim[i], v);
+        const struct box one = placed_tri_bounds(instance->m, v);
+        box_add_box(&box, &one);
+    }
+    return box;
+}
+
 static void every_builder_and_layout_is_sound(void **state)
 {
     (void)state;
@@ -44,6 +61,30 @@ static void every_builder_and_layout_is_sound(void **state)
         world_trees_free(&trees);
     }
     assert_true(count > 200);
+    world_free(&world);
+}
+
+/* Boxes of parts are made as those of instances are: from corners they are larger, and sound. */
+static void boxes_of_corners_are_sound(void **state)
+{
+    (void)state;
+    struct world world = mixed_world(40);
+    struct world_build build = stand_build("sah_sweep", 2);
+    struct world_trees trees;
+    build.braid = 6;
+    build.boxes = WORLD_BOXES_OF_CORNERS;
+    assert_int_equal(world_trees_make(&world, &build, &trees, NULL), STATUS_OK);
+    uint32_t larger = 0;
+    for (uint32_t i = 0; i < trees.parts.count; i++) {
+        const struct world_part part = trees.parts.part[i];
+        const struct box least = box_of(&world, &trees, part), *box = &trees.box[40 + i];
+        assert_true(box_contains_box(box, &least));
+        larger += memcmp(box, &least, sizeof least) != 0;
+    }
+    assert_true(trees.parts.count > 40 && larger > 10);
+    struct packed_world packed = stand_packed(&world, &trees, "f32", "f32");
+    packed_world_free(&packed);
+    world_trees_free(&trees);
     world_free(&world);
 }
 
@@ -115,7 +156,7 @@ static void hits_are_the_same_in_every_layout(void **state)
 
 /* --- what is opened --------------------------------------------------------------------------- */
 
-static void nothing_asked_for_changes_nothing(void **state)
+static void without_a_budget_nothing_changes(void **state)
 {
     (void)state;
     struct world world = mixed_world(30);
@@ -153,23 +194,6 @@ static void the_budget_is_spent_and_not_overrun(void **state)
     }
     assert_true(before < BRAID_MOST * active); /* leaves cannot be opened */
     world_free(&world);
-}
-
-/* The box of the triangles below a node, placed. */
-static struct box box_of(const struct world *world, const struct world_trees *trees,
-                         struct world_part part)
-{
-    const struct instance *instance = &world->instance[part.instance];
-    const struct bvh *bvh = &trees->bottom[instance->mesh];
-    const struct subtree_range range = subtree_range(bvh, part.node);
-    struct box box = box_empty();
-    for (uint32_t i = range.first; i < range.end; i++) {
-        float v[3][3];
-        scene_tri(world->mesh[instance->mesh].scene, bvh->prim[i], v);
-        const struct box one = placed_tri_bounds(instance->m, v);
-        box_add_box(&box, &one);
-    }
-    return box;
 }
 
 /* What opening is worth, -INFINITY for a leaf. */
@@ -349,8 +373,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_builder_and_layout_is_sound),
+        cmocka_unit_test(boxes_of_corners_are_sound),
         cmocka_unit_test(hits_are_the_same_in_every_layout),
-        cmocka_unit_test(nothing_asked_for_changes_nothing),
+        cmocka_unit_test(without_a_budget_nothing_changes),
         cmocka_unit_test(the_budget_is_spent_and_not_overrun),
         cmocka_unit_test(the_largest_gain_is_opened_next),
         cmocka_unit_test(what_has_no_bound_stays_whole),
