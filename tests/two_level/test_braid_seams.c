@@ -86,8 +86,8 @@ static float placed(const struct instance *instance, int k, const float p[3])
 }
 
 /* A ray from inside the box at a point of an edge between tiles, a corner of one every third time.
- * Of most rays the origin is nearly in a plane of seams: the allowance of the box test itself, 2^-18
- * of the distance along the ray, covers what is lost of others. */
+ * Of most rays the origin is nearly in a plane of seams: the allowance of the box test itself,
+ * 2^-18 of the distance along the ray, covers what is lost of others. */
 static struct ray seam_ray(const struct instance *instance, enum seam_kind kind, struct rng *rng)
 {
     const uint32_t face = rng_below(rng, 6), i = rng_below(rng, TILES), j = rng_below(rng, TILES);
