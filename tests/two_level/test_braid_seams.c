@@ -19,8 +19,9 @@
 #define TILES 8
 #define RAYS  20000
 
-/* How the box of tiles is placed. Where seams lie along axes of the world, the numbers are such that
- * placed vertices are float32 numbers: else the boxes of parts, rounded outward, hide what is lost. */
+/* How the box of tiles is placed. Where seams lie along axes of the world, the numbers are such
+ * that placed vertices are float32 numbers: else the boxes of parts, rounded outward, hide what is
+ * lost. */
 enum seam_kind {
     SEAM_STRETCHED, /* other sizes along each axis: seams along axes, and an inverse that is not
                        exact */
