@@ -57,7 +57,8 @@ static void wider_boxes_are_met_no_later(void **state)
     struct rng rng = rng_make(32, 0);
     uint32_t beside = 0;
     for (uint32_t i = 0; i < 200000; i++) {
-        const float by = ldexpf(rng_range(&rng, 1, 2), -(int)rng_below(&rng, 16));
+        const int down = (int)rng_below(&rng, 16);
+        const float by = ldexpf(rng_range(&rng, 1, 2), -down);
         struct box box;
         struct ray ray = {.tmax = 1e30f};
         float first, entry;

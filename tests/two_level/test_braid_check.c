@@ -1,5 +1,5 @@
-/* The check of packed worlds finds whatever is changed in the parts of instances; other engines take
- * such worlds. */
+/* The check of packed worlds finds whatever is changed in the parts of instances; other engines
+ * take such worlds. */
 #include "ref/store.h"
 #include "ref/trace/trace_world.h"
 #include "ref/two_level/world_check.h"
@@ -83,7 +83,7 @@ static void boxes_of_parts_one_float_too_small_are_found(void **state)
     world_free(&world);
 }
 
-/* A tree of one part in place of another, smaller or larger: triangles are in no part, or in two. */
+/* A tree of another part in place of one: triangles are in no part, or in two. */
 static void parts_have_each_triangle_once(void **state)
 {
     (void)state;

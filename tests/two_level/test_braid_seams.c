@@ -101,8 +101,9 @@ static struct ray seam_ray(const struct instance *instance, enum seam_kind kind,
         from[k] = rng_range(rng, -0.9f, 0.9f);
     }
     const uint32_t beside = rng_below(rng, 4);
+    const int down = (int)rng_below(rng, 26);
     if (beside < 3 && fabsf(at[beside]) < 1)
-        from[beside] = at[beside] + ldexpf(rng_range(rng, -1, 1), -(int)rng_below(rng, 26));
+        from[beside] = at[beside] + ldexpf(rng_range(rng, -1, 1), -down);
     seam_point(kind, at, at);
     seam_point(kind, from, from);
     for (int k = 0; k < 3; k++) {
