@@ -34,12 +34,13 @@
 
 #define ABI_INSTANCE_IDENTITY 16u /* instance_record.flags: rays are not transformed */
 
-/* An instance as engines read it. ref/world/object_ray.h says what w and t are for. */
+/* An instance as engines read it, or a part of one (ref/two_level/braid.h).
+ * ref/world/object_ray.h says what w and t are for. */
 struct instance_record {
     float w[9]; /* the inverse of M, row by row */
     float t[3];
     U32 first;       /* number of its first placed triangle */
-    U32 mesh;        /* 0xFFFFFFFF: inactive */
+    U32 mesh;        /* 0xFFFFFFFF: inactive; of a part: the number of its tree */
     U32 custom_mask; /* custom index; in the upper 8 bits the mask */
     U32 flags;       /* ABI_INSTANCE_* */
 };
@@ -58,13 +59,14 @@ ABI_SIZE(struct ray_mode, 8)
 #define ABI_TAG_FRONT  0x80000000u
 
 /* Binding 7 of these shaders: the world, in quads of four words. Trees come first, the top and then
- * that of each mesh, ABI_WORLD_TREE quads each:
- *   0  first word of its nodes, first word of its items, number of its first triangle, root
- *   1  packed.ref_count, packed.item_count, number of triangles (top: of instances), number of its
- *      first geometry
- *   2  number of its geometries, 0, 0, 0
- * Then a struct instance_record per instance, and a quad per geometry: first triangle, number of
- * triangles, 1 if it is opaque, 0. */
+ * that of each mesh, then those of parts of meshes, ABI_WORLD_TREE quads each:
+ *   0  first word of its nodes, first word of its items, number of its mesh's first triangle, root
+ *   1  packed.ref_count, packed.item_count, number of triangles of its mesh (top: of entries),
+ *      number of its mesh's first geometry
+ *   2  number of its mesh's geometries, 0, 0, 0
+ * Then a struct instance_record per entry of the top: instances, then parts of instances; a word
+ * per part, the number of its instance, up to a whole quad; and a quad per geometry: first
+ * triangle, number of triangles, 1 if it is opaque, 0. */
 #define ABI_BIND_WORLD       7
 #define ABI_WORLD_TREE       3u /* quads */
 #define ABI_WORLD_INSTANCE   4u
@@ -92,8 +94,11 @@ struct world_push {
     U32 filter_share;
     U32 first; /* world_brute: placed triangles first .. last - 1 are tested */
     U32 last;
-    U32 index; /* of the instance that triangle `first` belongs to */
+    U32 index;       /* of the instance that triangle `first` belongs to */
+    U32 entry_count; /* of the top: instances and parts */
+    float share;     /* of braid_width (ref/two_level/braid.h); 0 without parts */
+    float reach;
 };
-ABI_SIZE(struct world_push, 44)
+ABI_SIZE(struct world_push, 56)
 
 #endif

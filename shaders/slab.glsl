@@ -24,8 +24,8 @@ struct slab_ray {
     vec3 o;
     vec3 d;
     vec3 inv;      /* 1 / d, 1 where parallel */
-    vec3 o_near;   /* o, AWAY where parallel */
-    vec3 o_far;    /* o, -AWAY where parallel */
+    vec3 o_near;   /* o or beside it (slab_ray_widen), AWAY where parallel */
+    vec3 o_far;    /* likewise, -AWAY where parallel */
     vec3 pad;      /* SLAB_FAR, AWAY_PAD where parallel */
     vec3 at_most;  /* o where parallel, else infinity: at least the near plane of a box hit */
     vec3 at_least; /* o where parallel, else -infinity: at most the far plane of a box hit */
@@ -80,6 +80,21 @@ slab_ray slab_ray_make(vec3 o, vec3 d, float tmin)
     r.tmin = tmin;
     r.behind = 0.0;
     return r;
+}
+
+/* As slab_ray_widen of ref/primitives/slab.h. On parallel axes the planes are compared with at_most
+ * and at_least; on others these are infinite and stay so. */
+void slab_ray_widen(inout slab_ray r, float by)
+{
+    if (by > 0.0) {
+        precise vec3 more = r.o + by;
+        precise vec3 less = r.o - by;
+        bvec3 crossing = equal(r.pad, vec3(SLAB_FAR));
+        r.at_most = slab_select(crossing, r.at_most, more);
+        r.at_least = slab_select(crossing, r.at_least, less);
+        r.o_near = slab_select(crossing, slab_select(r.swapped, less, more), r.o_near);
+        r.o_far = slab_select(crossing, slab_select(r.swapped, more, less), r.o_far);
+    }
 }
 
 /* Sets r.behind; `nearer` has the near planes of a box that contains every vertex. */

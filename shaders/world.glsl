@@ -96,7 +96,22 @@ node enter_tree()
     return n;
 }
 
-/* Enters the next instance of the leaf of the top that the ray meets, or goes back in the top. */
+/* How much wider the boxes of the top are tested if it has parts: braid_width of
+ * ref/two_level/braid.h. */
+float top_width(vec3 o)
+{
+    vec3 a = slab_select(lessThan(o, vec3(0.0)), -o, o);
+    float largest = 0.0;
+    largest = pick(a.x > largest, a.x, largest);
+    largest = pick(a.y > largest, a.y, largest);
+    largest = pick(a.z > largest, a.z, largest);
+    precise float sum = largest + world.reach;
+    precise float width = world.share * sum;
+    return width;
+}
+
+/* Enters the next instance, or part of one, of the leaf of the top that the ray meets, or goes back
+ * in the top. */
 node step_top()
 {
     bool entered = false;
@@ -104,7 +119,7 @@ node step_top()
     while (both(top_slot < top_items, !entered)) {
         uint index = top_item(top_slot);
         top_slot++;
-        if (index < world.instance_count) {
+        if (index < world.entry_count) {
             at = instance_load(index);
             entered = instance_is_met(at, world_mode);
         }
@@ -191,6 +206,7 @@ void main()
     uint query = pick(both(first, QUERY == ABI_QUERY_CLOSEST), ABI_QUERY_ANY, QUERY);
     tree_use(0u);
     slab = slab_ray_make(world_org.xyz, world_dir.xyz, world_org.w);
+    slab_ray_widen(slab, top_width(world_org.xyz));
     walk_world(query);
     if (QUERY == ABI_QUERY_ALL) {
         found_word[id] = found;

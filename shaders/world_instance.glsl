@@ -7,19 +7,28 @@
 #include "tri.glsl"
 #include "tri_load.glsl"
 
-/* Half of a record: what decides about rays and candidates. */
+/* Half of a record: what decides about rays and candidates. Of a part of an instance `mesh` is the
+ * number of its tree. */
 struct instance {
-    uint index;
+    uint entry; /* number of the record */
+    uint index; /* of the instance */
     uint first;
     uint mesh;
     uint custom_mask;
     uint flags;
 };
 
-instance instance_load(uint index)
+/* Records of parts are behind those of instances, and the numbers of their instances behind all. */
+instance instance_load(uint entry)
 {
-    uvec4 words = world_quad[world.records + ABI_WORLD_INSTANCE * index + 3u];
-    return instance(index, words.x, words.y, words.z, words.w);
+    uvec4 words = world_quad[world.records + ABI_WORLD_INSTANCE * entry + 3u];
+    uint index = entry;
+    if (entry >= world.instance_count) {
+        uint part = entry - world.instance_count;
+        uint owners = world.records + ABI_WORLD_INSTANCE * world.entry_count;
+        index = world_quad[owners + part / 4u][part % 4u];
+    }
+    return instance(entry, index, words.x, words.y, words.z, words.w);
 }
 
 /* `mode` is mask and flags of the ray. */
@@ -32,7 +41,7 @@ bool instance_is_met(instance i, uvec2 mode)
 /* Origin and direction of the ray in the space of the instance's mesh. */
 void instance_ray(instance i, vec3 o, vec3 d, out vec3 moved_o, out vec3 moved_d)
 {
-    uint at = world.records + ABI_WORLD_INSTANCE * i.index;
+    uint at = world.records + ABI_WORLD_INSTANCE * i.entry;
     vec4 a = uintBitsToFloat(world_quad[at]), b = uintBitsToFloat(world_quad[at + 1u]);
     vec4 c = uintBitsToFloat(world_quad[at + 2u]);
     vec3 row0 = a.xyz, row1 = vec3(a.w, b.xy), row2 = vec3(b.zw, c.x);

@@ -27,7 +27,7 @@ uint stack_base = 0u; /* below it are the top's entries while a mesh is traverse
 #define TRI_NUMBER(i) (tri_first + (i))
 #define STACK_BASE    stack_base
 
-/* Turns to tree `number`: 0 is the top, mesh m has 1 + m. */
+/* Turns to tree `number`: 0 is the top, mesh m has 1 + m, parts of meshes have those behind. */
 void tree_use(uint number)
 {
     uint at = ABI_WORLD_TREE * number;

@@ -123,6 +123,7 @@ static enum status play_scene(struct check_run *check, const struct scene *scene
                                     .box = box_tests[o->box.index[0]],
                                     .tri = tri_tests[o->tri.index[0]],
                                     .query = (enum query)o->query.index[0],
+                                    .braid = o->braid,
                                     .demands = o->demands,
                                     .repeats = (unsigned)o->repeats,
                                     .brute_budget = o->brute,

@@ -114,6 +114,7 @@ struct check_options {
     bool layout_auto, layout_named, engine_named; /* engine_named: not by "all" */
     struct build_options build;
     size_t rays, modes;
+    uint32_t braid; /* of worlds */
     bool modes_named;
     uint64_t count, seed, repeats, brute, brute_rays, bits; /* bits 0: not given */
     struct engine_options engines;

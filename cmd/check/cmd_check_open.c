@@ -1,6 +1,7 @@
 /* What raydiff check is run on: a scene or a world, opened, and rays into it. */
 #include "cmd/check/cmd_check.h"
 
+#include "ref/base/command.h"
 #include "ref/base/text.h"
 #include "ref/store.h"
 #include "ref/world/world_boxes.h"
@@ -47,6 +48,9 @@ static enum status check_use_of(const struct check_options *o, const char *spec,
         return fail(reason, STATUS_INPUT,
                     "--modes: %s is a scene; only worlds have masks and flags (docs/worlds.md)",
                     spec);
+    if (!is_world && option_was_given("braid"))
+        return fail(reason, STATUS_INPUT,
+                    "--braid: %s is a scene; only worlds have instances (docs/worlds.md)", spec);
     if (is_world && o->move > 0)
         return fail(reason, STATUS_INPUT, "--move: %s is a world; only scenes are moved", spec);
     if (is_world && o->bvh)

@@ -2,6 +2,7 @@
 #include "cmd/check/cmd_check.h"
 
 #include "ref/base/command.h"
+#include "ref/two_level/braid.h"
 
 #include <math.h>
 #include <string.h>
@@ -46,6 +47,7 @@ static const struct option_row rows[] = {
      "of a world, what rays may meet: all of it, what masks and flags drawn at random admit, or "
      "mixed: every second ray",
      OF_CHOICE(modes, modes), .value = "mixed"},
+    BRAID_ROW(braid),
     {"count", "N", "rays, 1 or more; 1e6 is accepted", OF_COUNT(count, 1, 1u << 30),
      .value = "100000"},
     SEED_ROW(seed),

@@ -141,6 +141,15 @@ extern const struct option_row engine_rows[], outside_rows[], leaf_rows[], build
             .value = "1"                                                                           \
     }
 
+/* A row --braid, a uint32_t. */
+#define BRAID_ROW(member)                                                                          \
+    {                                                                                              \
+        "braid", "N",                                                                              \
+            "of a world: opens instances into parts until the top level has N entries for each; "  \
+            "0 and 1 open none",                                                                   \
+            OF_COUNT(member, 0, BRAID_MOST), .value = "0"                                          \
+    }
+
 /* A row --bvh. */
 #define TREE_ROW(member)                                                                           \
     {                                                                                              \

@@ -131,7 +131,7 @@ static const struct {
     bool (*is)(const struct engine *engine); /* true for one engine of the run; NULL: see is_met */
     bool (*is_met)(const struct option_use *use, const char *option);
 } needs[] = {
-    {"layout store builder box leaf eps bvh bins radius split-budget split-alpha optimize",
+    {"layout store builder box leaf eps bvh braid bins radius split-budget split-alpha optimize",
      "an engine that walks trees", walks_trees, NULL},
     {"eps bins radius split-budget split-alpha", "builder", NULL, by_builder},
     {"tri", "an engine that has no triangle test of its own", tests_ours, NULL},

@@ -10,6 +10,7 @@
 #include "ref/base/nearest_name.h"
 #include "ref/base/command.h"
 #include "ref/base/ray_text.h"
+#include "ref/two_level/braid.h"
 #include "scenes/rays/ray_modes.h"
 #include "scenes/opening.h"
 #include "scenes/worlds.h"
@@ -60,6 +61,7 @@ static const struct option_row rows[] = {
     {"tri", "T", "triangle test", OF_MEMBER(of.tri, TABLE_TRI_TESTS), .value = "mt"},
     {"modes", "M", "of a world, what rays may meet: all, mixed or drawn", OF_CHOICE(modes, modes),
      .value = "mixed"},
+    BRAID_ROW(braid),
     {"query", "Q", "closest or any", OF_ONE(of.query, TABLE_QUERIES), .value = "closest"},
     {"html", "FILE", "the page with pictures that turn; fetches nothing", OF_WRITTEN(html)},
     {"svg", "FILE", "the pictures alone", OF_WRITTEN(svg)},
@@ -264,6 +266,10 @@ static enum status open_either(struct explaining *e, struct reason *reason)
         status = fail(reason, STATUS_INPUT,
                       "--modes: %s is a scene; only worlds have masks and flags (docs/worlds.md)",
                       of->spec);
+    if (!status && e->world.instance_count == 0 && option_was_given("braid"))
+        status =
+            fail(reason, STATUS_INPUT,
+                 "--braid: %s is a scene; only worlds have instances (docs/worlds.md)", of->spec);
     return status;
 }
 

@@ -21,6 +21,7 @@ struct explain_options {
     bool has_index, has_cause, has_engine;
     bool has_file;    /* scene, rays and test come from a finding's file */
     uint64_t modes;   /* of a world: enum ray_modes */
+    uint32_t braid;   /* likewise */
     bool about_tree;  /* the finding has no ray */
     bool has_trial;   /* all of them come from a trial's name */
     enum cause cause; /* the requested cause, if has_cause */

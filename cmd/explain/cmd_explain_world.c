@@ -33,7 +33,8 @@ static enum status pack(struct explain_world *e, struct packed_world *packed, st
     const struct world_build how = {.top = of->builder,
                                     .bottom = of->builder,
                                     .top_options = of->build,
-                                    .bottom_options = of->build};
+                                    .bottom_options = of->build,
+                                    .braid = e->options->braid};
     struct world_trees trees;
     enum status status = world_trees_make(e->world, &how, &trees, reason);
     if (status)

@@ -5,6 +5,7 @@
 #include "cmd/common/cmd_tree.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
+#include "ref/two_level/braid.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -33,6 +34,7 @@ static const struct option_row rows[] = {
     {"leaf", "N", "items per leaf, 1 or more", OF_COUNT(build.leaf, 1, 1u << 20),
      .standard = BUILD_LEAF_DEFAULT},
     TREE_ROW(bvh),
+    BRAID_ROW(braid),
     {"box", "B,..", "box tests", OF_LIST(box, TABLE_BOX_TESTS), .value = "robust,watertight"},
     {"tri", "T,..", "triangle tests", OF_LIST(tri, TABLE_TRI_TESTS), .value = "mt,woop"},
     {"count", "N", "rays, 1 or more; fewer than 1000 prove nothing", OF_COUNT(count, 1, 1u << 28),

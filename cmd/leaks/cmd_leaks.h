@@ -21,6 +21,7 @@ struct leaks_options {
     struct screen_options screen;
     const char *json;
     const char *bvh; /* from --bvh, or NULL */
+    uint32_t braid;  /* of worlds */
 };
 
 /* Results of an engine on a layout, or without one. */

@@ -2,6 +2,7 @@
 #include "cmd/leaks/cmd_leaks.h"
 #include "cmd/common/cmd_tree.h"
 #include "cmd/leaks/cmd_leaks_world.h"
+#include "ref/base/command.h"
 #include "ref/base/text.h"
 #include "ref/twin/twin.h"
 #include "scenes/worlds.h"
@@ -308,6 +309,8 @@ enum status leaks_play(const struct leaks_options *o, struct pool *pool, struct 
     if (is_world && (o->bvh || !only_indexed(o)))
         status = fail(&why, STATUS_INPUT, "%s: is of scenes, not of worlds",
                       o->bvh ? "--bvh" : "--store");
+    else if (!status && !is_world && option_was_given("braid"))
+        status = fail(&why, STATUS_INPUT, "--braid: is of worlds, not of scenes");
     else if (is_world)
         status = leaks_play_world(o, pool, progress, &play.world, result, &why);
     else if (!status)

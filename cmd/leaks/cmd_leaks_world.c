@@ -185,7 +185,8 @@ static enum status play_rows(struct leak_world_play *play, struct reason *reason
         const struct world_build build = {.top = row.builder,
                                           .bottom = row.builder,
                                           .top_options = o->build,
-                                          .bottom_options = o->build};
+                                          .bottom_options = o->build,
+                                          .braid = o->braid};
         status = world_trees_make(play->world, &build, &play->trees, reason);
         for (size_t t = 0; t < o->tri.count && !status; t++) {
             row.tri = tri_tests[o->tri.index[t]];

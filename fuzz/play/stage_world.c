@@ -36,10 +36,10 @@ static enum status make_trees(struct play_stage *stage, struct reason *reason)
 /* The kind of fault as of a scene's tree. */
 static enum packed_rule rule_of(const struct play_stage *stage, size_t i, enum world_rule rule)
 {
-    static const enum packed_rule rules[] = {[WORLD_NUMBERS] = PACKED_RESULT,
-                                             [WORLD_RECORD] = PACKED_RECORD,
-                                             [WORLD_BOX] = PACKED_BOUND,
-                                             [WORLD_STACK] = PACKED_STACK};
+    static const enum packed_rule rules[] = {
+        [WORLD_NUMBERS] = PACKED_RESULT, [WORLD_RECORD] = PACKED_RECORD,
+        [WORLD_BOX] = PACKED_BOUND,      [WORLD_PARTS] = PACKED_LOST,
+        [WORLD_WIDTH] = PACKED_BOUND,    [WORLD_STACK] = PACKED_STACK};
     struct packed_faults faults = {.first = PACKED_SOUND};
     if (rule == WORLD_TOP)
         return PACKED_LOST; /* what packed_check knows of the top is about instances */

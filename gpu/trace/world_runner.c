@@ -97,7 +97,7 @@ static enum status check_trees(const struct world_job *job, struct reason *reaso
     const struct packed_world *packed = job->packed;
     const struct layout *layout = packed->top.layout;
     enum status status = STATUS_OK;
-    for (uint32_t i = 0; i < packed->mesh_count && !status; i++) {
+    for (uint32_t i = 0; i < packed->tree_count && !status; i++) {
         const struct packed *bottom = &packed->bottom[i];
         if (bottom->layout != layout || bottom->store != packed->bottom[0].store)
             return fail(reason, STATUS_UNSUPPORTED,

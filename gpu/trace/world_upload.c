@@ -16,7 +16,18 @@ struct world_places {
     uint64_t nodes, items, tris, geometries;
 };
 
-/* Tree 0 is the top. Without trees, all are empty. */
+static uint32_t tree_count(const struct world_job *job)
+{
+    return 1 + (job->packed ? job->packed->tree_count : job->world->mesh_count);
+}
+
+/* The mesh of a tree that is not the top. */
+static uint32_t mesh_of(const struct world_job *job, uint32_t tree)
+{
+    return job->packed ? job->packed->mesh[tree - 1] : tree - 1;
+}
+
+/* Tree 0 is the top, then come the meshes', then those of parts. Without trees, all are empty. */
 static const struct packed *tree_of(const struct world_job *job, uint32_t tree)
 {
     static const struct packed none;
@@ -31,29 +42,32 @@ static void go_on(const struct world_job *job, uint32_t tree, struct world_place
     const struct packed *packed = tree_of(job, tree);
     places->nodes += (packed->word_count + QUAD_WORDS - 1ull) / QUAD_WORDS * QUAD_WORDS;
     places->items += packed->item_count;
-    if (tree == 0)
+    if (tree == 0 || tree > job->world->mesh_count)
         return;
     places->tris += job->world->mesh[tree - 1].scene->tri_count;
     places->geometries += job->world->mesh[tree - 1].geometry_count;
 }
 
+/* `places` are those of all trees. A part has the triangles and the geometries of its mesh. */
 static void put_tree(const struct world_job *job, uint32_t tree, const struct world_places *places,
                      uint32_t *out)
 {
     const struct packed *packed = tree_of(job, tree);
-    uint32_t tris = job->world->instance_count, geometries = 0;
+    const struct world_places *of_mesh = tree > 0 ? &places[1 + mesh_of(job, tree)] : places;
+    uint32_t tris = job->packed ? job->packed->entry_count : job->world->instance_count;
+    uint32_t geometries = 0;
     if (tree > 0) {
-        tris = job->world->mesh[tree - 1].scene->tri_count;
-        geometries = job->world->mesh[tree - 1].geometry_count;
+        tris = job->world->mesh[mesh_of(job, tree)].scene->tri_count;
+        geometries = job->world->mesh[mesh_of(job, tree)].geometry_count;
     }
-    const uint32_t words[] = {(uint32_t)places->nodes,
-                              (uint32_t)places->items,
-                              (uint32_t)places->tris,
+    const uint32_t words[] = {(uint32_t)places[tree].nodes,
+                              (uint32_t)places[tree].items,
+                              (uint32_t)of_mesh->tris,
                               packed->root,
                               packed->node_count > 0 ? packed->ref_count : 0,
                               packed->item_count,
                               tris,
-                              (uint32_t)places->geometries,
+                              (uint32_t)of_mesh->geometries,
                               geometries};
     memcpy(out, words, sizeof words);
 }
@@ -78,16 +92,22 @@ static void put_geometries(const struct world *world, uint32_t *at)
         }
 }
 
-/* The records of all instances, made here if no packed world has them. */
-static enum status put_records(const struct world_job *job, uint32_t *out, struct reason *reason)
+/* The records of all entries and the instances of parts; records are made here if no packed world
+ * has them. */
+static enum status put_records(const struct world_job *job, uint32_t entries, uint32_t *out,
+                               struct reason *reason)
 {
-    const size_t bytes = job->world->instance_count * sizeof(struct instance_record);
+    const size_t bytes = entries * sizeof(struct instance_record);
+    const uint32_t instances = job->world->instance_count;
     struct instance_record *made = NULL;
     enum status status = STATUS_OK;
     if (!job->packed)
         status = world_records_make(job->world, &made, reason);
     if (!status)
         memcpy(out, job->packed ? job->packed->record : made, bytes);
+    if (!status && entries > instances)
+        memcpy(out + (size_t)QUAD_WORDS * ABI_WORLD_INSTANCE * entries,
+               job->packed->instance + instances, (entries - instances) * sizeof *out);
     free(made);
     return status;
 }
@@ -97,9 +117,13 @@ static enum status upload_world(struct vk *vk, const struct world_job *job,
                                 struct world_push *push, struct reason *reason)
 {
     const struct world *world = job->world;
-    uint64_t trees = 1ull + world->mesh_count;
-    uint64_t records = ABI_WORLD_TREE * trees;
-    uint64_t geometries = records + ABI_WORLD_INSTANCE * (uint64_t)world->instance_count;
+    const struct packed_world *packed = job->packed;
+    uint32_t trees = tree_count(job);
+    uint32_t entries = packed ? packed->entry_count : world->instance_count;
+    uint64_t records = ABI_WORLD_TREE * (uint64_t)trees;
+    uint64_t owners = records + ABI_WORLD_INSTANCE * (uint64_t)entries;
+    uint64_t geometries =
+        owners + (entries - world->instance_count + QUAD_WORDS - 1ull) / QUAD_WORDS;
     uint64_t quads = geometries + places[trees].geometries;
     uint32_t *word = quads <= UINT32_MAX ? alloc_zeroed(quads, ABI_WORLD_QUAD_BYTES) : NULL;
     if (!word)
@@ -107,11 +131,14 @@ static enum status upload_world(struct vk *vk, const struct world_job *job,
                     world->instance_count);
     *push = (struct world_push){.instance_count = world->instance_count,
                                 .records = (uint32_t)records,
-                                .geometries = (uint32_t)geometries};
+                                .geometries = (uint32_t)geometries,
+                                .entry_count = entries,
+                                .share = packed ? packed->share : 0,
+                                .reach = packed ? packed->reach : 0};
     put_filter(world, push);
     for (uint32_t i = 0; i < trees; i++)
-        put_tree(job, i, &places[i], word + (size_t)QUAD_WORDS * ABI_WORLD_TREE * i);
-    enum status status = put_records(job, word + QUAD_WORDS * records, reason);
+        put_tree(job, i, places, word + (size_t)QUAD_WORDS * ABI_WORLD_TREE * i);
+    enum status status = put_records(job, entries, word + QUAD_WORDS * records, reason);
     put_geometries(world, word + QUAD_WORDS * geometries);
     if (!status)
         status = vk_buffer_make_of(vk, word, quads * ABI_WORLD_QUAD_BYTES, out, reason);
@@ -156,7 +183,7 @@ enum status world_upload(struct vk *vk, const struct world_job *job,
                          struct vk_buffer *buffer[WORLD_BINDINGS], struct world_push *push,
                          struct reason *reason)
 {
-    uint32_t trees = 1 + job->world->mesh_count;
+    uint32_t trees = tree_count(job);
     struct world_places *places = alloc_zeroed((size_t)trees + 1, sizeof *places);
     if (!places)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for %u trees", trees);

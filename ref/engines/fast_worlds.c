@@ -31,6 +31,15 @@ static enum status decode_tree(const struct packed *packed, const struct scene *
     return status ? status : fast_decode(packed, scene, out, reason);
 }
 
+/* The tree of whole instances, for worlds whose top has parts of them: this engine's boxes have no
+ * room for what is lost between parts (ref/two_level/braid.h). */
+static enum status build_top(const struct world_job *job, struct bvh *out, struct reason *reason)
+{
+    const struct world_parts none = {.part = NULL};
+    const struct build_options options = {.leaf = BUILD_LEAF_DEFAULT, .eps = BUILD_EPS_DEFAULT};
+    return world_top_make(job->world, &none, job->packed->box, builders[0], &options, out, reason);
+}
+
 static enum status decode_world(const struct world_job *job, struct fast_decoding *d,
                                 struct reason *reason)
 {
@@ -39,9 +48,12 @@ static enum status decode_world(const struct world_job *job, struct fast_decodin
     d->bottom = alloc_zeroed(packed->mesh_count, sizeof *d->bottom);
     if (!d->bottom)
         return fail(reason, STATUS_MEMORY, "fast: no memory for %u trees", packed->mesh_count);
-    enum status status = world_items_make(job->world, packed->box, &d->items, reason);
+    const struct world_parts none = {.part = NULL};
+    enum status status = world_items_make(job->world, &none, packed->box, &d->items, reason);
     if (!status)
-        status = decode_tree(&packed->top, &d->items, &d->top, reason);
+        status = packed->entry_count > packed->instance_count
+                     ? build_top(job, &d->top, reason)
+                     : decode_tree(&packed->top, &d->items, &d->top, reason);
     for (uint32_t i = 0; i < packed->mesh_count && !status; i++)
         status = decode_tree(&packed->bottom[i], job->world->mesh[i].scene, &d->bottom[i], reason);
     return status;

@@ -51,6 +51,7 @@ struct match_options {
     const struct tri_test *tri;
     const struct builder *top_builder; /* of a world's top tree; NULL: `builder` */
     const struct layout *top_layout;   /* likewise; NULL: that which is packed */
+    uint32_t braid;                    /* as world_build.braid */
     const struct scene *rest; /* borrowed: the scene before its vertices moved. Trees are built of
                                  it and packed, then refitted to the match's; NULL: nothing moved */
     enum query query;

@@ -85,11 +85,11 @@ static void world_bytes(const struct match *match, struct row *row)
     const struct packed_world *packed = &match->packed_world;
     row->node_bytes = packed_node_bytes(&packed->top);
     row->item_bytes =
-        packed_item_bytes(&packed->top) + packed->instance_count * (uint64_t)sizeof *packed->record;
-    for (uint32_t i = 0; i < packed->mesh_count; i++) {
+        packed_item_bytes(&packed->top) + packed->entry_count * (uint64_t)sizeof *packed->record;
+    for (uint32_t i = 0; i < packed->tree_count; i++) {
         row->node_bytes += packed_node_bytes(&packed->bottom[i]);
         row->item_bytes += packed_item_bytes(&packed->bottom[i]);
-        if (tri_store_reads_scene(packed->bottom[i].store))
+        if (i < packed->mesh_count && tri_store_reads_scene(packed->bottom[i].store))
             row->scene_bytes += bytes_of_scene(match->world->mesh[i].scene);
     }
 }
@@ -136,7 +136,8 @@ enum status match_rebuild_world(struct match *match, struct reason *reason)
     const struct world_build build = {.top = top ? top : match->options.builder,
                                       .bottom = match->options.builder,
                                       .top_options = match->options.build,
-                                      .bottom_options = match->options.build};
+                                      .bottom_options = match->options.build,
+                                      .braid = match->options.braid};
     world_trees_free(&match->trees);
     const enum status status = world_trees_make(match->world, &build, &match->trees, reason);
     match->stats = status ? (struct bvh_stats){0} : stats_of(match->world, &match->trees);

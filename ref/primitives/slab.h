@@ -26,6 +26,8 @@
 /* Ray data for the box tests, computed once per ray. */
 struct slab_ray {
     float o[3];
+    float near[3]; /* where the plane that is met first is measured from, and the other one: o, */
+    float far[3];  /* or beside it, see slab_ray_widen */
     float d[3];
     float inv[3]; /* 1 / d, 0 where parallel */
     bool parallel[3];
@@ -46,12 +48,26 @@ static inline struct slab_ray slab_ray_make(const struct ray *ray)
     float least = SLAB_PARALLEL * largest;
     for (int k = 0; k < 3; k++) {
         float a = ray->dir[k] < 0.0f ? -ray->dir[k] : ray->dir[k];
-        r.o[k] = ray->org[k];
+        r.o[k] = r.near[k] = r.far[k] = ray->org[k];
         r.d[k] = ray->dir[k];
         r.parallel[k] = !(a > 0.0f) || a < least; /* NaN is parallel, and lies in no box */
         r.inv[k] = r.parallel[k] ? 0.0f : 1.0f / ray->dir[k];
     }
     return r;
+}
+
+/* From now on slab_robust and slab_watertight take every box for `by` wider on all sides, at least:
+ * the planes are measured from points `by` beside the origin, so that a box costs no more. What an
+ * axis lacks by rounding is at most 2^-24 (|o| + by), 2^-23 of it where Vulkan rounds freely. 0
+ * changes nothing, bit for bit. slab_rtrs stays as published. */
+static inline void slab_ray_widen(struct slab_ray *r, float by)
+{
+    for (int k = 0; k < 3 && by > 0.0f; k++) {
+        bool down = r->d[k] < 0.0f && !r->parallel[k]; /* the upper plane is met first */
+        float more = r->o[k] + by, less = r->o[k] - by;
+        r->near[k] = down ? less : more;
+        r->far[k] = down ? more : less;
+    }
 }
 
 /* Conservative slab test: true if the exact ray meets the box at a t in [tmin, tbest], for IEEE
@@ -64,10 +80,10 @@ static inline bool slab_robust(const struct slab_ray *r, const struct box *box, 
     bool ok = true;
     for (int k = 0; k < 3; k++) {
         if (r->parallel[k]) {
-            ok = ok && box->lo[k] <= r->o[k] && r->o[k] <= box->hi[k];
+            ok = ok && box->lo[k] <= r->near[k] && r->far[k] <= box->hi[k];
         } else {
-            float a = ((r->d[k] < 0.0f ? box->hi[k] : box->lo[k]) - r->o[k]) * r->inv[k];
-            float b = ((r->d[k] < 0.0f ? box->lo[k] : box->hi[k]) - r->o[k]) * r->inv[k];
+            float a = ((r->d[k] < 0.0f ? box->hi[k] : box->lo[k]) - r->near[k]) * r->inv[k];
+            float b = ((r->d[k] < 0.0f ? box->lo[k] : box->hi[k]) - r->far[k]) * r->inv[k];
             float bp = b * SLAB_FAR;
             tn = a > tn ? a : tn;
             tf = bp < tf ? bp : tf;
@@ -101,10 +117,10 @@ static inline bool slab_watertight(const struct slab_ray *r, const struct box *b
     bool ok = true;
     for (int k = 0; k < 3; k++) {
         if (r->parallel[k]) {
-            ok = ok && box->lo[k] <= r->o[k] && r->o[k] <= box->hi[k];
+            ok = ok && box->lo[k] <= r->near[k] && r->far[k] <= box->hi[k];
         } else {
-            float a = ((r->d[k] < 0.0f ? box->hi[k] : box->lo[k]) - r->o[k]) * r->inv[k];
-            float b = ((r->d[k] < 0.0f ? box->lo[k] : box->hi[k]) - r->o[k]) * r->inv[k];
+            float a = ((r->d[k] < 0.0f ? box->hi[k] : box->lo[k]) - r->near[k]) * r->inv[k];
+            float b = ((r->d[k] < 0.0f ? box->lo[k] : box->hi[k]) - r->far[k]) * r->inv[k];
             tn = a > tn ? a : tn;
             tf = b < tf ? b : tf;
         }

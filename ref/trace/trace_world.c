@@ -31,17 +31,17 @@ static enum status walk_bottom(struct walk *w, const struct world_job *job)
     return walk_tree(w, WALK_BOTTOM, job->box->id, job->tri->id);
 }
 
-/* Walks through one instance. Returns true if the ray ends there. */
+/* Walks through one entry of the top: an instance, or a part of one. Returns true if the ray ends
+ * there. */
 static bool enter_instance(struct world_walk *both, uint32_t index)
 {
     const struct packed_world *packed = both->job->packed;
     struct walk *top = &both->top, *bottom = &both->bottom;
     struct instance_at *at = &both->at;
-    at->index = index;
+    at->index = packed->instance[index];
     at->record = &packed->record[index];
     struct ray inside = transform_ray(at->record, both->ray);
-    walk_set_tree(bottom, &packed->bottom[at->record->mesh],
-                  at->world->mesh[at->record->mesh].scene);
+    walk_set_tree(bottom, &packed->bottom[at->record->mesh], world_scene(at->world, at->index));
     walk_set_ray(bottom, &inside);
     bottom->best = top->best;
     bottom->tbest = top->tbest;
@@ -51,13 +51,14 @@ static bool enter_instance(struct world_walk *both, uint32_t index)
     return both->status || (top->query == QUERY_ANY && top->best.prim != ABI_NO_PRIM);
 }
 
-/* Whether a number in the top is that of an instance which the ray may meet. Words of a packed
- * world that its check refuses do no harm. */
+/* Whether a number in the top is that of an entry which the ray may meet. Words of a packed world
+ * that its check refuses do no harm. */
 static bool is_met(const struct world_walk *both, uint32_t index)
 {
-    const struct world *world = both->at.world;
-    return index < world->instance_count && world_meets(&world->instance[index], both->at.mode) &&
-           both->job->packed->record[index].mesh < world->mesh_count;
+    const struct packed_world *packed = both->job->packed;
+    return index < packed->entry_count &&
+           world_meets(&both->at.world->instance[packed->instance[index]], both->at.mode) &&
+           packed->record[index].mesh < packed->tree_count;
 }
 
 /* Goes through the instances of a leaf of the top. */
@@ -82,6 +83,7 @@ static void start(struct world_walk *both, const struct world_job *job, const st
     both->status = STATUS_OK;
     walk_set_tree(top, &job->packed->top, NULL);
     walk_set_ray(top, ray);
+    slab_ray_widen(&top->slab, braid_width(job->packed->share, job->packed->reach, ray->org));
     top->enter = enter_leaf;
     bottom->at = &both->at;
     bottom->tag = 0;

@@ -9,7 +9,9 @@
  * the shader:
  *   The top is traversed as trace_ray traverses a tree, with the ray as it is; the watertight box
  *   test takes the box of its root for the extent of the world. Items of its leaves are instances,
- *   in slot order. An instance that world_meets() refuses is skipped. For others the ray is
+ *   in slot order, or parts of instances (ref/two_level/braid.h), which are traversed as instances
+ *   are. If there are parts the boxes of the top are tested as if they were wider by braid_width()
+ *   (slab_ray_widen). An instance that world_meets() refuses is skipped. For others the ray is
  *   transformed (transform_ray) and traverses the tree of the mesh as trace_ray does, with the same
  *   box test, from the test of its root's box on; the watertight test takes that box for the
  *   extent. The best hit, its t and so the end of the range are carried from instance to instance.

@@ -94,11 +94,16 @@ static enum status points_make(const struct world *world, bool vertices, struct 
     return status;
 }
 
+bool world_boxes_are_of_vertices(const struct world *world, enum world_boxes how)
+{
+    return how == WORLD_BOXES_OF_VERTICES ||
+           (how == WORLD_BOXES_AUTO && placed_vertices(world) <= WORLD_BOXES_VERTICES);
+}
+
 enum status world_boxes_make(const struct world *world, enum world_boxes how, struct box **out,
                              struct reason *reason)
 {
-    bool vertices = how == WORLD_BOXES_OF_VERTICES ||
-                    (how == WORLD_BOXES_AUTO && placed_vertices(world) <= WORLD_BOXES_VERTICES);
+    bool vertices = world_boxes_are_of_vertices(world, how);
     struct mesh_points *mesh;
     enum status status = points_make(world, vertices, &mesh);
     struct box *box = alloc_zeroed(world->instance_count, sizeof *box);

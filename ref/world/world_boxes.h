@@ -27,6 +27,9 @@ const char *world_boxes_name(enum world_boxes how);
 /* True if rays can meet the instance: it has a mesh with triangles, and a mask. */
 bool world_is_active(const struct world *world, uint32_t instance);
 
+/* True if the boxes of the world's instances are made from vertices. */
+bool world_boxes_are_of_vertices(const struct world *world, enum world_boxes how);
+
 /* Makes the boxes of all instances, instance_count of them; box_empty() for those that are not
  * active. Caller frees *out. Errors: STATUS_LIMIT an instance reaches beyond float32;
  * STATUS_MEMORY. */

@@ -120,7 +120,7 @@ walk 'check soup:n=40 --count 64 --repeat 1 --engine brute' \
     'engine=cpu tri=woop move=0.1 query=any rays=random count=70 seed=3 ~repeat=2 brute=300 brute-rays=3
     ~require=watertight json=@ ~threads=1 wide color=always'
 walk 'check crowd:n=6,seed=2 --count 64 --repeat 1 --engine cpu --layout f32 --rays primary' \
-    'layout=rf16 store=compact engine=cpu_stackless builder=sah_sweep leaf=1 optimize=reinsert box=watertight tri=woop query=any
+    'layout=rf16 store=compact engine=cpu_stackless builder=sah_sweep leaf=1 optimize=reinsert braid=4 box=watertight tri=woop query=any
     rays=random modes=all count=70 ~repeat=2 brute=300 brute-rays=3 ~require=watertight json=@ ~threads=1 wide color=always'
 walk 'explain soup:n=40 --index 3 --engine cpu --builder ploc --layout f32' \
     'rays=random count=70 index=4 seed=3 engine=fast layout=rf16 store=compact builder=lbvh leaf=1 ~radius=1
@@ -129,7 +129,7 @@ walk 'leaks sphere:n=4 --count 100 --engine cpu --builder sah_binned' \
     'layout=f32 store=compact engine=fast ~bins=2 ~leaf=1 ~optimize=reinsert ~builder=sah_binned box=robust tri=mt count=70
     ~seed=3 profile=dxr json=@ ~threads=1 wide color=always'
 walk 'leaks wall:n=2 --count 100 --engine cpu --builder sah_binned' \
-    'layout=f32 engine=cpu_stackless ~bins=2 ~leaf=1 ~optimize=reinsert ~builder=sah_binned box=robust tri=mt count=70
+    'layout=f32 engine=cpu_stackless ~bins=2 ~leaf=1 ~optimize=reinsert ~braid=4 ~builder=sah_binned box=robust tri=mt count=70
     ~seed=3 profile=dxr json=@ ~threads=1 wide color=always'
 # Files and formats.
 walk 'gen soup:n=9 --count 5' 'rays=vertices count=6 seed=3 query=any decimal out=@'

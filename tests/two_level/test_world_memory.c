@@ -16,6 +16,7 @@
 #include <string.h>
 #include <cmocka.h>
 
+#include "tests/two_level/braid_stand.h"
 #include "tests/two_level/world_stand.h"
 
 #define TIMES_MOST 4000
@@ -25,6 +26,7 @@ struct steps {
     struct world world;
     struct world_trees trees;
     struct packed_world packed;
+    uint32_t braid;
 };
 
 typedef enum status step_fn(const struct steps *steps, struct reason *reason);
@@ -57,6 +59,7 @@ static enum status do_trees(const struct steps *steps, struct reason *reason)
     struct world_build build = stand_build("median", 2);
     struct world_trees trees;
     build.top_options.threads = build.bottom_options.threads = 1;
+    build.braid = steps->braid;
     enum status status = world_trees_make(&steps->world, &build, &trees, reason);
     const struct world_trees zero = {0};
     if (status)
@@ -96,6 +99,20 @@ static enum status do_brute(const struct steps *steps, struct reason *reason)
     return status;
 }
 
+/* Its top is built anew if the world's has parts. */
+static enum status do_fast(const struct steps *steps, struct reason *reason)
+{
+    const struct engine *engine = engine_find("fast");
+    const struct engine_options options = {.threads = 1, .device = -1};
+    struct world_job job = stand_job(&steps->world, &steps->packed, QUERY_CLOSEST);
+    void *self;
+    enum status status = engine->open(&options, &self, reason);
+    if (!status)
+        status = engine->worlds->prepare_world(self, &job, reason);
+    engine->close(self);
+    return status;
+}
+
 static void each_allocation_may_fail(void **state)
 {
     (void)state;
@@ -110,10 +127,21 @@ static void each_allocation_may_fail(void **state)
     fixture_finish(&steps.world);
     steps.trees = stand_trees(&steps.world, "median", 2);
     steps.packed = stand_packed(&steps.world, &steps.trees, "f32", "cwbvh80");
-    assert_true(fail_each(do_trees, &steps) > 20);
-    assert_true(fail_each(do_pack, &steps) > 10);
-    assert_true(fail_each(do_check, &steps) > 10);
+    const long trees = fail_each(do_trees, &steps), pack = fail_each(do_pack, &steps);
+    const long check = fail_each(do_check, &steps);
+    assert_true(trees > 20 && pack > 10 && check > 10);
     assert_true(fail_each(do_brute, &steps) == 2);
+    packed_world_free(&steps.packed);
+    world_trees_free(&steps.trees);
+    /* The same with instances that are opened. */
+    steps.braid = 4;
+    steps.trees = braid_trees(&steps.world, "median", 2, 4);
+    steps.packed = stand_packed(&steps.world, &steps.trees, "f32", "cwbvh80");
+    assert_true(steps.trees.parts.count > 10);
+    assert_true(fail_each(do_trees, &steps) > trees + 4);
+    assert_true(fail_each(do_pack, &steps) > pack + 10);
+    assert_true(fail_each(do_check, &steps) > check + 10);
+    assert_true(fail_each(do_fast, &steps) > 10);
     packed_world_free(&steps.packed);
     world_trees_free(&steps.trees);
     world_free(&steps.world);

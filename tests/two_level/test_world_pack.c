@@ -82,7 +82,7 @@ static void tops_are_not_split(void **state)
     assert_true(bvh_is_split(&trees.bottom[0]));
     assert_int_equal(trees.top.prim_count, 200);
     /* The same items as a scene are split. */
-    assert_int_equal(world_items_make(&world, trees.box, &scene, NULL), STATUS_OK);
+    assert_int_equal(world_items_make(&world, &trees.parts, trees.box, &scene, NULL), STATUS_OK);
     assert_int_equal(bvh_build(build.top, &scene, &build.top_options, &bvh, NULL), STATUS_OK);
     assert_true(bvh_is_split(&bvh));
     struct packed_world packed = stand_packed(&world, &trees, "f32", "f32");

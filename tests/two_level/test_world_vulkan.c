@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <cmocka.h>
 
+#include "tests/two_level/braid_stand.h"
 #include "tests/two_level/world_stand.h"
 
 #define RAYS     400
@@ -164,6 +165,61 @@ static void every_layout_has_the_bits_of_cpu(void **state)
     assert_true(count > 50);
 }
 
+/* Tops with parts of instances: the shader reads their records, trees and instances, and tests its
+ * boxes as wide. */
+static void parts_of_instances_have_the_bits_of_cpu(void **state)
+{
+    (void)state;
+    if (!on_gpu)
+        skip();
+    uint32_t count = 0;
+    for (uint32_t i = 0; layouts_all[i]; i++) {
+        if (i % 5)
+            continue;
+        struct world world = mixed_world((enum filter_kind)((i + 2) % 4), 1);
+        struct world_build build = stand_build("sah_sweep", 1 + i % 3);
+        struct world_trees trees;
+        struct packed_world packed;
+        struct reason reason = {""};
+        build.braid = 3 + i % 5;
+        if (world_trees_make(&world, &build, &trees, &reason) ||
+            packed_world_make(&world, &trees, layouts_all[i], layouts_all[i], tri_stores[0],
+                              &packed, &reason))
+            fail_msg("%s: %s", layouts_all[i]->name, reason.text);
+        assert_true(packed.entry_count > 50 && packed.share > 0);
+        make_rays(&packed);
+        struct world_job job = stand_job(&world, &packed, i % 2 ? QUERY_CLOSEST : QUERY_ANY);
+        job.box = box_tests[i % 3];
+        assert_true(assert_same(&job, true) > (layouts_all[i]->faithful ? 0 : RAYS / 8));
+        assert_same_lists(job, CAPACITY);
+        count++;
+        packed_world_free(&packed);
+        world_trees_free(&trees);
+        world_free(&world);
+    }
+    assert_true(count > 10);
+}
+
+/* Two parts an instance, and a filter that reads the instance's number. */
+static void parts_are_filtered_as_their_instances(void **state)
+{
+    (void)state;
+    if (!on_gpu)
+        skip();
+    struct world world = bars_world(40, 2);
+    world.mesh[0].geometry[0].opaque = false;
+    world.filter = (struct filter_rule){FILTER_TRIANGLES, 3, 128};
+    struct packed_world packed = braid_world(&world, "sah_sweep", "f32", 2);
+    for (uint32_t i = 0; i < packed.entry_count - 40; i++)
+        assert_int_equal(packed.instance[40 + i], i / 2);
+    make_rays(&packed);
+    const struct world_job job = stand_job(&world, &packed, QUERY_CLOSEST);
+    assert_true(assert_same(&job, false) > RAYS / 8);
+    assert_same_lists(job, CAPACITY);
+    packed_world_free(&packed);
+    world_free(&world);
+}
+
 static void every_test_and_query(void **state)
 {
     (void)state;
@@ -273,6 +329,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_layout_has_the_bits_of_cpu),
+        cmocka_unit_test(parts_of_instances_have_the_bits_of_cpu),
+        cmocka_unit_test(parts_are_filtered_as_their_instances),
         cmocka_unit_test(every_test_and_query),
         cmocka_unit_test(every_storage_of_meshes),
         cmocka_unit_test(worlds_without_anything),

@@ -45,6 +45,46 @@ grep -Eq '"seams": true' "$dir/leaks.json" || bad "leaks --json: no seams"
 expect 1 . leaks placed-turned --engine cpu --tri mt --box watertight $few --profile dxr
 grep -q 'BROKEN: [0-9]* missed' "$dir/out" || bad "leaks: DXR forbids misses inside an instance"
 
+# Instances in parts: seams between parts of one instance leak nothing. box.obj is a closed box of 10 * 10 tiles a side,
+# stretched and sheared: most seams of its parts lie along axes.
+awk 'BEGIN {
+    n = 10
+    for (face = 0; face < 6; face++)
+        for (i = 0; i <= n; i++)
+            for (j = 0; j <= n; j++) {
+                axis = int(face / 2)
+                p[axis] = face % 2 * 2 - 1
+                p[(axis + 1) % 3] = 2 * i / n - 1
+                p[(axis + 2) % 3] = 2 * j / n - 1
+                print "v", p[0], p[1], p[2]
+            }
+    for (face = 0; face < 6; face++)
+        for (i = 0; i < n; i++)
+            for (j = 0; j < n; j++) {
+                a = face * (n + 1) * (n + 1) + i * (n + 1) + j + 1
+                print face % 2 ? "f " a " " a + n + 1 " " a + n + 2 " " a + 1 : "f " a " " a + 1 " " a + n + 2 " " a + n + 1
+            }
+}' >"$dir/box.obj"
+cat >"$dir/box.world.json" <<'JSON'
+{"raydiff_world": 1, "meshes": [{"scene": "box.obj"}], "instances": [
+ {"mesh": 0, "transform": [0.7, 0, 0, 5,  0, 0.3, 0, 1,  0, 0, 1.1, 2]},
+ {"mesh": 0, "transform": [0, 0.7, 0, -5,  0.3, 0, 0, 1,  0, 0, -1.1, 2]},
+ {"mesh": 0, "transform": [1, 4, 0, 0,  0, 1, 0, 20,  0, 0, 1, 0]}]}
+JSON
+for world in placed-turned placed-stretched placed-mirrored placed-sheared crowd:n=30 "$dir/box.world.json"; do
+    expect 0 . leaks $world --engine cpu --tri woop --box watertight --count 20000 --layout f32,cwbvh80 \
+        --builder sah_sweep --leaf 1 --braid 32
+    tail -n 1 "$dir/out" | grep -qx 'conclusion: 2 rows: 2 kept, 0 broken, 0 counted' || bad "leaks $world --braid: leaks"
+done
+# The option is used: with parts the top is more than the layout holds.
+expect 0 . leaks crowd:n=5000,size=1 --engine cpu --tri woop --box watertight --count 1000 --layout rf16 --leaf 1
+expect 2 . leaks crowd:n=5000,size=1 --engine cpu --tri woop --box watertight --count 1000 --layout rf16 --leaf 1 --braid 8
+grep -q 'rf16 refused: top level' "$dir/out" || bad "leaks --braid: the top has no parts"
+expect 2 '^raydiff leaks: sphere:n=2: --braid: is of worlds, not of scenes$' leaks sphere:n=2 --engine cpu --braid 2 $few
+expect 2 'rf16: a child record index is at most 32767' explain crowd:n=5000,size=1 --layout rf16 --leaf 1 --count 100 --braid 8
+expect 2 '^raydiff check: --braid: sphere:n=2 is a scene' check sphere:n=2 --engine cpu --count 100 --braid 2
+expect 2 '^raydiff explain: --braid: sphere:n=2 is a scene' explain sphere:n=2 --count 100 --braid 2
+
 # What is no world to be closed, and options that are of scenes.
 cat >"$dir/open.world.json" <<'JSON'
 {"raydiff_world": 1, "meshes": [{"scene": "sphere:n=2"}, {"scene": "terrain:k=2"}],
