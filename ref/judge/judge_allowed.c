@@ -120,6 +120,37 @@ static void allow_transform(const struct judge *judge, const struct ray *ray,
     out->det_most += 2.0 * moved * across;
 }
 
+static void through(const double w[9], double a[3])
+{
+    const double from[3] = {a[0], a[1], a[2]};
+    for (int k = 0; k < 3; k++)
+        a[k] = w[3 * k] * from[0] + w[3 * k + 1] * from[1] + w[3 * k + 2] * from[2];
+}
+
+/* The test runs in the space of the mesh, where other products cancel, and others are flushed, than
+ * in the world. With M^-1 of the vectors every determinant is that of the world over det M, and so
+ * are its bounds. */
+static void allow_mesh(const struct judge *judge, const struct judge_at *at,
+                       struct judge_rounding *out)
+{
+    const double *w = judge->place[at->instance].near;
+    struct judge_rounding mesh = {.tri = out->tri};
+    double inverse[3];
+    judge_cross(w + 3, w + 6, inverse);
+    const double size = fabs(1.0 / judge_dot(w, inverse)); /* |det M| */
+    for (int c = 0; c < 3; c++) {
+        through(w, mesh.tri.v[c]);
+        through(w, mesh.tri.side[c]);
+    }
+    through(w, mesh.tri.d);
+    judge_cross(mesh.tri.side[2], mesh.tri.side[0], mesh.tri.n);
+    complete(&mesh);
+    for (int c = 0; c < 3; c++)
+        out->edge_most[c] = fmax(out->edge_most[c], size * mesh.edge_most[c]);
+    out->det_most = fmax(out->det_most, size * mesh.det_most);
+    out->t_most = fmax(out->t_most, size * mesh.t_most);
+}
+
 struct judge_rounding judge_rounding_at(const struct judge *judge, const struct ray *ray,
                                         uint32_t prim)
 {
@@ -133,6 +164,7 @@ struct judge_rounding judge_rounding_at(const struct judge *judge, const struct 
     struct judge_rounding out = {
         .tri = ray_triangle_placed(ray, judge->world->instance[at.instance].m, v)};
     complete(&out);
+    allow_mesh(judge, &at, &out);
     allow_transform(judge, ray, &at, &out);
     return out;
 }

@@ -158,7 +158,7 @@ static bool possible_by_distance(const struct judge *judge, const struct ray *ra
  * ref/judge/judge_distance.c are below that, but for triangles that the line lies in the plane of
  * and which it passes far beside. No tracer of JUDGE_ALL_MOST triangles tests those, since it has
  * boxes itself. */
-#define NEAR 0x1p-6
+#define NEAR 0x1p-4
 
 static bool comes_near(const struct ray *ray, const struct box *box)
 {
