@@ -273,6 +273,18 @@ static enum status open_either(struct explaining *e, struct reason *reason)
     return status;
 }
 
+static enum status explain_trial_of_world(struct explaining *e, int *code, struct reason *reason)
+{
+    struct trial_meshes meshes;
+    const struct fuzz_trial *trial = &e->file.trial;
+    enum status status = trial_meshes_make(&trial->world, &e->scene, &meshes, reason);
+    if (status)
+        return status;
+    status = explain_world(e->options, &meshes.world, trial, &e->pool, code, reason);
+    trial_meshes_free(&meshes);
+    return status;
+}
+
 static enum status explain(struct explaining *e, int *code, struct reason *reason)
 {
     const struct explain_of *of = &e->options->of;
@@ -284,11 +296,13 @@ static enum status explain(struct explaining *e, int *code, struct reason *reaso
                       .tri = of->tri,
                       .query = of->query};
     enum status status = STATUS_OK;
+    e->pool.options = e->options->engines;
+    if (e->file.trial.world.is)
+        return explain_trial_of_world(e, code, reason);
     if (!e->options->has_file)
         status = open_either(e, reason);
-    e->pool.options = e->options->engines;
     if (!status && e->world.instance_count > 0)
-        return explain_world(e->options, &e->world, &e->pool, code, reason);
+        return explain_world(e->options, &e->world, NULL, &e->pool, code, reason);
     if (!status)
         status = make_rays(e, reason);
     if (!status)
@@ -357,6 +371,7 @@ int cmd_explain(int argc, char **argv)
     tree_file_free(&e.tree);
     scene_free(&e.scene);
     world_free(&e.world);
+    trial_world_free(&e.file.trial.world);
     free(e.ray);
     return code;
 }

@@ -80,7 +80,7 @@ static enum status take_file(struct explain_options *o, const char *path, struct
                              struct reason *reason)
 {
     static const char own[] = "ray rays count seed bvh store builder leaf eps bins radius "
-                              "split-budget split-alpha optimize box tri query braid";
+                              "split-budget split-alpha optimize box tri query modes braid";
     const char *flag;
     for (size_t i = 0; (flag = option_given(i)) != NULL; i++)
         if (option_among(own, flag))
@@ -89,10 +89,8 @@ static enum status take_file(struct explain_options *o, const char *path, struct
     if (status)
         return status;
     const struct fuzz_trial *trial = &file->trial;
-    if (trial->world.is)
-        return fail(reason, STATUS_INPUT,
-                    "%s: is a trial of a world; this command takes one of a scene: replay it",
-                    path);
+    const bool scene =
+        !trial->world.is; /* of a world all answers are explained, by no cause here */
     o->has_file = true;
     o->of.builder = trial->builder;
     o->of.build = trial->build;
@@ -103,10 +101,12 @@ static enum status take_file(struct explain_options *o, const char *path, struct
     if (file->has_signature) {
         const struct fuzz_signature *signature = &file->signature;
         bool on_ray = signature->kind <= FUZZ_KIND_BITS || signature->kind == FUZZ_KIND_UNFINISHED;
-        o->about_tree = signature->kind == FUZZ_KIND_TREE && !o->has_index && !o->has_cause;
+        o->about_tree =
+            scene && signature->kind == FUZZ_KIND_TREE && !o->has_index && !o->has_cause;
         if (!on_ray && !o->has_index && !o->about_tree)
             status = fail(reason, STATUS_INPUT, "%s: a finding of kind %s is on no ray: %s", path,
-                          fuzz_kind_name(signature->kind), "name one with --index, or replay it");
+                          fuzz_kind_name(signature->kind),
+                          scene ? "name one with --index, or replay it" : "replay it");
         if (!status && !o->about_tree)
             status = take_engine(o, signature, reason);
         else if (!status && !o->of.engine->needs_packed)
@@ -114,7 +114,7 @@ static enum status take_file(struct explain_options *o, const char *path, struct
                           path, o->of.engine->name);
         if (!option_was_given("layout") && signature->layout)
             o->of.layout = signature->layout;
-        if (!o->has_cause && !o->has_index && signature->cause != CAUSE_NOT_REPEATABLE) {
+        if (scene && !o->has_cause && !o->has_index && signature->cause != CAUSE_NOT_REPEATABLE) {
             o->has_cause = true;
             o->cause = signature->cause;
         }

@@ -121,6 +121,16 @@ static enum status judge_and_explain(struct explain_world *e, struct pool *pool,
     return status;
 }
 
+const char *explain_world_set(const struct explain_world *e)
+{
+    return e->options->has_file ? "its own" : e->options->rays->name;
+}
+
+const char *explain_world_modes(const struct explain_world *e)
+{
+    return e->options->has_file ? "its own" : ray_modes_name((enum ray_modes)e->options->modes);
+}
+
 /* --- the page --------------------------------------------------------------------------------- */
 
 static void print_kinds(const struct explain_world *e, char *text, size_t bytes)
@@ -189,9 +199,8 @@ static void print(const struct explain_world *e, const struct screen *screen)
     print_kinds(e, kinds, sizeof kinds);
     screen_text(screen, "%s%s%s, query %s: %zu rays of set %s, modes %s: %zu WRONG%s%s\n",
                 of->engine->name, e->layout ? " on " : "", e->layout ? e->layout->name : "",
-                query_name(of->query), e->count, e->options->rays->name,
-                ray_modes_name((enum ray_modes)e->options->modes), e->why.wrong,
-                kinds[0] ? ": " : "", kinds);
+                query_name(of->query), e->count, explain_world_set(e), explain_world_modes(e),
+                e->why.wrong, kinds[0] ? ": " : "", kinds);
     if (e->why.wrong > 0) {
         print_first(e, screen);
         print_attempts(e);
@@ -199,28 +208,37 @@ static void print(const struct explain_world *e, const struct screen *screen)
     print_conclusion(e, screen);
 }
 
-static enum status make_arrays(struct explain_world *e, struct reason *reason)
+static enum status make_arrays(struct explain_world *e, const struct fuzz_trial *trial,
+                               struct reason *reason)
 {
     e->hit = alloc_zeroed(e->count, sizeof *e->hit);
     e->tag = alloc_zeroed(e->count, sizeof *e->tag);
     e->judgement = alloc_zeroed(e->count, sizeof *e->judgement);
     if (!e->hit || !e->tag || !e->judgement)
         return fail(reason, STATUS_MEMORY, "no memory for %zu answers", e->count);
+    if (trial) {
+        e->ray = alloc_copy(trial->ray, e->count, sizeof *e->ray);
+        e->mode = alloc_copy(trial->world.mode, e->count, sizeof *e->mode);
+        return e->ray && e->mode ? STATUS_OK
+                                 : fail(reason, STATUS_MEMORY, "no memory for %zu rays", e->count);
+    }
     return world_rays_new(e->world, e->options->rays, (enum ray_modes)e->options->modes,
                           e->options->of.seed, e->count, &e->ray, &e->mode, reason);
 }
 
 enum status explain_world(const struct explain_options *options, struct world *world,
-                          struct pool *pool, int *code, struct reason *reason)
+                          const struct fuzz_trial *trial, struct pool *pool, int *code,
+                          struct reason *reason)
 {
     const struct screen screen = screen_make(&options->screen);
     struct explain_world e = {.options = options,
                               .world = world,
-                              .count =
-                                  option_was_given("count") ? (size_t)options->count : RAYS_OWN};
+                              .count = trial                       ? trial->ray_count
+                                       : option_was_given("count") ? (size_t)options->count
+                                                                   : RAYS_OWN};
     enum status status = check_use(options, reason);
     if (!status)
-        status = make_arrays(&e, reason);
+        status = make_arrays(&e, trial, reason);
     if (!status)
         status = answer(&e, pool, reason);
     if (!status)

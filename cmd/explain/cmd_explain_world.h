@@ -22,10 +22,16 @@ struct explain_world {
     struct world_why why;
 };
 
-/* Traces, judges, explains and prints; *code is the exit code. Errors: STATUS_INPUT options that
+/* Traces, judges, explains and prints; *code is the exit code. `trial` has the rays and what they
+ * may meet, and world is made of it; NULL: they are made as the options have it. Errors: STATUS_INPUT options that
  * are for scenes; those of world_trees_make, packed_world_make, of the engine; STATUS_MEMORY. */
 enum status explain_world(const struct explain_options *options, struct world *world,
-                          struct pool *pool, int *code, struct reason *reason) MUST_USE;
+                          const struct fuzz_trial *trial, struct pool *pool, int *code,
+                          struct reason *reason) MUST_USE;
+
+/* The set of its rays, and their modes; "its own" of a file. */
+const char *explain_world_set(const struct explain_world *e);
+const char *explain_world_modes(const struct explain_world *e);
 
 /* Writes it as JSON. Errors: as json_write. */
 enum status explain_world_json(const struct explain_world *e, int exit_code,

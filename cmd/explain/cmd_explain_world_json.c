@@ -47,10 +47,10 @@ enum status explain_world_json(const struct explain_world *e, int exit_code, str
         "attempts=%p at_the_rim=%u tree_fault=%p cause=%s defect=%p",
         RAYDIFF_VERSION, exit_code, of->spec, e->world->instance_count, world_tri_count(e->world),
         of->engine->name, e->layout ? json_string(e->layout->name) : json_null(),
-        query_name(of->query), e->count, e->options->rays->name,
-        ray_modes_name((enum ray_modes)e->options->modes), why->wrong, kinds_json(why),
-        first_json(e), why->wrong_compared, why->other_compared, attempts_json(why),
-        why->at_the_rim, e->tree_fault.text[0] ? json_string(e->tree_fault.text) : json_null(),
+        query_name(of->query), e->count, explain_world_set(e), explain_world_modes(e), why->wrong,
+        kinds_json(why), first_json(e), why->wrong_compared, why->other_compared,
+        attempts_json(why), why->at_the_rim,
+        e->tree_fault.text[0] ? json_string(e->tree_fault.text) : json_null(),
         world_cause_name(why->cause),
         named ? json_string(world_defect_about(why->defect)->text) : json_null());
     return json_write(e->options->json, root, 9, reason);

@@ -76,9 +76,18 @@ has out '^  after    1 instance, 1 triangle, 1 ray, 3 vertices,'
 expect 0 . min "$dir/small.trial" --out "$dir/same.trial"
 cmp -s "$dir/small.trial" "$dir/same.trial" || bad "the smallest stays as it is"
 
+# Its own rays are explained, all together.
+expect 1 . explain "$large" --engine cpu --wide
+has out ', query (closest|any): 100 rays of set its own, modes its own: [0-9]+ WRONG: '
+has out '^cause  world_box: top level, .*: rtrs_rf: .*triangle [0-9]+'
+expect 1 . explain "$dir/small.trial"
+has out '^conclusion: WRONG: 1 of 1 answers, by world_box$'
+expect 0 . explain "$large" --engine brute
+has out '^conclusion: no answer is wrong$'
+expect 2 "raydiff explain: --rays: .*small.trial brings its own" explain "$dir/small.trial" --rays random
+expect 2 "raydiff explain: --modes: .*small.trial brings its own" explain "$dir/small.trial" --modes all
+expect 2 "raydiff explain: --index: .*small.trial is a world; it is for scenes" explain "$dir/small.trial" --index 0
 # What takes scenes says so in one line.
-expect 2 "raydiff explain: .*/small.trial: is a trial of a world; this command takes one of a scene" \
-    explain "$dir/small.trial"
 expect 2 "raydiff export: .*/small.trial: is a trial of a world: --form text writes" export "$dir/small.trial"
 printf 'raydiff 1\nfrom 284c1685c959d337 1 2 mixed mixed\nm\nm\n' >"$dir/answers"
 "$raydiff" verify <"$dir/answers" >"$dir/out" 2>"$dir/err"
