@@ -23,8 +23,9 @@ struct explain_world {
 };
 
 /* Traces, judges, explains and prints; *code is the exit code. `trial` has the rays and what they
- * may meet, and world is made of it; NULL: they are made as the options have it. Errors: STATUS_INPUT options that
- * are for scenes; those of world_trees_make, packed_world_make, of the engine; STATUS_MEMORY. */
+ * may meet, and world is made of it; NULL: they are made as the options have it. Errors:
+ * STATUS_INPUT options that are for scenes; those of world_trees_make, packed_world_make, of the
+ * engine; STATUS_MEMORY. */
 enum status explain_world(const struct explain_options *options, struct world *world,
                           const struct fuzz_trial *trial, struct pool *pool, int *code,
                           struct reason *reason) MUST_USE;

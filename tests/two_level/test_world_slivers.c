@@ -185,9 +185,9 @@ static void slivers_of_sheared_instances_are_judged_as_their_meshes_see_them(voi
     assert_int_equal(wrong, 0);
 }
 
-/* Found by a campaign: a mesh of size 2^-48 with vertices times 2^up, placed where it is. Its edges'
- * products with t's are near 2^-145, and Embree is a third off, as any test is that flushes them.
- * Returns what it is called. */
+/* Found by a campaign: a mesh of size 2^-48 with vertices times 2^up, placed where it is. Its
+ * edges' products with t's are near 2^-145, and Embree is a third off, as any test is that flushes
+ * them. Returns what it is called. */
 static enum wrong of_a_tiny_mesh(int up)
 {
     float vertex[9] = {0x1p-48f, 0x1.8p-49f, 0, 0x1p-49f, 0, 0, 0x1p-48f, 0, 0};

@@ -82,6 +82,9 @@ has out ', query (closest|any): 100 rays of set its own, modes its own: [0-9]+ W
 has out '^cause  world_box: top level, .*: rtrs_rf: .*triangle [0-9]+'
 expect 1 . explain "$dir/small.trial"
 has out '^conclusion: WRONG: 1 of 1 answers, by world_box$'
+sed '/^rays 1/,$s/ 255 0 #/ 17 4 #/' "$dir/small.trial" >"$dir/masked.trial"
+expect 1 . explain "$dir/masked.trial"
+has out '^the first, ray 0, mask 0x11, flags 0x004:'
 expect 0 . explain "$large" --engine brute
 has out '^conclusion: no answer is wrong$'
 expect 2 "raydiff explain: --rays: .*small.trial brings its own" explain "$dir/small.trial" --rays random
