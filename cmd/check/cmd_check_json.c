@@ -138,6 +138,8 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
                          row->stats.leaf_count, row->stats.depth, row->stats.largest_leaf));
     if (o->tree)
         json_add(out, "bvh=%s", o->tree->name);
+    if (o->braid)
+        json_add(out, "braid=%u", o->braid);
     json_add(out, "store=%p", json_text(row->layout && o->store ? o->store->name : NULL));
     if (scene->move > 0)
         json_add(out, "moved=%p",

@@ -279,6 +279,8 @@ static void print_tree(const struct row *row)
         printf("tree: %s", row->options.tree->name);
     else
         printf("tree: %s, leaf %u", row->options.builder->name, row->options.build.leaf);
+    if (row->options.braid)
+        printf(", braid %u", row->options.braid);
     printf(": %s, %s, depth %u, largest leaf %u\n", COUNTED(row->stats.node_count, "node"),
            COUNTED(row->stats.leaf_count, "leaf"), row->stats.depth, row->stats.largest_leaf);
 }

@@ -82,6 +82,9 @@ expect 2 . leaks crowd:n=5000,size=1 --engine cpu --tri woop --box watertight --
 grep -q 'rf16 refused: top level' "$dir/out" || bad "leaks --braid: the top has no parts"
 expect 2 '^raydiff leaks: sphere:n=2: --braid: is of worlds, not of scenes$' leaks sphere:n=2 --engine cpu --braid 2 $few
 expect 2 'rf16: a child record index is at most 32767' explain crowd:n=5000,size=1 --layout rf16 --leaf 1 --count 100 --braid 8
+expect 0 . check mixed --engine cpu --layout f32 --count 200 --braid 8 --json "$dir/braid.json"
+grep -q '^tree: median, leaf 4, braid 8: ' "$dir/out" || bad "check --braid is not told"
+grep -q '"braid": 8' "$dir/braid.json" || bad "check --braid is not in the JSON"
 expect 2 '^raydiff check: --braid: sphere:n=2 is a scene' check sphere:n=2 --engine cpu --count 100 --braid 2
 expect 2 '^raydiff explain: --braid: sphere:n=2 is a scene' explain sphere:n=2 --count 100 --braid 2
 
