@@ -79,7 +79,7 @@ done
 grep -q '(by default 1 mesh, 64 instances, 768 placed triangles)' "$dir/out" || bad 'scene list counts what a wall has'
 
 # One line each, and nothing is written.
-expect 2 'mixed: is a world of 3 meshes, 32 instances, 1900 placed triangles; this command takes a scene' gen mixed
+expect 2 'mixed: is a world of 3 meshes, 32 instances, 1900 placed triangles; this command takes a scene' precompute --scene mixed --out "$dir/no.json"
 expect 2 'is a world of 1 mesh, 2 instances' bench layouts --scene "$dir/a.json"
 expect 2 'x.stl: this format holds one mesh in one instance' scene convert crowd "$dir/x.stl"
 expect 2 'x.obj: this format holds one mesh in one instance' scene convert crowd "$dir/x.obj"
