@@ -29,6 +29,16 @@ until_shown() {
     bad "no '$1' on the screen"
     cat "$dir/now"
 }
+# Waits until the screen, which is paused, stays as it is: a terminal shows what is written to it piece by piece.
+still() {
+    shown >"$dir/now"
+    for i in 1 2 3 4 5 6 7 8 9 10; do
+        mv "$dir/now" "$dir/before"
+        sleep 0.2
+        shown >"$dir/now"
+        cmp -s "$dir/before" "$dir/now" && return
+    done
+}
 masked() {
     sed -E 's/\|[^|]*\|/|trend|/; s/^(verdicts  right .*, wrong [^,]*),.*/\1, others/; s/cpu\.rtrs_rf_paper\.[a-z_]+\.[a-z_.]+/NAME/; s/(NAME).*/\1/; s/^  triangle .*|^  a .*|^  the .*|^  an .*/  cause/; s/[0-9][0-9.e+]*/#/g; s/[0-9]# triangles?/# triangles/; s/# triangles?, # rays?/size/; s/ +/ /g; s/ $//' "$1" |
         grep -vE '^ (again|\.\.\. and) ' | uniq
@@ -36,7 +46,7 @@ masked() {
 # name, columns: compares what stands there with its page
 picture() {
     page=docs/screens/$1-$2.txt
-    shown >"$dir/now"
+    still
     awk -v most="$2" 'length($0) > most { exit 1 }' "$dir/now" || bad "$1 is wider than $2 columns"
     [ "$write" = --write ] && cp "$dir/now" "$page"
     masked "$page" >"$dir/wanted"

@@ -85,6 +85,9 @@ expect 2 'rf16: a child record index is at most 32767' explain crowd:n=5000,size
 expect 0 . check mixed --engine cpu --layout f32 --count 200 --braid 8 --json "$dir/braid.json"
 grep -q '^tree: median, leaf 4, braid 8: ' "$dir/out" || bad "check --braid is not told"
 grep -q '"braid": 8' "$dir/braid.json" || bad "check --braid is not in the JSON"
+expect 0 . check mixed --engine cpu --layout f32 --count 200 --json "$dir/whole.json"
+bytes() { sed -n 's/^ *"node_bytes": \([0-9]*\),$/\1/p' "$1" | head -n 1; }
+[ "$(bytes "$dir/braid.json")" -gt "$(bytes "$dir/whole.json")" ] || bad "check --braid makes no parts"
 expect 2 '^raydiff check: --braid: sphere:n=2 is a scene' check sphere:n=2 --engine cpu --count 100 --braid 2
 expect 2 '^raydiff explain: --braid: sphere:n=2 is a scene' explain sphere:n=2 --count 100 --braid 2
 
