@@ -142,6 +142,8 @@ static bool may_pass(const struct judge *judge, const struct ray *ray, const str
         return true; /* judged otherwise */
     if (judge->model.bits)
         return filter_passes(&judge->world->filter, &at->place, answer->u, answer->v);
+    if (!judge->in_contract || !ray_in_contract(ray))
+        return true; /* u and v may be any */
     if (judge->own)
         twin = judge_twin(judge, ray, answer->prim, NULL);
     return passes(judge, ray, answer->prim, at, &twin, false);

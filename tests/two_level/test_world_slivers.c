@@ -231,11 +231,53 @@ static void what_is_flushed_in_a_mesh_may_be_lost(void **state)
     assert_int_equal(of_a_tiny_mesh(60), WRONG_DISTANCE);
 }
 
+/* Beyond the contract u and v may be any, and so may what a filter by cells makes of them; within
+ * it they may not. Found by a campaign at 2^63. */
+static void a_filter_reads_no_cells_beyond_the_contract(void **state)
+{
+    (void)state;
+    const struct model unknown = {.formula = TWIN_UNKNOWN, .rounding = ROUNDING_IEEE};
+    const struct ray_mode mode = ray_mode_all();
+    unsigned wrong[2] = {0, 0};
+    for (int huge = 0; huge < 2; huge++)
+        for (uint32_t seed = 0; seed < 16; seed++) {
+            const float a = huge ? 0x1p63f : 1;
+            float vertex[9] = {a, 0, 0, 0, a, 0, a, a, 2 * a};
+            uint32_t index[3] = {0, 1, 2};
+            const struct scene scene = {
+                .vertex = vertex, .vertex_count = 3, .index = index, .tri_count = 1};
+            const struct ray ray = {.org = {0, 0, a}, .dir = {1, 1, -1}, .tmax = INFINITY};
+            const struct hit hit = {.t = 0.6f * a, .u = 0, .v = 0, .prim = 0};
+            struct world world;
+            struct oracle *oracle;
+            struct judge *judge;
+            struct oracle_answer truth;
+            struct judgement j;
+            assert_int_equal(world_of_scene(&scene, &world, NULL), STATUS_OK);
+            world.mesh[0].geometry[0].opaque = false;
+            world.filter = (struct filter_rule){.kind = FILTER_CELLS, .seed = seed, .share = 128};
+            assert_int_equal(world_finish(&world, NULL), STATUS_OK);
+            assert_int_equal(oracle_make_world(&world, &oracle, NULL), STATUS_OK);
+            assert_int_equal(judge_make(oracle, &unknown, QUERY_CLOSEST, &judge, NULL), STATUS_OK);
+            assert_int_equal(oracle_closest_world(oracle, ORACLE_AUTO, ORACLE_CLOSED, &ray, &mode,
+                                                  1, 1, &truth, NULL, NULL),
+                             STATUS_OK);
+            assert_int_equal(judge_world_answer(judge, &ray, mode, &truth, &hit, 0, &j), STATUS_OK);
+            wrong[huge] += j.wrong == WRONG_OPACITY;
+            judge_free(judge);
+            oracle_free(oracle);
+            world_free(&world);
+        }
+    assert_true(wrong[0] > 3);
+    assert_int_equal(wrong[1], 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(slivers_of_sheared_instances_are_judged_as_their_meshes_see_them),
         cmocka_unit_test(what_is_flushed_in_a_mesh_may_be_lost),
+        cmocka_unit_test(a_filter_reads_no_cells_beyond_the_contract),
         cmocka_unit_test(a_side_is_known_where_no_displacement_turns_it),
     };
     return cmocka_run_group_tests_name("world_slivers", tests, NULL, NULL);
