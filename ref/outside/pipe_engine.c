@@ -103,6 +103,18 @@ static enum status check_hits(struct pipe_tracer *tracer, const struct pipe_rays
     return STATUS_OK;
 }
 
+/* Sends rays and has their answers; the time of that alone is added to the report. */
+static enum status ask_peer(struct pipe_tracer *tracer, struct pipe_rays *rays,
+                            struct trace_report *report, struct reason *reason)
+{
+    enum status status = pipe_peer_need(&tracer->peer, reason);
+    uint64_t start = time_ns();
+    if (!status)
+        status = pipe_peer_ask(&tracer->peer, rays, reason);
+    report->ns += time_ns() - start;
+    return status;
+}
+
 static enum status tracer_trace(void *self, const struct ray *ray, size_t ray_count,
                                 struct hit *hit, struct trace_report *report, struct reason *reason)
 {
@@ -116,11 +128,7 @@ static enum status tracer_trace(void *self, const struct ray *ray, size_t ray_co
                                  .answer = hit + first,
                                  .ray_bytes = sizeof *ray,
                                  .answer_bytes = sizeof *hit};
-        enum status status = pipe_peer_need(&tracer->peer, reason);
-        uint64_t start = time_ns();
-        if (!status)
-            status = pipe_peer_ask(&tracer->peer, &rays, reason);
-        report->ns += time_ns() - start;
+        enum status status = ask_peer(tracer, &rays, report, reason);
         if (!status)
             status = check_hits(tracer, &rays, hit + first, reason);
         if (status)
@@ -214,11 +222,7 @@ static enum status tracer_trace_world(void *self, const struct ray *ray,
         for (size_t i = 0; i < rays.count; i++)
             tracer->ray[i] =
                 (struct pipe_world_ray){ray[first + i], some ? some[i] : ray_mode_all()};
-        enum status status = pipe_peer_need(&tracer->peer, reason);
-        uint64_t start = time_ns();
-        if (!status)
-            status = pipe_peer_ask(&tracer->peer, &rays, reason);
-        report->ns += time_ns() - start;
+        enum status status = ask_peer(tracer, &rays, report, reason);
         if (!status)
             status = take_answers(tracer, &rays, some, hit + first, tag + first, reason);
         if (status)

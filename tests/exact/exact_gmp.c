@@ -317,3 +317,26 @@ void exact_gmp_nearest(const struct scene *scene, const struct ray *ray, enum or
     exact_gmp_clear(&pair);
     mpq_clear(plane);
 }
+
+bool exact_gmp_far_off(const struct ray *ray, long double a[3][3], long double slack)
+{
+    long double length[3] = {0, 0, 0}, d_length = 0;
+    bool positive = false, negative = false;
+    for (int k = 0; k < 3; k++) {
+        d_length += fabsl((long double)ray->dir[k]);
+        for (int c = 0; c < 3; c++)
+            length[c] += fabsl(a[c][k]);
+    }
+    for (int c = 0; c < 3; c++) {
+        int one = (c + 1) % 3, two = (c + 2) % 3;
+        long double sum = 0, size = (length[one] + slack) * (length[two] + slack);
+        long double limit = d_length * (0x1p-16L * size + slack * (length[one] + length[two]));
+        for (int k = 0; k < 3; k++) {
+            int i = (k + 1) % 3, j = (k + 2) % 3;
+            sum += (long double)ray->dir[k] * (a[one][i] * a[two][j] - a[one][j] * a[two][i]);
+        }
+        positive |= sum > limit;
+        negative |= sum < -limit;
+    }
+    return positive && negative;
+}

@@ -27,6 +27,13 @@ void exact_gmp_pair(const struct ray *ray, float v[3][3], struct gmp_pair *pair)
 /* The same of a triangle whose vertices are any rationals. */
 void exact_gmp_pair_at(const struct ray *ray, mpq_t v[3][3], struct gmp_pair *pair);
 
+/* True if two edge products are of surely opposite sign, by more than any float32 formula errs
+ * (2^-16 of the product of the vectors' lengths; some 2^-19 is possible): it spares the rationals
+ * what is far off.
+ *   a      the vertices, relative to the ray's origin
+ *   slack  by how much each of their coordinates may be off */
+bool exact_gmp_far_off(const struct ray *ray, long double a[3][3], long double slack);
+
 /* Sign of a - x; x may be infinite. */
 int exact_gmp_compare(const mpq_t a, double x);
 

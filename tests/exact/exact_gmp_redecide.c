@@ -12,30 +12,13 @@ const char *gmp_opinion_name(enum gmp_opinion opinion)
     return opinion <= GMP_OVERTURNED ? name[opinion] : "unknown";
 }
 
-/* Spares the rationals what is far off: two edge products of surely opposite sign, by more than any
- * float32 formula errs (2^-16 of the product of the vectors' lengths; some 2^-19 is possible). */
 static bool far_off(const struct ray *ray, float v[3][3])
 {
-    long double a[3][3], length[3] = {0, 0, 0}, d_length = 0;
-    bool positive = false, negative = false;
-    for (int k = 0; k < 3; k++) {
-        d_length += fabsl((long double)ray->dir[k]);
-        for (int c = 0; c < 3; c++) {
+    long double a[3][3];
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < 3; k++)
             a[c][k] = (long double)v[c][k] - (long double)ray->org[k];
-            length[c] += fabsl(a[c][k]);
-        }
-    }
-    for (int c = 0; c < 3; c++) {
-        int one = (c + 1) % 3, two = (c + 2) % 3;
-        long double sum = 0, limit = 0x1p-16L * d_length * length[one] * length[two];
-        for (int k = 0; k < 3; k++) {
-            int i = (k + 1) % 3, j = (k + 2) % 3;
-            sum += (long double)ray->dir[k] * (a[one][i] * a[two][j] - a[one][j] * a[two][i]);
-        }
-        positive |= sum > limit;
-        negative |= sum < -limit;
-    }
-    return positive && negative;
+    return exact_gmp_far_off(ray, a, 0);
 }
 
 struct redecide_work {

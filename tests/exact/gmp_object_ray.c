@@ -14,28 +14,17 @@ static void clear_three(mpq_t x[3])
     mpq_clears(x[0], x[1], x[2], NULL);
 }
 
-static float rounded_sum(float a, float b)
+/* a by b, rounded once. */
+static float rounded(void (*operation)(mpq_t, const mpq_t, const mpq_t), float a, float b)
 {
     mpq_t x, y;
     mpq_inits(x, y, NULL);
     mpq_set_d(x, (double)a);
     mpq_set_d(y, (double)b);
-    mpq_add(x, x, y);
-    float sum = exact_gmp_round(x);
+    operation(x, x, y);
+    float result = exact_gmp_round(x);
     mpq_clears(x, y, NULL);
-    return sum;
-}
-
-static float rounded_product(float a, float b)
-{
-    mpq_t x, y;
-    mpq_inits(x, y, NULL);
-    mpq_set_d(x, (double)a);
-    mpq_set_d(y, (double)b);
-    mpq_mul(x, x, y);
-    float product = exact_gmp_round(x);
-    mpq_clears(x, y, NULL);
-    return product;
+    return result;
 }
 
 /* (w0 x0 + w1 x1) + w2 x2; not finite if a number on the way is not. */
@@ -43,12 +32,12 @@ static float row_of(const float w[3], const float x[3])
 {
     float term[3], first;
     for (int j = 0; j < 3; j++) {
-        term[j] = rounded_product(w[j], x[j]);
+        term[j] = rounded(mpq_mul, w[j], x[j]);
         if (!float_is_finite(term[j]))
             return term[j];
     }
-    first = rounded_sum(term[0], term[1]);
-    return float_is_finite(first) ? rounded_sum(first, term[2]) : first;
+    first = rounded(mpq_add, term[0], term[1]);
+    return float_is_finite(first) ? rounded(mpq_add, first, term[2]) : first;
 }
 
 /* The inverse of M; each number in `exact`, if that is not NULL, and rounded once. */
@@ -86,7 +75,7 @@ bool gmp_object_ray(const struct instance *instance, const struct ray *ray, stru
     inverse_of(instance, w, NULL);
     bool finite = true;
     for (int k = 0; k < 3; k++) {
-        x[k] = rounded_sum(ray->org[k], -instance->m[k][3]);
+        x[k] = rounded(mpq_sub, ray->org[k], instance->m[k][3]);
         finite &= float_is_finite(x[k]);
         for (int j = 0; j < 3; j++)
             finite &= float_is_finite(w[k][j]);

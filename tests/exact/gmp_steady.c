@@ -122,31 +122,27 @@ void gmp_steady_load(const struct world *world, const struct ray *ray, uint32_t 
     all_of(&w, false);
 }
 
-bool gmp_steady_hit(const struct gmp_steady *s)
+/* Whether `size` is above 2^doublings times the reach, along edge c; all are squares. */
+static bool is_above(const struct gmp_steady *s, const mpq_t size, int c, mp_bitcnt_t doublings)
 {
-    bool steady = true;
     mpq_t limit;
     mpq_init(limit);
-    for (int c = 0; c < 3; c++) {
-        mpq_mul(limit, s->reach, s->along[c]);
-        steady &= mpq_cmp(s->distance[c], limit) > 0;
-    }
+    mpq_mul(limit, s->reach, s->along[c]);
+    mpq_mul_2exp(limit, limit, 2 * doublings);
+    bool above = mpq_cmp(size, limit) > 0;
     mpq_clear(limit);
-    return steady;
+    return above;
+}
+
+bool gmp_steady_hit(const struct gmp_steady *s)
+{
+    return is_above(s, s->distance[0], 0, 0) && is_above(s, s->distance[1], 1, 0) &&
+           is_above(s, s->distance[2], 2, 0);
 }
 
 bool gmp_steady_side(const struct gmp_steady *s)
 {
-    bool steady = true;
-    mpq_t limit;
-    mpq_init(limit);
-    for (int c = 0; c < 3; c++) {
-        mpq_mul(limit, s->reach, s->along[c]);
-        mpq_mul_2exp(limit, limit, 2);
-        steady &= mpq_cmp(s->det, limit) > 0;
-    }
-    mpq_clear(limit);
-    return steady;
+    return is_above(s, s->det, 0, 1) && is_above(s, s->det, 1, 1) && is_above(s, s->det, 2, 1);
 }
 
 int gmp_steady_t(const struct gmp_steady *s, const mpq_t t, double x)

@@ -63,36 +63,21 @@ void gmp_world_pair(const struct world *world, const struct ray *ray, uint32_t p
     clear_all(v);
 }
 
-/* Two edge products of surely opposite sign, by more than placing a vertex in long double errs. */
 bool gmp_world_far_off(const struct instance *instance, const struct ray *ray, float p[3][3])
 {
-    long double a[3][3], length[3] = {0, 0, 0}, d_length = 0, slack = 0;
-    bool positive = false, negative = false;
-    for (int k = 0; k < 3; k++) {
-        d_length += fabsl((long double)ray->dir[k]);
+    long double a[3][3], slack = 0; /* of placing a vertex in long double */
+    for (int k = 0; k < 3; k++)
         for (int c = 0; c < 3; c++) {
             long double sum = (long double)instance->m[k][3], size = fabsl(sum);
             for (int j = 0; j < 3; j++) {
-                sum += (long double)instance->m[k][j] * (long double)p[c][j];
-                size += fabsl((long double)instance->m[k][j] * (long double)p[c][j]);
+                long double product = (long double)instance->m[k][j] * (long double)p[c][j];
+                sum += product;
+                size += fabsl(product);
             }
             a[c][k] = sum - (long double)ray->org[k];
-            length[c] += fabsl(a[c][k]);
             slack = fmaxl(slack, 0x1p-58L * (size + fabsl((long double)ray->org[k])));
         }
-    }
-    for (int c = 0; c < 3; c++) {
-        int one = (c + 1) % 3, two = (c + 2) % 3;
-        long double sum = 0, size = (length[one] + slack) * (length[two] + slack);
-        long double limit = d_length * (0x1p-16L * size + slack * (length[one] + length[two]));
-        for (int k = 0; k < 3; k++) {
-            int i = (k + 1) % 3, j = (k + 2) % 3;
-            sum += (long double)ray->dir[k] * (a[one][i] * a[two][j] - a[one][j] * a[two][i]);
-        }
-        positive |= sum > limit;
-        negative |= sum < -limit;
-    }
-    return positive && negative;
+    return exact_gmp_far_off(ray, a, slack);
 }
 
 /* --- facing ----------------------------------------------------------------------------------- */

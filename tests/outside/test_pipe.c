@@ -1,5 +1,5 @@
 /* Laws of engines "pipe:COMMAND" (ref/outside/pipe.h): a peer that keeps the protocol is an engine
- * like any other; whatever else it does is said in one line, ends the peer and nothing else, and
+ * like any other; whatever else it does is told in one line, ends the peer and nothing else, and
  * leaves no process behind. The peers are this program, run as `test_pipe --peer WHAT`. */
 #define _GNU_SOURCE /* environ, usleep */
 #include "ref/outside/pipe.h"
@@ -22,23 +22,12 @@
 #include <stdio.h>
 #include <cmocka.h>
 
+#include "tests/outside/peer_engine.h"
+
 #define RAYS 200
 
-static const char *program;
 static struct scene scene;
 static struct ray rays[RAYS];
-
-/* Engines are listed for good, and only a few: one whose command says what it is by a variable. */
-static const struct engine *peer_engine(const char *what)
-{
-    char name[PIPE_NAME_MOST];
-    const struct engine *engine;
-    struct reason reason;
-    assert_int_equal(setenv("PEER", what, 1), 0);
-    snprintf(name, sizeof name, "pipe:exec %.100s --peer $PEER", program);
-    assert_int_equal(pipe_engine(name, &engine, &reason), STATUS_OK);
-    return engine;
-}
 
 static struct job job_of(enum query query)
 {

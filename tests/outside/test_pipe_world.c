@@ -1,5 +1,5 @@
 /* Laws of engines "pipe:COMMAND" on worlds (ref/outside/pipe.h, version 2): a peer receives the
- * world and the rays to the bit, and what it cannot mean is said in one line. The peers are this
+ * world and the rays to the bit, and what it cannot mean is refused in one line. The peers are this
  * program (tests/outside/world_peers.h). */
 #define _GNU_SOURCE /* setenv */
 #include "ref/twin/model.h"

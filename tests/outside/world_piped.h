@@ -11,23 +11,13 @@
 #include <stdarg.h>
 #include <cmocka.h>
 
+#include "tests/outside/peer_engine.h"
+
 #define RAYS 400
 
-static const char *program;
 static struct world world;
 static struct ray *ray;
 static struct ray_mode *mode;
-
-static inline const struct engine *peer_engine(const char *what)
-{
-    char name[PIPE_NAME_MOST];
-    const struct engine *engine;
-    struct reason reason;
-    assert_int_equal(setenv("PEER", what, 1), 0);
-    snprintf(name, sizeof name, "pipe:exec %.100s --peer \"$PEER\"", program);
-    assert_int_equal(pipe_engine(name, &engine, &reason), STATUS_OK);
-    return engine;
-}
 
 static inline struct world_job job_of(enum query query)
 {

@@ -99,6 +99,18 @@ static enum status follow_up(const struct ground *ground, const struct tally_con
     return done ? STATUS_OK : STATUS_MEMORY;
 }
 
+void play_count(struct play_result *out, const struct hit *hit, const struct judgement *judgement,
+                size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        out->verdict[judgement[i].verdict]++;
+        out->hits += hit[i].prim != ABI_NO_PRIM;
+        if (judgement[i].over > out->worst_over)
+            out->worst_over = judgement[i].over;
+    }
+    out->judged = count;
+}
+
 enum status play(const struct ground *ground, const struct tally_contestant *who, struct pool *pool,
                  struct tally *tally, struct play_result *out, struct reason *reason)
 {
@@ -123,13 +135,8 @@ enum status play(const struct ground *ground, const struct tally_contestant *who
         if (bad)
             status = fail(reason, STATUS_MEMORY, "no memory to judge %d answers", bad);
     }
-    for (size_t i = 0; i < ground->count && !status; i++) {
-        out->verdict[ground->judgement[i].verdict]++;
-        out->hits += ground->hit[i].prim != ABI_NO_PRIM;
-        if (ground->judgement[i].over > out->worst_over)
-            out->worst_over = ground->judgement[i].over;
-    }
-    out->judged = status ? 0 : ground->count;
+    if (!status)
+        play_count(out, ground->hit, ground->judgement, ground->count);
     if (!status && out->verdict[VERDICT_WRONG] > 0)
         status = follow_up(ground, who, &stand, self, tally);
     stand_free(&stand);

@@ -28,6 +28,10 @@ struct play_result {
     bool refused; /* the layout cannot hold the scene, or the engine cannot run here: reason */
 };
 
+/* Counts the judgements of `count` answers. */
+void play_count(struct play_result *out, const struct hit *hit, const struct judgement *judgement,
+                size_t count);
+
 /* Traces and judges all rays; every WRONG is decided again and added to the tally, with its cause
  * (of the first WRONG_EXPLAINED of each play; what is beyond keeps CAUSE_UNEXPLAINED) and its
  * smallest scene. Errors: STATUS_DEVICE the engine failed; STATUS_MEMORY. */

@@ -7,7 +7,8 @@
  * published, which are known to be wrong, join with 1/500 of the rays: they show that WRONGs are
  * found, decided again and explained. The first of each signature and the smallest scene that still
  * shows it go to DIR. Exit: 0 nothing overturned and no WRONG of cpu, vulkan or fast on f32 or
- * rf16; 1 otherwise; 2 bad input; 3 an engine failed; 4 no memory. */
+ * rf16; 1 otherwise; 2 bad input; 3 an engine failed; 4 no memory; 77 the engine
+ * of a finding cannot run here. */
 #include "ref/files/file.h"
 #include "tests/truth/truth.h"
 
@@ -46,8 +47,26 @@ void truth_count(struct truth_campaign *c, const char *where, const struct tally
         sum->worst_over = result->worst_over;
 }
 
-void truth_own(void *self, void (*one)(void *self, const struct tally_contestant *who,
-                                       enum truth_group group, uint32_t share))
+void truth_play(const struct truth_seat *seat, const struct tally_contestant *who,
+                enum truth_group group, uint32_t share)
+{
+    struct truth_campaign *c = seat->campaign;
+    struct play_result result;
+    struct reason reason = {""};
+    char where[160];
+    const size_t all = *seat->count;
+    *seat->count = all / share;
+    if (*seat->count > 0) {
+        snprintf(where, sizeof where, "%s, %s rays", seat->spec, seat->rays);
+        progress_step(&c->progress, "%s, %s %s %s", where, who->engine->name,
+                      who->layout ? who->layout->name : "", who->tri->name);
+        enum status status = seat->play(seat->ground, who, &c->pool, &c->tally, &result, &reason);
+        truth_count(c, where, who, group, status, &result, &reason);
+    }
+    *seat->count = all;
+}
+
+void truth_play_own(const struct truth_seat *seat)
 {
     static const char *const pairs[][2] = {{"mt", "robust"}, {"woop", "watertight"}};
     static const char *const own[] = {"cpu", "vulkan"};
@@ -59,9 +78,29 @@ void truth_own(void *self, void (*one)(void *self, const struct tally_contestant
                                                      .layout = layouts[l],
                                                      .box = box_test_find(pairs[t][1]),
                                                      .tri = tri_test_find(pairs[t][0])};
-                one(self, &who, published ? GROUP_PUBLISHED : (enum truth_group)t,
-                    published ? PUBLISHED_SHARE : 1);
+                truth_play(seat, &who, published ? GROUP_PUBLISHED : (enum truth_group)t,
+                           published ? PUBLISHED_SHARE : 1);
             }
+}
+
+enum status truth_each_set(struct truth_campaign *c, void *ground,
+                           enum status (*one)(struct truth_campaign *c, void *ground,
+                                              const struct ray_set *set, size_t count,
+                                              uint64_t seed, struct reason *reason),
+                           struct reason *reason)
+{
+    static const char *const sets[] = {"random", "vertices", "edges", "corners", "axis"};
+    enum status status = STATUS_OK;
+    for (size_t s = 0; s < ARRAY_COUNT(sets) && !status; s++) {
+        size_t left = (size_t)c->options.rays / ARRAY_COUNT(sets);
+        for (uint64_t part = 0; left > 0 && !status; part++) {
+            size_t rays = left < BATCH ? left : BATCH;
+            status = one(c, ground, ray_set_find(sets[s]), rays, c->options.seed + 1000 * part + s,
+                         reason);
+            left -= rays;
+        }
+    }
+    return status;
 }
 
 static void print_groups(const struct truth_campaign *c)
@@ -132,7 +171,8 @@ static const struct option_set set = {
     .usage = "truth [OPTIONS] [FILE.trial...]     (make truth ARGS='...')",
     .about = "Judges rays and decides every WRONG again; with files, those of findings in worlds.",
     .group = {GROUP(rows), GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines)},
-    .codes = "0 nothing overturned, 1 otherwise, 2 bad input, 3 an engine failed, 4 no memory",
+    .codes = "0 nothing overturned, 1 otherwise, 2 bad input, 3 an engine failed, 4 no memory, "
+             "77 the engine of a finding cannot run here",
     .example = "truth --rays 10000 --out build/truth",
 };
 
@@ -150,21 +190,26 @@ static void play_spec(struct truth_campaign *c, const char *spec, truth_plays *p
         fclose(there);
     enum status status = plays(c, spec, &reason);
     progress_end(&c->progress);
-    c->scenes++;
+    c->scenes += status == STATUS_OK;
     if (status) {
-        fprintf(stderr, "truth: %s: %s\n", spec, reason.text);
+        bool named = strncmp(reason.text, spec, strlen(spec)) == 0; /* as readers of files do */
+        fprintf(stderr, "truth: %s%s%s\n", named ? "" : spec, named ? "" : ": ", reason.text);
         c->code = exit_worse(c->code, exit_of_status(status));
     }
 }
 
 int main(int argc, char **argv)
 {
+    static const char *const campaign_only[] = {"worlds", "rays", "seed"};
     static struct truth_campaign c;
     c.options = (struct truth_options){.engines = engine_options_default()};
     c.progress = progress_make("truth");
     int first, code = options_read(&set, &c.options, argc, argv, &first);
     if (code >= 0)
         return code;
+    for (size_t i = 0; first < argc && i < ARRAY_COUNT(campaign_only); i++)
+        if (option_was_given(campaign_only[i]))
+            return usage_error("truth", "--%s: a finding brings its own", campaign_only[i]);
     c.pool.options = c.options.engines;
     const char *const *spec = c.options.worlds ? truth_worlds : truth_scenes;
     for (; *spec && first == argc; spec++)

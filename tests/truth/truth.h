@@ -5,6 +5,7 @@
 #include "cmd/common/cmd_progress.h"
 #include "cmd/common/cmd_rows.h"
 #include "ref/base/command.h"
+#include "scenes/rays/rays.h"
 #include "tests/truth/play.h"
 
 struct truth_options {
@@ -42,18 +43,35 @@ truth_plays truth_play_trial;
 /* NULL-terminated. */
 extern const char *const truth_scenes[], *const truth_worlds[];
 
-/* The sets of rays, and how many there are. */
-#define TRUTH_SETS 5
-extern const char *const truth_rays[TRUTH_SETS];
+/* A scene or world that contestants play on, with one set of rays. */
+struct truth_seat {
+    struct truth_campaign *campaign;
+    const char *spec, *rays;
+    void *ground;
+    size_t *count; /* of the ground's rays */
+    enum status (*play)(const void *ground, const struct tally_contestant *who, struct pool *pool,
+                        struct tally *tally, struct play_result *out, struct reason *reason);
+};
 
-/* Adds what became of a contestant, or the failure of its engine. `where` is spec and rays. */
+/* Adds what became of a contestant, or the failure of its engine. `where`: spec and rays. */
 void truth_count(struct truth_campaign *c, const char *where, const struct tally_contestant *who,
                  enum truth_group group, enum status status, const struct play_result *result,
                  const struct reason *reason);
 
-/* Calls `one` for cpu and vulkan with both pairs of tests on all layouts; `share` is the part of
- * the rays that it gets, 1 or PUBLISHED_SHARE. */
-void truth_own(void *self, void (*one)(void *self, const struct tally_contestant *who,
-                                       enum truth_group group, uint32_t share));
+/* Has a contestant play one ray in `share`, and adds what became of it, or the failure of its
+ * engine. */
+void truth_play(const struct truth_seat *seat, const struct tally_contestant *who,
+                enum truth_group group, uint32_t share);
+
+/* Has cpu and vulkan play with both pairs of tests on all layouts; layouts as published get one
+ * ray in PUBLISHED_SHARE. */
+void truth_play_own(const struct truth_seat *seat);
+
+/* Calls `one` with each set of rays, in parts of at most BATCH. Errors: those of `one`. */
+enum status truth_each_set(struct truth_campaign *c, void *ground,
+                           enum status (*one)(struct truth_campaign *c, void *ground,
+                                              const struct ray_set *set, size_t count,
+                                              uint64_t seed, struct reason *reason),
+                           struct reason *reason) MUST_USE;
 
 #endif

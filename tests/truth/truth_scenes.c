@@ -25,47 +25,26 @@ const char *const truth_scenes[] = {
     "scenes/fetched/glmark2-bunny.obj",
     NULL,
 };
-const char *const truth_rays[TRUTH_SETS] = {"random", "vertices", "edges", "corners", "axis"};
 
-struct scene_play {
-    struct truth_campaign *campaign;
-    struct ground *ground;
-};
-
-static void play_one(void *self, const struct tally_contestant *who, enum truth_group group,
-                     uint32_t share)
+static enum status play_ground(const void *ground, const struct tally_contestant *who,
+                               struct pool *pool, struct tally *tally, struct play_result *out,
+                               struct reason *reason)
 {
-    struct scene_play *p = self;
-    struct truth_campaign *c = p->campaign;
-    struct ground *ground = p->ground;
-    struct play_result result;
-    struct reason reason = {""};
-    char where[160];
-    const size_t count = ground->count;
-    ground->count = count / share;
-    if (ground->count > 0) {
-        snprintf(where, sizeof where, "%s, %s rays", ground->spec, ground->rays);
-        progress_step(&c->progress, "%s, %s %s %s", where, who->engine->name,
-                      who->layout ? who->layout->name : "", who->tri->name);
-        enum status status = play(ground, who, &c->pool, &c->tally, &result, &reason);
-        truth_count(c, where, who, group, status, &result, &reason);
-    }
-    ground->count = count;
+    return play(ground, who, pool, tally, out, reason);
 }
 
-static void play_all(struct truth_campaign *c, struct ground *ground)
+static enum status play_rays(struct truth_campaign *c, void *of, const struct ray_set *set,
+                             size_t count, uint64_t seed, struct reason *reason)
 {
-    struct scene_play p = {c, ground};
-    truth_own(&p, play_one);
+    struct ground *ground = of;
     const struct tally_contestant embree = {
         .engine = engine_find("embree_robust"), .box = box_tests[0], .tri = tri_test_find("mt")};
-    play_one(&p, &embree, GROUP_OTHERS, 1);
-}
-
-static enum status play_rays(struct truth_campaign *c, struct ground *ground,
-                             const struct ray_set *set, size_t count, uint64_t seed,
-                             struct reason *reason)
-{
+    const struct truth_seat seat = {.campaign = c,
+                                    .spec = ground->spec,
+                                    .rays = set->name,
+                                    .ground = ground,
+                                    .count = &ground->count,
+                                    .play = play_ground};
     ground->rays = set->name;
     ground->seed = seed;
     ground->count = count;
@@ -73,9 +52,11 @@ static enum status play_rays(struct truth_campaign *c, struct ground *ground,
     if (!status)
         status = oracle_closest(ground->oracle, ORACLE_TREE, ORACLE_CLOSED, ground->ray, count, 0,
                                 ground->truth, NULL, reason);
-    if (!status)
-        play_all(c, ground);
-    return status;
+    if (status)
+        return status;
+    truth_play_own(&seat);
+    truth_play(&seat, &embree, GROUP_OTHERS, 1);
+    return STATUS_OK;
 }
 
 enum status truth_play_scene(struct truth_campaign *c, const char *spec, struct reason *reason)
@@ -92,15 +73,8 @@ enum status truth_play_scene(struct truth_campaign *c, const char *spec, struct 
     ground.judgement = alloc_zeroed(BATCH, sizeof *ground.judgement);
     if (!status && !(ground.ray && ground.truth && ground.hit && ground.judgement))
         status = fail(reason, STATUS_MEMORY, "no memory for %u rays", BATCH);
-    for (size_t s = 0; s < TRUTH_SETS && !status; s++) {
-        size_t left = (size_t)c->options.rays / TRUTH_SETS;
-        for (uint64_t part = 0; left > 0 && !status; part++) {
-            size_t count = left < BATCH ? left : BATCH;
-            status = play_rays(c, &ground, ray_set_find(truth_rays[s]), count,
-                               c->options.seed + 1000 * part + s, reason);
-            left -= count;
-        }
-    }
+    if (!status)
+        status = truth_each_set(c, &ground, play_rays, reason);
     free(ground.ray);
     free(ground.truth);
     free(ground.hit);

@@ -43,9 +43,10 @@ static enum status play_ground(struct truth_campaign *c, struct world_ground *gr
         status = world_play(ground, who, &c->pool, tally, &result, reason);
         truth_count(c, ground->spec, who, who->layout ? GROUP_MT : GROUP_OTHERS, status, &result,
                     reason);
-        if (!status && result.refused)
+        if (!status && result.refused) {
             printf("%s: %s cannot play it here\n", ground->spec, who->engine->name);
-        else if (!status)
+            c->code = exit_worse(c->code, EXIT_SKIPPED);
+        } else if (!status)
             print_kinds(ground->spec, tally);
         join(&c->tally, tally);
         status = STATUS_OK; /* counted */

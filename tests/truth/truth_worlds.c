@@ -26,64 +26,50 @@ const char *const truth_worlds[] = {
     NULL,
 };
 
-struct world_campaign {
-    struct truth_campaign *campaign;
-    struct world_ground *ground;
-};
-
-static void play_one(void *self, const struct tally_contestant *who, enum truth_group group,
-                     uint32_t share)
+static enum status play_ground(const void *ground, const struct tally_contestant *who,
+                               struct pool *pool, struct tally *tally, struct play_result *out,
+                               struct reason *reason)
 {
-    struct world_campaign *p = self;
-    struct truth_campaign *c = p->campaign;
-    struct world_ground *ground = p->ground;
-    struct play_result result;
-    struct reason reason = {""};
-    char where[160];
-    const size_t count = ground->count;
-    ground->count = count / share;
-    if (ground->count > 0) {
-        snprintf(where, sizeof where, "%s, %s rays", ground->spec, ground->rays);
-        progress_step(&c->progress, "%s, %s %s %s", where, who->engine->name,
-                      who->layout ? who->layout->name : "", who->tri->name);
-        enum status status = world_play(ground, who, &c->pool, &c->tally, &result, &reason);
-        truth_count(c, where, who, group, status, &result, &reason);
-    }
-    ground->count = count;
+    return world_play(ground, who, pool, tally, out, reason);
 }
 
-static void play_all(struct truth_campaign *c, struct world_ground *ground)
+static void play_all(const struct truth_seat *seat)
 {
     static const char *const others[] = {"embree", "embree_robust", "rayquery"};
-    struct world_campaign p = {c, ground};
-    truth_own(&p, play_one);
     const struct tally_contestant fast = {.engine = engine_find("fast"),
                                           .layout = layout_find("f32"),
                                           .box = box_tests[0],
                                           .tri = tri_test_find("mt")};
-    play_one(&p, &fast, GROUP_FAST, 1);
+    truth_play_own(seat);
+    truth_play(seat, &fast, GROUP_FAST, 1);
     for (size_t e = 0; e < ARRAY_COUNT(others); e++) {
         const struct tally_contestant other = {
             .engine = engine_find(others[e]), .box = box_tests[0], .tri = tri_test_find("mt")};
         if (other.engine)
-            play_one(&p, &other, GROUP_OTHERS, 1);
+            truth_play(seat, &other, GROUP_OTHERS, 1);
     }
 }
 
-static enum status play_rays(struct truth_campaign *c, struct world_ground *ground,
-                             const struct ray_set *rays, size_t count, uint64_t seed,
-                             struct reason *reason)
+static enum status play_rays(struct truth_campaign *c, void *of, const struct ray_set *set,
+                             size_t count, uint64_t seed, struct reason *reason)
 {
-    ground->rays = rays->name;
+    struct world_ground *ground = of;
+    const struct truth_seat seat = {.campaign = c,
+                                    .spec = ground->spec,
+                                    .rays = set->name,
+                                    .ground = ground,
+                                    .count = &ground->count,
+                                    .play = play_ground};
+    ground->rays = set->name;
     ground->seed = seed;
     ground->count = count;
-    enum status status = world_rays_new(&ground->world, rays, RAY_MODES_MIXED, seed, count,
+    enum status status = world_rays_new(&ground->world, set, RAY_MODES_MIXED, seed, count,
                                         &ground->ray, &ground->mode, reason);
     if (!status)
         status = oracle_closest_world(ground->oracle, ORACLE_AUTO, ORACLE_CLOSED, ground->ray,
                                       ground->mode, count, 0, ground->truth, NULL, reason);
     if (!status)
-        play_all(c, ground);
+        play_all(&seat);
     free(ground->ray);
     free(ground->mode);
     ground->ray = NULL;
@@ -98,15 +84,8 @@ enum status truth_play_world(struct truth_campaign *c, const char *spec, struct 
     enum status status = world_open(spec, 1, &ground.world, reason);
     if (!status)
         status = world_ground_make(&ground, BATCH, builders[0], &options, reason);
-    for (size_t s = 0; s < TRUTH_SETS && !status; s++) {
-        size_t left = (size_t)c->options.rays / TRUTH_SETS;
-        for (uint64_t part = 0; left > 0 && !status; part++) {
-            size_t count = left < BATCH ? left : BATCH;
-            status = play_rays(c, &ground, ray_set_find(truth_rays[s]), count,
-                               c->options.seed + 1000 * part + s, reason);
-            left -= count;
-        }
-    }
+    if (!status)
+        status = truth_each_set(c, &ground, play_rays, reason);
     world_ground_free(&ground);
     return status;
 }

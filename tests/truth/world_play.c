@@ -96,13 +96,7 @@ static enum status judge_all(const struct world_ground *ground, const struct mod
     judge_free(judge);
     if (bad)
         return fail(reason, STATUS_MEMORY, "no memory to judge %d answers", bad);
-    for (size_t i = 0; i < ground->count; i++) {
-        out->verdict[ground->judgement[i].verdict]++;
-        out->hits += ground->hit[i].prim != ABI_NO_PRIM;
-        if (ground->judgement[i].over > out->worst_over)
-            out->worst_over = ground->judgement[i].over;
-    }
-    out->judged = ground->count;
+    play_count(out, ground->hit, ground->judgement, ground->count);
     return STATUS_OK;
 }
 

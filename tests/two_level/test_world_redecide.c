@@ -63,18 +63,7 @@ static int drop(void **state)
 
 static void trace_with(enum world_cheat cheat)
 {
-    const struct world_job job = {.world = &s->world,
-                                  .box = box_test_find("watertight"),
-                                  .tri = tri_test_find("mt"),
-                                  .query = QUERY_CLOSEST};
-    struct trace_report report;
-    struct reason reason = {""};
-    cheater.cheat = cheat;
-    assert_int_equal(cheat_prepare_world(&cheater, &job, &reason), STATUS_OK);
-    assert_int_equal(
-        cheat_trace_world(&cheater, s->ray, s->mode, RAYS, s->hit, s->tag, &report, &reason),
-        STATUS_OK);
-    cheat_close(&cheater);
+    cheat_answers(cheat, &s->world, QUERY_CLOSEST, s->ray, s->mode, RAYS, s->hit, s->tag);
 }
 
 static struct gmp_second decided(const struct model *model, uint32_t i)

@@ -11,44 +11,64 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 #include <cmocka.h>
+
+/* One triangle in one instance. */
+struct alone {
+    float vertex[9];
+    uint32_t index[3];
+    struct scene scene;
+    struct world world;
+};
+
+static void alone_make(struct alone *a, const float vertex[9])
+{
+    *a = (struct alone){.index = {0, 1, 2}};
+    memcpy(a->vertex, vertex, sizeof a->vertex);
+    a->scene =
+        (struct scene){.vertex = a->vertex, .vertex_count = 3, .index = a->index, .tri_count = 1};
+    assert_int_equal(world_of_scene(&a->scene, &a->world, NULL), STATUS_OK);
+}
+
+/* How an answer of a tracer whose formula is not known is judged. Frees the world. */
+static struct judgement judged_alone(struct alone *a, const struct ray *ray, struct ray_mode mode,
+                                     const struct hit *hit, uint32_t tag)
+{
+    const struct model unknown = {.formula = TWIN_UNKNOWN, .rounding = ROUNDING_IEEE};
+    struct oracle *oracle;
+    struct judge *judge;
+    struct oracle_answer truth;
+    struct judgement j;
+    assert_int_equal(world_finish(&a->world, NULL), STATUS_OK);
+    assert_int_equal(oracle_make_world(&a->world, &oracle, NULL), STATUS_OK);
+    assert_int_equal(judge_make(oracle, &unknown, QUERY_CLOSEST, &judge, NULL), STATUS_OK);
+    assert_int_equal(oracle_closest_world(oracle, ORACLE_AUTO, ORACLE_CLOSED, ray, &mode, 1, 1,
+                                          &truth, NULL, NULL),
+                     STATUS_OK);
+    assert_int_equal(judge_world_answer(judge, ray, mode, &truth, hit, tag, &j), STATUS_OK);
+    judge_free(judge);
+    oracle_free(oracle);
+    world_free(&a->world);
+    return j;
+}
 
 /* A sliver of width `width` in units of the displacement that is allowed, 32 u times the distance
  * of its farthest vertex, in a world of its own; the ray meets it at a right angle, through the
  * middle. Returns what a tracer is found to do that says the other side. */
 static enum wrong of_the_other_side(double width, bool turned, uint32_t flags)
 {
-    const float far = 8;
-    float vertex[9] = {-far, 0, 3, far, 0, 3, 0, (float)(width * 32 * 0x1p-24 * (double)far), 3};
-    uint32_t index[3] = {0, 1, 2};
-    const struct scene scene = {
-        .vertex = vertex, .vertex_count = 3, .index = index, .tri_count = 1};
-    const struct model unknown = {.formula = TWIN_UNKNOWN, .rounding = ROUNDING_IEEE};
-    const struct ray_mode mode = {.mask = 0xFF, .flags = flags};
-    const struct ray ray = {.org = {0, vertex[7] / 4, 0}, .dir = {0, 0, 1}, .tmax = 100};
-    struct world world;
-    struct oracle *oracle;
-    struct judge *judge;
-    struct oracle_answer truth;
-    struct judgement j;
-    assert_int_equal(world_of_scene(&scene, &world, NULL), STATUS_OK);
-    if (turned)
-        world.instance[0].flags = ABI_INSTANCE_FLIP_FACING;
-    assert_int_equal(world_finish(&world, NULL), STATUS_OK);
-    assert_int_equal(oracle_make_world(&world, &oracle, NULL), STATUS_OK);
-    assert_int_equal(judge_make(oracle, &unknown, QUERY_CLOSEST, &judge, NULL), STATUS_OK);
-    assert_int_equal(oracle_closest_world(oracle, ORACLE_AUTO, ORACLE_CLOSED, &ray, &mode, 1, 1,
-                                          &truth, NULL, NULL),
-                     STATUS_OK);
+    const float far = 8, top = (float)(width * 32 * 0x1p-24 * (double)far);
+    const float vertex[9] = {-far, 0, 3, far, 0, 3, 0, top, 3};
+    const struct ray ray = {.org = {0, top / 4, 0}, .dir = {0, 0, 1}, .tmax = 100};
     /* Vertices run counterclockwise along d, so that the back is seen. */
     const struct hit hit = {.t = 3, .u = 0.375f, .v = 0.25f, .prim = 0};
-    assert_int_equal(
-        judge_world_answer(judge, &ray, mode, &truth, &hit, turned ? 0 : ABI_TAG_FRONT, &j),
-        STATUS_OK);
-    judge_free(judge);
-    oracle_free(oracle);
-    world_free(&world);
-    return j.wrong;
+    struct alone alone;
+    alone_make(&alone, vertex);
+    alone.world.instance[0].flags = turned ? ABI_INSTANCE_FLIP_FACING : 0;
+    return judged_alone(&alone, &ray, (struct ray_mode){0xFF, flags}, &hit,
+                        turned ? 0 : ABI_TAG_FRONT)
+        .wrong;
 }
 
 /* Its height shrinks by twice what each vertex moves. */
@@ -107,59 +127,43 @@ static void flat_case(struct rng *rng, float m[3][4], float vertex[9], struct ra
     }
 }
 
-/* What a tracer with one triangle answers that takes the ray into the mesh, and how it is judged.
- * */
-static enum wrong of_flat_case(uint64_t seed, const char *tri, bool *judged)
+/* Whether the front of a triangle is seen along d. */
+static bool sees_front(float v[3][3], const float d[3])
+{
+    double side = 0;
+    for (int k = 0; k < 3; k++) {
+        int a = (k + 1) % 3, b = (k + 2) % 3;
+        side += (double)d[k] *
+                (((double)v[1][a] - (double)v[0][a]) * ((double)v[2][b] - (double)v[0][b]) -
+                 ((double)v[1][b] - (double)v[0][b]) * ((double)v[2][a] - (double)v[0][a]));
+    }
+    return side < 0;
+}
+
+/* How a tracer is judged that takes the ray into the mesh, and answers what its test has there. */
+static struct judgement of_flat_case(uint64_t seed, const char *tri)
 {
     struct rng rng = rng_make(seed, 77);
-    float vertex[9];
-    uint32_t index[3] = {0, 1, 2};
-    const struct scene scene = {
-        .vertex = vertex, .vertex_count = 3, .index = index, .tri_count = 1};
-    const struct model unknown = {.formula = TWIN_UNKNOWN, .rounding = ROUNDING_IEEE};
-    const struct ray_mode mode = ray_mode_all();
-    struct world world;
+    struct alone alone;
     struct instance_record *record;
-    struct oracle *oracle;
-    struct judge *judge;
-    struct oracle_answer truth;
-    struct judgement j = {.wrong = WRONG_NOT};
     struct ray ray;
-    assert_int_equal(world_of_scene(&scene, &world, NULL), STATUS_OK);
-    flat_case(&rng, world.instance[0].m, vertex, &ray);
-    assert_int_equal(world_finish(&world, NULL), STATUS_OK);
-    assert_int_equal(oracle_make_world(&world, &oracle, NULL), STATUS_OK);
-    assert_int_equal(judge_make(oracle, &unknown, QUERY_CLOSEST, &judge, NULL), STATUS_OK);
-    assert_int_equal(world_records_make(&world, &record, NULL), STATUS_OK);
-    assert_int_equal(oracle_closest_world(oracle, ORACLE_AUTO, ORACLE_CLOSED, &ray, &mode, 1, 1,
-                                          &truth, NULL, NULL),
-                     STATUS_OK);
-    struct ray placed = transform_ray(record, &ray);
-    struct tri_ray r = tri_ray_make(&placed);
+    float vertex[9], m[3][4], v[3][3];
+    flat_case(&rng, m, vertex, &ray);
+    alone_make(&alone, vertex);
+    memcpy(alone.world.instance[0].m, m, sizeof m);
+    assert_int_equal(world_finish(&alone.world, NULL), STATUS_OK);
+    assert_int_equal(world_records_make(&alone.world, &record, NULL), STATUS_OK);
+    const struct ray placed = transform_ray(record, &ray);
+    const struct tri_ray r = tri_ray_make(&placed);
     struct hit hit;
-    float v[3][3];
-    uint32_t tag = 0;
-    scene_tri(&scene, 0, v);
-    if (tri_test_run(tri_test_find(tri)->id, &r, v, &hit)) {
-        hit.prim = 0;
-        double n[3], side = 0;
-        for (int k = 0; k < 3; k++) {
-            int a = (k + 1) % 3, b = (k + 2) % 3;
-            n[k] = ((double)v[1][a] - (double)v[0][a]) * ((double)v[2][b] - (double)v[0][b]) -
-                   ((double)v[1][b] - (double)v[0][b]) * ((double)v[2][a] - (double)v[0][a]);
-            side += n[k] * (double)placed.dir[k];
-        }
-        tag = side < 0 ? ABI_TAG_FRONT : 0;
-    } else {
+    scene_tri(&alone.scene, 0, v);
+    bool found = tri_test_run(tri_test_find(tri)->id, &r, v, &hit);
+    hit.prim = 0;
+    if (!found)
         hit = hit_none();
-    }
-    assert_int_equal(judge_world_answer(judge, &ray, mode, &truth, &hit, tag, &j), STATUS_OK);
-    *judged = j.verdict != VERDICT_OUT_OF_CONTRACT;
     free(record);
-    judge_free(judge);
-    oracle_free(oracle);
-    world_free(&world);
-    return j.wrong;
+    return judged_alone(&alone, &ray, ray_mode_all(), &hit,
+                        found && sees_front(v, placed.dir) ? ABI_TAG_FRONT : 0);
 }
 
 /* The test cancels in the space of the mesh, where other products do than in the world. */
@@ -171,13 +175,12 @@ static void slivers_of_sheared_instances_are_judged_as_their_meshes_see_them(voi
     uint64_t judged = 0, wrong = 0;
     for (uint64_t i = 0; i < count; i++)
         for (size_t t = 0; t < ARRAY_COUNT(tests); t++) {
-            bool one;
-            enum wrong kind = of_flat_case(i, tests[t], &one);
-            judged += one;
-            wrong += kind != WRONG_NOT;
-            if (kind != WRONG_NOT && wrong < 10)
+            const struct judgement j = of_flat_case(i, tests[t]);
+            judged += j.verdict != VERDICT_OUT_OF_CONTRACT;
+            wrong += j.verdict == VERDICT_WRONG;
+            if (j.verdict == VERDICT_WRONG && wrong < 10)
                 print_message("case %llu, %s: %s\n", (unsigned long long)i, tests[t],
-                              wrong_name(kind));
+                              wrong_name(j.wrong));
         }
     print_message("%llu of %llu judged answers are WRONG\n", (unsigned long long)wrong,
                   (unsigned long long)judged);
@@ -191,35 +194,16 @@ static void slivers_of_sheared_instances_are_judged_as_their_meshes_see_them(voi
 static enum wrong of_a_tiny_mesh(int up)
 {
     float vertex[9] = {0x1p-48f, 0x1.8p-49f, 0, 0x1p-49f, 0, 0, 0x1p-48f, 0, 0};
-    uint32_t index[3] = {0, 1, 2};
-    for (int i = 0; i < 9; i++)
-        vertex[i] = ldexpf(vertex[i], up);
-    const struct scene scene = {
-        .vertex = vertex, .vertex_count = 3, .index = index, .tri_count = 1};
-    const struct model unknown = {.formula = TWIN_UNKNOWN, .rounding = ROUNDING_IEEE};
-    const struct ray_mode mode = ray_mode_all();
     const struct ray ray = {.org = {0x1p-36f, 0, 0x1.4p-37f}, .dir = {0, 0, -1}, .tmax = INFINITY};
     const struct hit hit = {.t = 0x1.555556p-37f, .u = 0, .v = 1, .prim = 0};
-    struct world world;
-    struct oracle *oracle;
-    struct judge *judge;
-    struct oracle_answer truth;
-    struct judgement j;
-    assert_int_equal(world_of_scene(&scene, &world, NULL), STATUS_OK);
+    struct alone alone;
+    for (int i = 0; i < 9; i++)
+        vertex[i] = ldexpf(vertex[i], up);
+    alone_make(&alone, vertex);
     for (int k = 0; k < 3; k++)
-        world.instance[0].m[k][k] = ldexpf(k == 1 ? 0x1p3f : 0x1p12f, -up);
-    assert_int_equal(world_finish(&world, NULL), STATUS_OK);
-    assert_int_equal(oracle_make_world(&world, &oracle, NULL), STATUS_OK);
-    assert_int_equal(judge_make(oracle, &unknown, QUERY_CLOSEST, &judge, NULL), STATUS_OK);
-    assert_int_equal(oracle_closest_world(oracle, ORACLE_AUTO, ORACLE_CLOSED, &ray, &mode, 1, 1,
-                                          &truth, NULL, NULL),
-                     STATUS_OK);
-    assert_int_equal(truth.prim, 0);
-    assert_int_equal(judge_world_answer(judge, &ray, mode, &truth, &hit, ABI_TAG_FRONT, &j),
-                     STATUS_OK);
-    judge_free(judge);
-    oracle_free(oracle);
-    world_free(&world);
+        alone.world.instance[0].m[k][k] = ldexpf(k == 1 ? 0x1p3f : 0x1p12f, -up);
+    const struct judgement j = judged_alone(&alone, &ray, ray_mode_all(), &hit, ABI_TAG_FRONT);
+    assert_int_equal(j.expected, 0);
     return j.wrong;
 }
 
@@ -236,37 +220,19 @@ static void what_is_flushed_in_a_mesh_may_be_lost(void **state)
 static void a_filter_reads_no_cells_beyond_the_contract(void **state)
 {
     (void)state;
-    const struct model unknown = {.formula = TWIN_UNKNOWN, .rounding = ROUNDING_IEEE};
-    const struct ray_mode mode = ray_mode_all();
     unsigned wrong[2] = {0, 0};
     for (int huge = 0; huge < 2; huge++)
         for (uint32_t seed = 0; seed < 16; seed++) {
-            const float a = huge ? 0x1p63f : 1;
-            float vertex[9] = {a, 0, 0, 0, a, 0, a, a, 2 * a};
-            uint32_t index[3] = {0, 1, 2};
-            const struct scene scene = {
-                .vertex = vertex, .vertex_count = 3, .index = index, .tri_count = 1};
+            const float a = huge ? 0x1p63f : 1, vertex[9] = {a, 0, 0, 0, a, 0, a, a, 2 * a};
             const struct ray ray = {.org = {0, 0, a}, .dir = {1, 1, -1}, .tmax = INFINITY};
             const struct hit hit = {.t = 0.6f * a, .u = 0, .v = 0, .prim = 0};
-            struct world world;
-            struct oracle *oracle;
-            struct judge *judge;
-            struct oracle_answer truth;
-            struct judgement j;
-            assert_int_equal(world_of_scene(&scene, &world, NULL), STATUS_OK);
-            world.mesh[0].geometry[0].opaque = false;
-            world.filter = (struct filter_rule){.kind = FILTER_CELLS, .seed = seed, .share = 128};
-            assert_int_equal(world_finish(&world, NULL), STATUS_OK);
-            assert_int_equal(oracle_make_world(&world, &oracle, NULL), STATUS_OK);
-            assert_int_equal(judge_make(oracle, &unknown, QUERY_CLOSEST, &judge, NULL), STATUS_OK);
-            assert_int_equal(oracle_closest_world(oracle, ORACLE_AUTO, ORACLE_CLOSED, &ray, &mode,
-                                                  1, 1, &truth, NULL, NULL),
-                             STATUS_OK);
-            assert_int_equal(judge_world_answer(judge, &ray, mode, &truth, &hit, 0, &j), STATUS_OK);
-            wrong[huge] += j.wrong == WRONG_OPACITY;
-            judge_free(judge);
-            oracle_free(oracle);
-            world_free(&world);
+            struct alone alone;
+            alone_make(&alone, vertex);
+            alone.world.mesh[0].geometry[0].opaque = false;
+            alone.world.filter =
+                (struct filter_rule){.kind = FILTER_CELLS, .seed = seed, .share = 128};
+            wrong[huge] +=
+                judged_alone(&alone, &ray, ray_mode_all(), &hit, 0).wrong == WRONG_OPACITY;
         }
     assert_true(wrong[0] > 3);
     assert_int_equal(wrong[1], 0);

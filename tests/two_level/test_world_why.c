@@ -90,18 +90,7 @@ static enum world_cause explained(enum query query, const struct world_faults *f
 
 static void cheat_with(enum world_cheat cheat, enum query query)
 {
-    const struct world_job job = {.world = &s->world,
-                                  .box = box_test_find("watertight"),
-                                  .tri = tri_test_find("mt"),
-                                  .query = query};
-    struct trace_report report;
-    struct reason reason = {""};
-    cheater.cheat = cheat;
-    assert_int_equal(cheat_prepare_world(&cheater, &job, &reason), STATUS_OK);
-    assert_int_equal(
-        cheat_trace_world(&cheater, s->ray, s->mode, RAYS, s->hit, s->tag, &report, &reason),
-        STATUS_OK);
-    cheat_close(&cheater);
+    cheat_answers(cheat, &s->world, query, s->ray, s->mode, RAYS, s->hit, s->tag);
 }
 
 static const struct {

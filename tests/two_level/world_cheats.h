@@ -320,4 +320,23 @@ static const struct engine cheating = {
     .close = cheat_close,
 };
 
+/* What a tracer with the cheat answers, without trees. */
+static inline void cheat_answers(enum world_cheat cheat, const struct world *world,
+                                 enum query query, const struct ray *ray,
+                                 const struct ray_mode *mode, size_t count, struct hit *hit,
+                                 uint32_t *tag)
+{
+    const struct world_job job = {.world = world,
+                                  .box = box_test_find("watertight"),
+                                  .tri = tri_test_find("mt"),
+                                  .query = query};
+    struct trace_report report;
+    struct reason reason = {""};
+    cheater.cheat = cheat;
+    assert_int_equal(cheat_prepare_world(&cheater, &job, &reason), STATUS_OK);
+    assert_int_equal(cheat_trace_world(&cheater, ray, mode, count, hit, tag, &report, &reason),
+                     STATUS_OK);
+    cheat_close(&cheater);
+}
+
 #endif
