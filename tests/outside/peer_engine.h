@@ -14,7 +14,7 @@
 
 static const char *program; /* this one */
 
-/* Engines are listed for good, and only a few: one whose command takes what it is from a variable. */
+/* Engines are listed for good, and only a few: one whose command has what it is from a variable. */
 static inline const struct engine *peer_engine(const char *what)
 {
     char name[PIPE_NAME_MOST];

@@ -2,6 +2,7 @@
  * world and the rays to the bit, and what it cannot mean is refused in one line. The peers are this
  * program (tests/outside/world_peers.h). */
 #define _GNU_SOURCE /* setenv */
+#include "ref/outside/pipe_world.h"
 #include "ref/twin/model.h"
 #include "tests/outside/world_piped.h"
 
@@ -219,12 +220,51 @@ static void a_peer_that_died_has_the_world_again(void **state)
     engine->close(self);
 }
 
+/* Each number of an answer up to the last that exists, and one more. */
+static void numbers_of_an_answer_end_where_the_world_does(void **state)
+{
+    (void)state;
+    struct hit hit;
+    uint32_t tag, tried = 0;
+    for (uint32_t i = 0; i < world.instance_count; i++) {
+        const uint32_t mesh = world.instance[i].mesh;
+        for (uint32_t g = 0; mesh != WORLD_NO_MESH && g < world.mesh[mesh].geometry_count; g++) {
+            const struct geometry *geometry = &world.mesh[mesh].geometry[g];
+            const struct pipe_world_hit last = {.instance = i,
+                                                .geometry = g,
+                                                .triangle = geometry->count - 1,
+                                                .side = 1,
+                                                .custom = ABI_CUSTOM_MOST};
+            struct pipe_world_hit more[5] = {last, last, last, last, last};
+            if (geometry->count == 0)
+                continue;
+            assert_int_equal(pipe_world_take(&world, &last, false, &hit, &tag, NULL), STATUS_OK);
+            assert_int_equal(hit.prim, world.first[i] + geometry->first + geometry->count - 1);
+            assert_int_equal(tag, ABI_CUSTOM_MOST | ABI_TAG_FRONT);
+            more[0].instance = world.instance_count;
+            more[1].geometry = world.mesh[mesh].geometry_count;
+            more[2].triangle++;
+            more[3].side++;
+            more[4].custom++;
+            for (size_t k = 0; k < ARRAY_COUNT(more); k++) {
+                assert_int_equal(pipe_world_take(&world, &more[k], false, &hit, &tag, NULL),
+                                 STATUS_INPUT);
+                assert_int_equal(hit.prim, ABI_NO_PRIM);
+                assert_int_equal(tag, 0);
+            }
+            tried++;
+        }
+    }
+    assert_true(tried > 10);
+}
+
 int main(int argc, char **argv)
 {
     if (argc == 3 && strcmp(argv[1], "--peer") == 0)
         return world_peer_main(argv[2]);
     program = argv[0];
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_of_an_answer_end_where_the_world_does),
         cmocka_unit_test(a_peer_has_the_world_to_the_bit),
         cmocka_unit_test(rays_without_modes_meet_everything),
         cmocka_unit_test(what_no_answer_can_be_is_said_in_one_line),

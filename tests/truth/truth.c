@@ -15,6 +15,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* From so many answers on layouts as published must be found WRONG: some 4 in 100 are. */
+#define BLIND_FROM 1000u
+
 static const char *const group_names[GROUP_COUNT] = {"cpu, vulkan: mt", "cpu, vulkan: woop", "fast",
                                                      "others", "as published"};
 
@@ -152,7 +155,12 @@ static int print_result(const struct truth_campaign *c)
     printf("; without a signature %zu\n", c->tally.beyond);
     for (size_t i = 0; i < c->tally.doubtful_count; i++)
         wrong_answer_print(&c->tally.doubtful[i], stdout);
-    bool bad = opinion[GMP_OVERTURNED] > 0 || own > 0 || c->tally.beyond > 0;
+    const struct play_result *published = &c->sum[GROUP_PUBLISHED];
+    bool blind = published->judged >= BLIND_FROM && published->verdict[VERDICT_WRONG] == 0;
+    if (blind)
+        printf("of %zu answers of layouts as published none is WRONG: the judge sees nothing\n",
+               published->judged);
+    bool bad = opinion[GMP_OVERTURNED] > 0 || own > 0 || c->tally.beyond > 0 || blind;
     return exit_worse(c->code, bad ? EXIT_MISMATCH : EXIT_AGREE);
 }
 

@@ -1,6 +1,6 @@
 /* Slivers and tiny meshes in instances, as a tracer whose formula is not known may answer them. */
 #include "ref/base/rng.h"
-#include "ref/judge/judge_world.h"
+#include "ref/judge/judge_inner.h"
 #include "ref/primitives/test_run.h"
 #include "ref/two_level/packed_world.h"
 #include "ref/world/object_ray.h"
@@ -238,11 +238,103 @@ static void a_filter_reads_no_cells_beyond_the_contract(void **state)
     assert_int_equal(wrong[1], 0);
 }
 
+/* M is a product of shears by whole numbers and of powers of two, M^-1 therefore as exact as the
+ * ray in the mesh, whose coordinates are whole, too. */
+static void whole_shear(struct rng *rng, float m[3][4], double inverse[9], double *det)
+{
+    float power[3];
+    for (int k = 0; k < 3; k++)
+        power[k] = ldexpf(1, (int)rng_below(rng, 9) - 4);
+    const int axis = (int)rng_below(rng, 3), along = (axis + 1 + (int)rng_below(rng, 2)) % 3;
+    const float by = (float)rng_below(rng, 40) - 20;
+    for (int k = 0; k < 3; k++)
+        for (int j = 0; j < 3; j++) { /* (1 + by e_axis e_along^T) diag(power) */
+            float shear = k == j ? 1.0f : k == axis && j == along ? by : 0.0f;
+            m[k][j] = shear * power[j];
+            double back = k == j ? 1 : k == axis && j == along ? -(double)by : 0;
+            inverse[3 * k + j] = back / (double)power[k];
+        }
+    *det = (double)power[0] * (double)power[1] * (double)power[2];
+}
+
+static void whole_point(struct rng *rng, float out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = (float)rng_below(rng, 64) - 32;
+}
+
+static void assert_near(double a, double b, const char *what)
+{
+    if (!(fabs(a - b) <= 1e-9 * (fabs(a) + fabs(b))))
+        fail_msg("%s: %a, not %a", what, a, b);
+}
+
+/* In a placed triangle every bound of the classical test is that of the world or of the mesh times
+ * |det M|, whichever is wider, and the determinant's has what the transform moves besides. */
+static void bounds_are_the_wider_of_world_and_mesh(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(8, 8);
+    uint32_t of_mesh[3] = {0, 0, 0};
+    for (int turn = 0; turn < 2000; turn++) {
+        const struct model unknown = {.formula = TWIN_UNKNOWN, .rounding = ROUNDING_IEEE};
+        struct alone alone;
+        struct oracle *oracle;
+        struct judge *judge;
+        struct ray ray = {.tmax = INFINITY}, inside = {.tmax = INFINITY};
+        float vertex[9], m[3][4] = {{0}}, v[3][3], placed[3][3];
+        double inverse[9], det;
+        whole_shear(&rng, m, inverse, &det);
+        for (int c = 0; c < 3; c++)
+            whole_point(&rng, vertex + 3 * c);
+        whole_point(&rng, ray.org);
+        whole_point(&rng, ray.dir);
+        alone_make(&alone, vertex);
+        memcpy(alone.world.instance[0].m, m, sizeof m);
+        assert_int_equal(world_finish(&alone.world, NULL), STATUS_OK);
+        scene_tri(&alone.scene, 0, v);
+        for (int k = 0; k < 3; k++) {
+            double o = 0, d = 0;
+            for (int j = 0; j < 3; j++) {
+                o += inverse[3 * k + j] * (double)ray.org[j];
+                d += inverse[3 * k + j] * (double)ray.dir[j];
+            }
+            inside.org[k] = (float)o;
+            inside.dir[k] = (float)d;
+            for (int c = 0; c < 3; c++)
+                placed[c][k] = m[k][0] * v[c][0] + m[k][1] * v[c][1] + m[k][2] * v[c][2];
+        }
+        assert_int_equal(oracle_make_world(&alone.world, &oracle, NULL), STATUS_OK);
+        assert_int_equal(judge_make(oracle, &unknown, QUERY_CLOSEST, &judge, NULL), STATUS_OK);
+        const struct judge_rounding at = judge_rounding_at(judge, &ray, 0);
+        const struct judge_rounding world = judge_rounding_of(&ray, placed);
+        const struct judge_rounding mesh = judge_rounding_of(&inside, v);
+        const double moved =
+            2 * at.extra * at.tri.unit * (at.across[0] + at.across[1] + at.across[2]);
+        if (!instance_is_identity(&alone.world.instance[0])) {
+            for (int c = 0; c < 3; c++)
+                assert_near(at.edge_most[c], fmax(world.edge_most[c], det * mesh.edge_most[c]),
+                            "edge");
+            assert_near(at.det_most, fmax(world.det_most, det * mesh.det_most) + moved, "det");
+            assert_near(at.t_most, fmax(world.t_most, det * mesh.t_most), "t");
+            of_mesh[0] += det * mesh.edge_most[0] > 1.5 * world.edge_most[0];
+            of_mesh[1] += det * mesh.det_most > 1.5 * world.det_most;
+            of_mesh[2] += det * mesh.t_most > 1.5 * world.t_most;
+        }
+        judge_free(judge);
+        oracle_free(oracle);
+        world_free(&alone.world);
+    }
+    for (int i = 0; i < 3; i++)
+        assert_true(of_mesh[i] > 50);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(slivers_of_sheared_instances_are_judged_as_their_meshes_see_them),
         cmocka_unit_test(what_is_flushed_in_a_mesh_may_be_lost),
+        cmocka_unit_test(bounds_are_the_wider_of_world_and_mesh),
         cmocka_unit_test(a_filter_reads_no_cells_beyond_the_contract),
         cmocka_unit_test(a_side_is_known_where_no_displacement_turns_it),
     };
