@@ -140,6 +140,8 @@ static void fire_long(const struct laws *laws, const struct world *world, float 
     uint32_t hit = laws_single(laws, small, &tag);
     if (length < 1e15f * scale && far < 1e15f * scale)
         assert_int_equal(hit, 0);
+    else if (length > 1e19f * scale || far > 1e19f * scale) /* not given to Embree, which may */
+        assert_int_equal(hit, ABI_NO_PRIM);                 /* abort or not, as it was built */
     else
         assert_true(hit == 0 || hit == ABI_NO_PRIM);
     uint32_t beside = laws_single(laws, other, &tag);
