@@ -223,7 +223,7 @@ static void sorting_is_by_distance_then_index(void **state)
 
 /* A made-up engine: ray i has as many hits as its tmin says, the k-th is triangle k. */
 struct all_counting {
-    size_t most_at_once, traced;
+    size_t most_at_once, traced, calls;
     bool forgets; /* the second time one hit less */
 };
 
@@ -236,6 +236,7 @@ static enum status counting_all(void *self, const struct ray *ray, size_t ray_co
     if (ray_count * capacity > c->most_at_once)
         c->most_at_once = ray_count * capacity;
     c->traced += ray_count;
+    c->calls++;
     for (size_t i = 0; i < ray_count; i++) {
         hit_count[i] = (uint32_t)ray[i].tmin - (c->forgets && capacity > 8);
         for (uint32_t k = 0; k < hit_count[i] && k < capacity; k++)
@@ -249,7 +250,7 @@ static const struct engine counting_engine = {.name = "counting", .trace_all = c
 static void lists_are_whole_and_memory_is_bounded(void **state)
 {
     (void)state;
-    struct all_counting c = {0, 0, false};
+    struct all_counting c = {0};
     struct all_hits all = {0};
     struct reason reason = {""};
     enum { COUNT = 40000 };
@@ -289,6 +290,52 @@ static void lists_are_whole_and_memory_is_bounded(void **state)
     free(ray);
 }
 
+/* Rays with so many hits, none of which is kept: how many are done at once, and in how many calls. */
+static size_t done_of(const uint32_t *hits, size_t rays, size_t *calls)
+{
+    struct all_counting c = {0};
+    struct all_hits all = {0};
+    struct reason reason = {""};
+    struct ray ray[4] = {0};
+    for (size_t i = 0; i < rays; i++)
+        ray[i].tmin = (float)hits[i];
+    stand_must(all_hits_next(&counting_engine, &c, ray, rays, &all, &reason), &reason);
+    size_t done = all.done;
+    *calls = c.calls;
+    all_hits_free(&all);
+    return done;
+}
+
+/* What fits to the last hit is done at once, in place and among those that are traced again; of one
+ * hit more a part waits. */
+static void limits_are_met_exactly(void **state)
+{
+    (void)state;
+    const uint32_t half = ALL_HITS_MOST / 2, quarter = ALL_HITS_MOST / 4;
+    const struct {
+        uint32_t hits[4];
+        size_t rays, done, calls;
+    } cases[] = {
+        {{half, half}, 2, 2, 2},
+        {{half, half + 1}, 2, 1, 2},
+        {{half + 1, half}, 2, 1, 2},
+        {{half, half - 1, 1}, 3, 3, 2}, /* the third needs no second call */
+        {{half, half - 1, 2}, 3, 2, 2},
+        {{quarter, quarter, quarter, quarter}, 4, 4, 2},
+        {{quarter, quarter, quarter + 1, quarter - 1}, 4, 4, 3}, /* as many places for each */
+        {{9, half, 9, 9}, 4, 4, 3},
+        {{9, quarter, 9, 9}, 4, 4, 2},
+        {{8, 8, 8, 8}, 4, 4, 1},
+        {{ALL_HITS_MOST + 1, 1}, 2, 1, 2},
+        {{0, ALL_HITS_MOST, 0, 1}, 4, 3, 2},
+    };
+    for (size_t i = 0; i < ARRAY_COUNT(cases); i++) {
+        size_t calls;
+        assert_int_equal(done_of(cases[i].hits, cases[i].rays, &calls), cases[i].done);
+        assert_int_equal(calls, cases[i].calls);
+    }
+}
+
 static void an_engine_that_cannot_is_said(void **state)
 {
     (void)state;
@@ -311,6 +358,7 @@ int main(void)
         cmocka_unit_test(a_cycle_ends_with_no_count),
         cmocka_unit_test(sorting_is_by_distance_then_index),
         cmocka_unit_test(lists_are_whole_and_memory_is_bounded),
+        cmocka_unit_test(limits_are_met_exactly),
         cmocka_unit_test(an_engine_that_cannot_is_said),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

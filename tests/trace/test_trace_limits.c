@@ -3,6 +3,7 @@
 #include "ref/trace/all_hits.h"
 #include "ref/trace/trace_world.h"
 #include "ref/two_level/packed_world.h"
+#include "ref/world/candidate.h"
 #include "ref/store.h"
 
 #include <math.h>
@@ -165,12 +166,43 @@ static void sorting_leaves_what_is_behind_alone(void **state)
         }
 }
 
+/* A triangle whose side comes out as 0, of either sign, is seen from its back; turned over, from its
+ * front. */
+static void no_side_is_the_back(void **state)
+{
+    (void)state;
+    struct scene scene = pile(1, 0);
+    struct world world;
+    struct instance_record *record;
+    assert_int_equal(world_of_scene(&scene, &world, NULL), STATUS_OK);
+    assert_int_equal(world_finish(&world, NULL), STATUS_OK);
+    assert_int_equal(world_records_make(&world, &record, NULL), STATUS_OK);
+    const struct instance_at at = {.world = &world, .record = record, .mode = ray_mode_all()};
+    for (int way = -1; way <= 1; way++)
+        for (int flipped = 0; flipped < 2; flipped++) {
+            const float z = (float)way;
+            const float ahead[3] = {way ? 0 : 1, 0, z}, back[3] = {way ? -0.0f : -1, -0.0f, -z};
+            uint32_t tag[2] = {0, 0};
+            world.instance[0].flags = flipped ? ABI_INSTANCE_FLIP_FACING : 0;
+            for (int i = 0; i < 2; i++) {
+                struct hit hit = {.t = 1, .u = 0.25f, .v = 0.25f, .prim = 0};
+                assert_true(candidate_counts(&at, i ? back : ahead, &hit, &tag[i]));
+            }
+            assert_int_equal((tag[0] & ABI_TAG_FRONT) != 0, (way < 0) != flipped);
+            assert_int_equal((tag[1] & ABI_TAG_FRONT) != 0, (way > 0) != flipped);
+        }
+    free(record);
+    world_free(&world);
+    scene_free(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(work_is_counted_up_to_16_bits),
         cmocka_unit_test(brute_force_ends_with_the_last_triangle),
         cmocka_unit_test(both_levels_test_boxes_as_the_job_says),
+        cmocka_unit_test(no_side_is_the_back),
         cmocka_unit_test(sorting_leaves_what_is_behind_alone),
     };
     return cmocka_run_group_tests_name("trace_limits", tests, NULL, NULL);
