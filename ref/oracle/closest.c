@@ -4,7 +4,6 @@
 #include "ref/oracle/tree_walk.h"
 
 #include <assert.h>
-#include <omp.h>
 
 #define TILE 16 /* rays that go through the triangles together, while these are in the cache */
 
@@ -102,13 +101,12 @@ enum status oracle_closest(const struct oracle *oracle, enum oracle_path path,
                            struct reason *reason)
 {
     size_t tiles = (count + TILE - 1) / TILE;
-    int team = threads ? (int)threads : omp_get_max_threads();
-    team = tiles < (size_t)team ? (int)tiles + (tiles == 0) : team;
+    int team = oracle_team(tiles, threads);
     bool brute = path == ORACLE_BRUTE ||
                  (path == ORACLE_AUTO && oracle->scene->tri_count <= ORACLE_BRUTE_MOST);
     (void)reason;
     assert(!oracle->placing);
-#pragma omp parallel num_threads(team) if (count > TILE)
+#pragma omp parallel num_threads(team)
     {
         unsigned long saved = environment_enter();
         struct work work = {.oracle = oracle, .ends = ends};

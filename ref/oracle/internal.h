@@ -22,4 +22,8 @@ struct oracle {
 /* Whether a ray is decided: finite but for tmax = INFINITY, and tmin <= tmax. */
 bool oracle_takes(const struct ray *ray);
 
+/* Threads for so many parts of the work, at least 1: as many as asked for (0: as OpenMP says), but
+ * no more than there are parts. */
+int oracle_team(size_t parts, unsigned threads);
+
 #endif

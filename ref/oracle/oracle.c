@@ -5,6 +5,7 @@
 #include "ref/oracle/internal.h"
 #include "ref/oracle/pair.h"
 
+#include <omp.h>
 #include <stdlib.h>
 
 const char *oracle_class_name(enum oracle_class class)
@@ -89,6 +90,12 @@ bool oracle_takes(const struct ray *ray)
         if (!float_is_finite(ray->org[k]) || !float_is_finite(ray->dir[k]))
             return false;
     return float_is_finite(ray->tmin) && ray->tmin <= ray->tmax; /* false if tmax is NaN */
+}
+
+int oracle_team(size_t parts, unsigned threads)
+{
+    size_t team = threads ? threads : (size_t)omp_get_max_threads();
+    return (int)(parts < team ? parts + (parts == 0) : team);
 }
 
 static void decide(const struct oracle *oracle, const struct ray *ray, uint32_t prim,

@@ -15,13 +15,13 @@
 /* Widening of an end of an enclosure: a sum, a difference and a quotient are rounded. */
 #define ENCLOSE_PAD 0x1p-50
 
-/* Encloses num / den, whose signs are proven. */
+/* Encloses num / den; the sign of den is proven. */
 static void enclose_ratio(double num, double num_err, double den, double den_err, double *lo,
                           double *hi)
 {
     double t = fabs(num), d = fabs(den);
-    double least = (t - num_err) / (d + den_err) * (1 - ENCLOSE_PAD);
     double most = (t + num_err) / (d - den_err) * (1 + ENCLOSE_PAD);
+    double least = t < num_err ? -most : (t - num_err) / (d + den_err) * (1 - ENCLOSE_PAD);
     bool positive = !signbit(num) == !signbit(den);
     *lo = positive ? least : -most;
     *hi = positive ? most : -least;
@@ -239,9 +239,6 @@ bool pair_weights(const struct ray *ray, const struct located *at, double lo[2],
         filter_edges(ray, v, f);
         filter_plane(f);
     }
-    for (int i = 0; i < 2; i++)
-        if (filter_sign(f->w[i + 1], f->w_err[i + 1]) == 0)
-            return false;
     if (filter_sign(f->det, f->det_err) == 0)
         return false;
     for (int i = 0; i < 2; i++)

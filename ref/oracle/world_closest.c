@@ -5,7 +5,6 @@
 
 #include <assert.h>
 #include <math.h>
-#include <omp.h>
 
 #define CHUNK 16 /* rays that a thread takes at once */
 
@@ -54,10 +53,10 @@ enum status oracle_closest_world(const struct oracle *oracle, enum oracle_path p
                                  struct oracle_answer *out, struct oracle_stats *stats,
                                  struct reason *reason)
 {
-    int team = threads ? (int)threads : omp_get_max_threads();
+    int team = oracle_team((count + CHUNK - 1) / CHUNK, threads);
     (void)reason;
     assert(oracle->placing);
-#pragma omp parallel num_threads(team) if (count > CHUNK)
+#pragma omp parallel num_threads(team)
     {
         unsigned long saved = environment_enter();
         struct closest_visitor closest = {.visitor = {.take = take}, .ends = ends};

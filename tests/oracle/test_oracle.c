@@ -1,10 +1,12 @@
 /* The oracle against GMP rationals, pair by pair, over all kinds of tests/exact/oracle_cases.c. A
  * few thousand pairs per kind; RAYDIFF_SLOW=1: 10^6. */
+#include "ref/oracle/internal.h"
 #include "tests/exact/exact_gmp.h"
 #include "tests/exact/oracle_batch.h"
 #include "tests/exact/pair_fault.h"
 
 #include <math.h>
+#include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -237,6 +239,22 @@ static void what_is_no_class_has_no_name(void **state)
     assert_string_equal(oracle_class_name(ORACLE_CLASS_COUNT), "unknown");
 }
 
+/* As many threads as asked for, or as OpenMP has; none that would find nothing to do, but one. */
+static void a_team_has_work_for_all(void **state)
+{
+    (void)state;
+    const int all = omp_get_max_threads();
+    omp_set_num_threads(5);
+    for (unsigned asked = 0; asked < 20; asked++)
+        for (size_t parts = 0; parts < 20; parts++) {
+            size_t most = asked ? asked : 5;
+            assert_int_equal(oracle_team(parts, asked),
+                             parts == 0 ? 1 : (int)(parts < most ? parts : most));
+        }
+    assert_int_equal(oracle_team((size_t)1 << 40, 7), 7);
+    omp_set_num_threads(all);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -245,6 +263,7 @@ int main(void)
         cmocka_unit_test(oracle_rational_is_t_in_lowest_terms),
         cmocka_unit_test(t_is_told_exactly),
         cmocka_unit_test(what_is_no_class_has_no_name),
+        cmocka_unit_test(a_team_has_work_for_all),
     };
     return cmocka_run_group_tests_name("oracle", tests, NULL, NULL) ? 1 : 0;
 }
