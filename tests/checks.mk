@@ -109,7 +109,7 @@ lint:
 	@sh tests/house/constants.sh
 
 # All slow checks: sanitizers, threads, validation, all 2^32 half conversions, all planted bugs (of which
-# `make check` plays a sixteenth), those for the rules of the house included. What finds few bugs of the product
+# `make check` plays one in 24), those for the rules of the house included. What finds few bugs of the product
 # for its time stands here.
 deep: sanitize-check tsan-check validate-check validate-gpu-check slow mutants
 	@sh tests/conform/conform.sh $(B)/raydiff $(B)/check/hard-deep.xml 8000 --hard --quick
