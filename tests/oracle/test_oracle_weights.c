@@ -15,13 +15,13 @@
 
 #include <cmocka.h> /* last: it defines fail() as a macro */
 
-struct tally {
+struct weighed {
     uint32_t known, open, tight;
 };
 
 /* Of a pair that is a hit; others have no weights. */
 static void weigh(const struct oracle *oracle, const struct ray *ray, uint32_t prim,
-                  struct tally *tally)
+                  struct weighed *tally)
 {
     struct oracle_pair pair;
     struct located at = pair_locate(oracle, prim);
@@ -46,7 +46,7 @@ static void weigh(const struct oracle *oracle, const struct ray *ray, uint32_t p
 static void of_scenes(void **state)
 {
     (void)state;
-    struct tally tally = {0};
+    struct weighed tally = {0};
     for (int kind = 0; kind < ORACLE_CASES; kind++)
         for (uint64_t seed = 0; seed < 30; seed++) {
             struct oracle_batch batch;
@@ -96,7 +96,7 @@ static void of_slivers(void **state)
 {
     (void)state;
     struct rng rng = rng_make(83, 0);
-    struct tally plain = {0}, placed = {0};
+    struct weighed plain = {0}, placed = {0};
     for (int n = 0; n < 40000; n++) {
         struct ray ray;
         struct scene scene;

@@ -290,7 +290,7 @@ static void lists_are_whole_and_memory_is_bounded(void **state)
     free(ray);
 }
 
-/* Rays with so many hits, none of which is kept: how many are done at once, and in how many calls. */
+/* Rays with so many hits, none of which is kept: how many are done at once, in how many calls. */
 static size_t done_of(const uint32_t *hits, size_t rays, size_t *calls)
 {
     struct all_counting c = {0};

@@ -166,8 +166,8 @@ static void sorting_leaves_what_is_behind_alone(void **state)
         }
 }
 
-/* A triangle whose side comes out as 0, of either sign, is seen from its back; turned over, from its
- * front. */
+/* A triangle whose side comes out as 0, of either sign, is seen from its back; turned over, from
+ * its front. */
 static void no_side_is_the_back(void **state)
 {
     (void)state;
