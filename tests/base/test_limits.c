@@ -175,6 +175,29 @@ static void rf16_holds_bounds_up_to_65504(void **state)
         }
 }
 
+/* Whichever node it is, and on whichever side: the first one is named. */
+static void rf16_names_the_node_beyond(void **state)
+{
+    (void)state;
+    struct held h = hold("rf16", trees_grid(9), 2, TREES_BALANCED);
+    packed_free(&h.packed);
+    assert_true(h.bvh.node_count > 5);
+    for (uint32_t i = 0; i < h.bvh.node_count; i++)
+        for (int side = 0; side < 6; side++) {
+            struct box *bounds = &h.bvh.node[i].bounds;
+            float *bound = side < 3 ? &bounds->lo[side] : &bounds->hi[side - 3], was = *bound;
+            char text[64];
+            *bound = side < 3 ? -65505 : 65505;
+            snprintf(text, sizeof text, "tree node %u has %d;", i, side < 3 ? -65505 : 65505);
+            h.status = packed_make(layout_find("rf16"), &h.bvh, &h.scene, &h.packed, &h.reason);
+            assert_int_equal(h.status, STATUS_LIMIT);
+            assert_non_null(strstr(h.reason.text, text));
+            *bound = was;
+        }
+    bvh_free(&h.bvh);
+    scene_free(&h.scene);
+}
+
 static void repaired_layouts_refuse_what_is_not_finite(void **state)
 {
     (void)state;
@@ -308,6 +331,7 @@ int main(void)
         cmocka_unit_test(rf16_reads_all_fifteen_bits_of_a_child_record),
         cmocka_unit_test(rf16_holds_triangles_up_to_65535),
         cmocka_unit_test(rf16_holds_bounds_up_to_65504),
+        cmocka_unit_test(rf16_names_the_node_beyond),
         cmocka_unit_test(repaired_layouts_refuse_what_is_not_finite),
         cmocka_unit_test(every_layout_holds_a_depth_of_64),
         cmocka_unit_test(wide_layouts_count_their_stack),
