@@ -125,6 +125,7 @@ plain)
     alone ended sh tests/scripts/ended.sh "$build/raydiff"
     alone peers sh tests/scripts/peers.sh "$build/raydiff"
     suite faults sh tests/scripts/faults.sh "$build/raydiff"
+    suite heap_checked sh tests/house/heap_checked.sh "$logs"
     suite fetch sh tests/house/fetch.sh
     suite drivers sh tests/house/drivers.sh
     suite warnings sh tests/house/warnings.sh
@@ -176,6 +177,7 @@ tsan)
     ;;
 esac
 
+. tests/heap.sh
 for test in "$build"/tests/test_*; do
     case $test in *.d) continue ;; esac
     name=$(basename "$test")
@@ -186,9 +188,11 @@ for test in "$build"/tests/test_*; do
     if [ "$mode" = watch ]; then # what runs shaders
         case $name in test_abi | test_half_gpu | test_vulkan*) ;; *) continue ;; esac
     fi
+    checked=
+    [ "$mode" = plain ] && checked="env $heap"
     case $name in
-    test_pipe | test_guardian | test_fuzz_shrink_apart) alone "$name" "$test" ;;
-    *) suite "$name" "$test" ;;
+    test_pipe | test_guardian | test_fuzz_shrink_apart) alone "$name" $checked "$test" ;;
+    *) suite "$name" $checked "$test" ;;
     esac
 done
 

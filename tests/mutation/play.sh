@@ -9,6 +9,7 @@
 # include it, and unit tests that do; of GLSL all shaders that include it. What turns red must be green
 # without the mutation, then and there.
 set -u
+. tests/heap.sh
 out=$1 key=$2 file=$3 number=$4
 build=$(dirname "$out")
 flat=$(echo "$file" | tr / .)
@@ -124,7 +125,8 @@ red() { # suite, seconds that it may take, folder of the library, variables
     logs=$dir
     (
         export LD_LIBRARY_PATH="$(realpath "$3")"
-        eval "timeout -k 5 $2 env ${4:-} $command"
+        case $1 in test_*) with_heap=$heap ;; *) with_heap= ;; esac
+        eval "timeout -k 5 $2 env ${4:-$with_heap} $command"
     ) >"$dir/log" 2>&1 </dev/null
     code=$?
     [ "$code" -ne 0 ] && [ "$code" -ne 77 ]
