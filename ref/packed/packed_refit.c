@@ -35,13 +35,6 @@ struct refit {
     struct reason *reason;
 };
 
-/* Returns the most slots that a leaf can have: the number of triangles or, for leaves of fixed
- * size, 8. */
-static uint32_t slots_most(const struct refit *refit)
-{
-    return refit->scene->tri_count < 8 ? 8 : refit->scene->tri_count;
-}
-
 static bool stores_vertices(const struct packed *packed)
 {
     return !packed->layout->item && !tri_store_reads_scene(packed->store);
@@ -74,7 +67,7 @@ static enum status leaf_bounds(struct refit *refit, uint32_t ref, struct items l
 {
     const char *name = refit->from->layout->name;
     uint32_t found = 0;
-    if (leaf.count > slots_most(refit))
+    if (leaf.count > refit->scene->tri_count)
         return fail(refit->reason, STATUS_INPUT, "%s: %s: a leaf of %u items for %u triangles",
                     name, packed_name(refit->from, ref).text, leaf.count, refit->scene->tri_count);
     *box = box_empty();
@@ -192,7 +185,7 @@ static enum status write_bounds(struct refit *refit)
 static int by_place(const void *a, const void *b)
 {
     const struct items *x = a, *y = b;
-    return (x->first > y->first) - (x->first < y->first);
+    return order_numbers(x->first, y->first);
 }
 
 /* Writes a leaf whose words extend to `end`. */
@@ -255,24 +248,16 @@ static enum status may_refit(const struct packed *packed, const struct scene *sc
     return STATUS_OK;
 }
 
-/* Returns a copy of `count` words; NULL if out of memory. */
-static uint32_t *copy_of(const uint32_t *word, uint32_t count)
-{
-    uint32_t *copy = alloc_zeroed(count, sizeof *copy);
-    if (copy && count > 0)
-        memcpy(copy, word, count * sizeof *copy);
-    return copy;
-}
-
 static enum status make(struct refit *refit)
 {
     const struct packed *from = refit->from;
     bool vertices = stores_vertices(from);
     refit->seen = alloc_zeroed((size_t)from->ref_count / 8 + 1, 1);
-    refit->prim = alloc_zeroed(vertices ? slots_most(refit) : 0, sizeof *refit->prim);
-    refit->to.word = copy_of(from->word, from->word_count);
-    refit->to.item = copy_of(vertices ? from->item : NULL, vertices ? from->item_count : 0);
-    if (!refit->seen || !refit->prim || !refit->to.word || !refit->to.item)
+    refit->prim = alloc_zeroed(vertices ? refit->scene->tri_count : 0, sizeof *refit->prim);
+    refit->to.word = alloc_copy(from->word, from->word_count, sizeof *from->word);
+    if (vertices)
+        refit->to.item = alloc_copy(from->item, from->item_count, sizeof *from->item);
+    if (!refit->seen || !refit->prim || !refit->to.word || (vertices && !refit->to.item))
         return STATUS_MEMORY;
     enum status status = write_bounds(refit);
     return status || !vertices ? status : write_leaves(refit);
