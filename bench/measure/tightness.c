@@ -88,7 +88,7 @@ static int by_rejected(const void *left, const void *right)
 {
     double a = ((const struct tightness_one *)left)->rejected;
     double b = ((const struct tightness_one *)right)->rejected;
-    return (a > b) - (a < b);
+    return order_doubles(a, b);
 }
 
 /* Copies the real errors of pairs [first, end) to `real` and sorts them. */

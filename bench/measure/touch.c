@@ -86,7 +86,7 @@ static uint32_t layout_item(const struct packed *packed, uint32_t slot)
 static int by_place(const void *a, const void *b)
 {
     uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-    return (x > y) - (x < y);
+    return order_numbers(x, y);
 }
 
 /* Words from `first` to the next leaf. */

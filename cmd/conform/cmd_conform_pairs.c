@@ -28,9 +28,9 @@ struct met {
 static int by_pair(const void *a, const void *b)
 {
     const struct met *x = a, *y = b;
-    int order = (x->a > y->a) - (x->a < y->a);
+    int order = order_numbers(x->a, y->a);
     if (order == 0)
-        order = (x->b > y->b) - (x->b < y->b);
+        order = order_numbers(x->b, y->b);
     if (order == 0)
         order = strcmp(x->name[0], y->name[0]);
     if (order == 0)

@@ -242,7 +242,7 @@ int suite_by_stage(const void *a, const void *b)
     suite_names(y, of_y);
     for (size_t i = 0; i < ARRAY_COUNT(tables) && order == 0; i++) {
         const char *p = of_x[tables[i]], *q = of_y[tables[i]];
-        order = tables[i] == TABLE_QUERIES ? (x->query > y->query) - (x->query < y->query)
+        order = tables[i] == TABLE_QUERIES ? order_numbers(x->query, y->query)
                                            : strcmp(p ? p : "", q ? q : "");
     }
     return order;

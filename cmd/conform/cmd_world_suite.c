@@ -211,8 +211,8 @@ struct world_pair {
 static int by_pair(const void *a, const void *b)
 {
     const struct world_pair *x = a, *y = b;
-    int order = (x->a > y->a) - (x->a < y->a);
-    order = order ? order : (x->b > y->b) - (x->b < y->b);
+    int order = order_numbers(x->a, y->a);
+    order = order ? order : order_numbers(x->b, y->b);
     order = order ? order : strcmp(x->name[0], y->name[0]);
     order = order ? order : strcmp(x->name[1], y->name[1]);
     return order ? order : (int)y->ran - (int)x->ran; /* the first of equal pairs ran if any did */

@@ -10,7 +10,7 @@
 static int by_count(const void *x, const void *y)
 {
     uint64_t a = *(const uint64_t *)x, b = *(const uint64_t *)y;
-    return (a > b) - (a < b);
+    return order_numbers(a, b);
 }
 
 struct pair_coverage_summary pair_coverage_summarize(const struct pair_coverage *m, uint64_t wanted)

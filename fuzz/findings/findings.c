@@ -15,15 +15,11 @@ struct findings_order findings_order(const struct fuzz_trial *trial)
 
 int findings_order_compare(const struct findings_order *a, const struct findings_order *b)
 {
-    if (a->mutated != b->mutated)
-        return a->mutated ? 1 : -1;
-    if (a->seed != b->seed)
-        return a->seed < b->seed ? -1 : 1;
-    if (a->index != b->index)
-        return a->index < b->index ? -1 : 1;
-    if (a->version != b->version)
-        return a->version < b->version ? -1 : 1;
-    return a->hash < b->hash ? -1 : a->hash > b->hash;
+    int order = order_numbers(a->mutated, b->mutated);
+    order = order ? order : order_numbers(a->seed, b->seed);
+    order = order ? order : order_numbers(a->index, b->index);
+    order = order ? order : order_numbers(a->version, b->version);
+    return order ? order : order_numbers(a->hash, b->hash);
 }
 
 static struct findings_member *find(const struct findings *findings,

@@ -89,10 +89,10 @@ static const char *read_numbers(const char *text, struct number_list *out)
 /* Compares the first `count` numbers; absent ones are 0. */
 static int compare(const struct number_list *a, const struct number_list *b, size_t count)
 {
-    for (size_t i = 0; i < count; i++)
-        if (a->number[i] != b->number[i])
-            return a->number[i] < b->number[i] ? -1 : 1;
-    return 0;
+    int order = 0;
+    for (size_t i = 0; i < count && order == 0; i++)
+        order = order_numbers(a->number[i], b->number[i]);
+    return order;
 }
 
 enum range_kind { RANGE_NONE, RANGE_BAD, RANGE_GOOD };

@@ -242,7 +242,7 @@ static int by_pipeline(const void *a, const void *b)
 {
     uintptr_t x = (uintptr_t)((const struct vk_work *)a)->pipeline;
     uintptr_t y = (uintptr_t)((const struct vk_work *)b)->pipeline;
-    return (x > y) - (x < y);
+    return order_numbers(x, y);
 }
 
 /* Traces the tasks that were added. */

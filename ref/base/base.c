@@ -88,7 +88,7 @@ enum status array_reserve(void *array, size_t *capacity, size_t need, size_t siz
 static int by_value(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
+    return order_doubles(x, y);
 }
 
 void sort_doubles(double *value, size_t count)

@@ -20,7 +20,7 @@ static uint64_t sort_key(const struct part *part, int axis, uint32_t place)
 static int by_key(const void *left, const void *right)
 {
     uint64_t a = *(const uint64_t *)left, b = *(const uint64_t *)right;
-    return (a > b) - (a < b);
+    return order_numbers(a, b);
 }
 
 static void sweep_axis(const struct split_node *node, int axis, double unit, struct split *best)

@@ -50,9 +50,8 @@ static void expect(struct listing *l, uint32_t prim, double t_lo, double t_hi)
 static int by_prim(const void *left, const void *right)
 {
     const struct judge_slot *a = left, *b = right;
-    if (a->prim != b->prim)
-        return (a->prim > b->prim) - (a->prim < b->prim);
-    return (a->at > b->at) - (a->at < b->at);
+    int order = order_numbers(a->prim, b->prim);
+    return order ? order : order_numbers(a->at, b->at);
 }
 
 /* Indexes the list by triangle; WRONG if one stands there twice. */

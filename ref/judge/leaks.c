@@ -239,7 +239,7 @@ static enum status count_walls(const struct lister *lister, size_t i, const uint
 static int by_prim(const void *left, const void *right)
 {
     const struct hit *a = left, *b = right;
-    return (a->prim > b->prim) - (a->prim < b->prim);
+    return order_numbers(a->prim, b->prim);
 }
 
 /* Counts one ray's list and sorts it by triangle; `scratch` has room for two numbers a hit. */

@@ -60,7 +60,7 @@ static int by_ray(const void *left, const void *right)
 {
     const struct noted *a = left, *b = right;
     int order = memcmp(a->ray, b->ray, sizeof *a->ray);
-    return order ? order : (a->note > b->note) - (a->note < b->note);
+    return order ? order : order_numbers(a->note, b->note);
 }
 
 enum status match_edges_add(const struct ray *ray, const uint8_t *note, size_t rays,

@@ -36,7 +36,7 @@ static int compare(const struct oracle *oracle, const struct ray *ray,
         sign = fraction_compare_double(pair_t(ray, &one), b->pair.t_lo);
     else if (b_hit)
         sign = -fraction_compare_double(pair_t(ray, &two), a->pair.t_lo);
-    return sign ? sign : (a->prim > b->prim) - (a->prim < b->prim);
+    return sign ? sign : order_numbers(a->prim, b->prim);
 }
 
 /* By insertion: lists are short, and nearly in order where a tree found them. */

@@ -18,30 +18,25 @@ struct half_edge {
     bool backward;
 };
 
-static int compare(uint32_t x, uint32_t y)
-{
-    return (x > y) - (x < y);
-}
-
 static int by_place(const void *left, const void *right)
 {
     const struct topology_place *x = left, *y = right;
     for (int k = 0; k < 3; k++)
         if (x->key[k] != y->key[k])
-            return compare(x->key[k], y->key[k]);
-    return compare(x->vertex, y->vertex);
+            return order_numbers(x->key[k], y->key[k]);
+    return order_numbers(x->vertex, y->vertex);
 }
 
 static int by_edge(const void *left, const void *right)
 {
     const struct half_edge *x = left, *y = right;
     if (x->a != y->a)
-        return compare(x->a, y->a);
+        return order_numbers(x->a, y->a);
     if (x->b != y->b)
-        return compare(x->b, y->b);
+        return order_numbers(x->b, y->b);
     if (x->backward != y->backward)
         return x->backward ? 1 : -1;
-    return compare(x->tri, y->tri);
+    return order_numbers(x->tri, y->tri);
 }
 
 /* Numbers the points by their first vertex. */

@@ -227,9 +227,8 @@ void all_hits_free(struct all_hits *all)
 static int by_distance(const void *left, const void *right)
 {
     const struct hit *a = left, *b = right;
-    if (a->t != b->t)
-        return (a->t > b->t) - (a->t < b->t);
-    return (a->prim > b->prim) - (a->prim < b->prim);
+    int order = order_doubles((double)a->t, (double)b->t);
+    return order ? order : order_numbers(a->prim, b->prim);
 }
 
 void all_hits_sort(struct hit *hit, size_t count)
@@ -239,18 +238,13 @@ void all_hits_sort(struct hit *hit, size_t count)
 
 /* --- with tags -------------------------------------------------------------------------------- */
 
-static int by_number(uint32_t a, uint32_t b)
-{
-    return (a > b) - (a < b);
-}
-
 static int by_all(const struct hit *a, uint32_t a_tag, const struct hit *b, uint32_t b_tag)
 {
     int order = by_distance(a, b);
-    order = order ? order : by_number(float_bits(a->t), float_bits(b->t)); /* zeros */
-    order = order ? order : by_number(float_bits(a->u), float_bits(b->u));
-    order = order ? order : by_number(float_bits(a->v), float_bits(b->v));
-    return order ? order : by_number(a_tag, b_tag);
+    order = order ? order : order_numbers(float_bits(a->t), float_bits(b->t)); /* zeros */
+    order = order ? order : order_numbers(float_bits(a->u), float_bits(b->u));
+    order = order ? order : order_numbers(float_bits(a->v), float_bits(b->v));
+    return order ? order : order_numbers(a_tag, b_tag);
 }
 
 static void exchange(struct hit *hit, uint32_t *tag, size_t i, size_t k)

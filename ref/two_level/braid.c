@@ -206,9 +206,8 @@ static int part_order(const void *left, const void *right)
 {
     const struct world_part *a = &((const struct braid_entry *)left)->of;
     const struct world_part *b = &((const struct braid_entry *)right)->of;
-    if (a->instance != b->instance)
-        return a->instance < b->instance ? -1 : 1;
-    return (a->node > b->node) - (a->node < b->node);
+    int order = order_numbers(a->instance, b->instance);
+    return order ? order : order_numbers(a->node, b->node);
 }
 
 /* Copies the entries that are parts. */

@@ -55,11 +55,9 @@ struct part_of {
 static int part_order(const void *left, const void *right)
 {
     const struct part_of *a = left, *b = right;
-    if (a->mesh != b->mesh)
-        return a->mesh < b->mesh ? -1 : 1;
-    if (a->node != b->node)
-        return a->node < b->node ? -1 : 1;
-    return (a->at > b->at) - (a->at < b->at);
+    int order = order_numbers(a->mesh, b->mesh);
+    order = order ? order : order_numbers(a->node, b->node);
+    return order ? order : order_numbers(a->at, b->at);
 }
 
 /* All parts, those of one tree one after the other. Caller frees; NULL if out of memory. */

@@ -76,7 +76,7 @@ static const char *no_data(const struct show *show, bool difference, const doubl
 static int by_value(const void *a, const void *b)
 {
     float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
+    return order_doubles((double)x, (double)y);
 }
 
 /* The 90th percentile of the differences that are not 0, by magnitude; 0 if there are none. With

@@ -107,11 +107,31 @@ static void number_and_size_commute(void **state)
         }
 }
 
+/* An array that grows keeps what it has, and has room for what it needs; for one more than that it
+ * holds the same. */
+static void an_array_has_the_room_it_needs(void **state)
+{
+    (void)state;
+    for (size_t more = 0; more < 2; more++) {
+        uint16_t *array = NULL;
+        size_t capacity = 0;
+        for (size_t count = 0; count < 3000; count++) {
+            assert_int_equal(array_reserve(&array, &capacity, count + 1 + more, sizeof *array), 0);
+            assert_true(capacity >= count + 1 + more && capacity <= 2 * count + 17);
+            array[count] = (uint16_t)(count + 7);
+        }
+        for (size_t i = 0; i < 3000; i++)
+            assert_int_equal(array[i], i + 7);
+        free(array);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(builders_take_what_they_say),
         cmocka_unit_test(number_and_size_commute),
+        cmocka_unit_test(an_array_has_the_room_it_needs),
         cmocka_unit_test(what_is_too_large_is_refused_before),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

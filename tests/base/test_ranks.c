@@ -2,6 +2,7 @@
 #include "ref/base/base.h"
 
 #include <setjmp.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -34,10 +35,27 @@ static void a_rank_is_the_smallest_that_is_enough(void **state)
         }
 }
 
+static void numbers_are_ordered(void **state)
+{
+    (void)state;
+    static const uint64_t whole[] = {0,        1,          2,         INT32_MAX,
+                                     1u << 31, UINT32_MAX, INT64_MAX, UINT64_MAX};
+    static const double real[] = {-INFINITY, -1e300, -1,  -5e-324, 0,
+                                  5e-324,    1,      1.5, 1e300,   INFINITY};
+    for (int i = 0; i < (int)ARRAY_COUNT(whole); i++)
+        for (int j = 0; j < (int)ARRAY_COUNT(whole); j++)
+            assert_int_equal(order_numbers(whole[i], whole[j]), i < j ? -1 : i > j ? 1 : 0);
+    for (int i = 0; i < (int)ARRAY_COUNT(real); i++)
+        for (int j = 0; j < (int)ARRAY_COUNT(real); j++)
+            assert_int_equal(order_doubles(real[i], real[j]), i < j ? -1 : i > j ? 1 : 0);
+    assert_int_equal(order_doubles(0.0, -0.0), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ranks_by_value),
+        cmocka_unit_test(numbers_are_ordered),
         cmocka_unit_test(a_rank_is_the_smallest_that_is_enough),
     };
     return cmocka_run_group_tests_name("ranks", tests, NULL, NULL) ? 1 : 0;
