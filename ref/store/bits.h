@@ -4,9 +4,12 @@
 
 #include <stdint.h>
 
-/* Reads `width` bits from bit `at` on; `word` must extend to bit at + width. */
+/* Reads `width` bits from bit `at` on; `word` must extend to bit at + width. Without width no word is
+ * read: there may be none. */
 static inline uint32_t bits_get(const uint32_t *word, uint32_t at, uint32_t width)
 {
+    if (width == 0)
+        return 0;
     const uint32_t *from = word + at / 32, shift = at % 32;
     uint32_t value = from[0] >> shift;
     if (shift + width > 32)
@@ -14,9 +17,11 @@ static inline uint32_t bits_get(const uint32_t *word, uint32_t at, uint32_t widt
     return value & ((1u << width) - 1);
 }
 
-/* Writes bits that were 0. */
+/* Writes bits that were 0; as above. */
 static inline void bits_put(uint32_t *word, uint32_t at, uint32_t width, uint32_t value)
 {
+    if (width == 0)
+        return;
     uint32_t *to = word + at / 32, shift = at % 32;
     to[0] |= value << shift;
     if (shift + width > 32)
