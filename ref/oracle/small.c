@@ -3,7 +3,6 @@
 #include "ref/base/base.h"
 #include "ref/integers/oracle_grid.h"
 
-#include <math.h>
 
 /* --- input ------------------------------------------------------------------------------------ */
 
@@ -117,10 +116,7 @@ bool small_multiply(const struct small *small, struct small_products *out)
 
 struct ratio {
     __int128 num, den;
-    double value; /* to less than 2^-50 of itself: three roundings */
 };
-
-#define RATIO_PAD 0x1p-49
 
 static void to_fraction(const struct ratio *ratio, int scale, struct fraction *out)
 {
@@ -133,8 +129,6 @@ static void to_fraction(const struct ratio *ratio, int scale, struct fraction *o
 static bool less(const struct ratio *a, const struct ratio *b)
 {
     struct fraction one, two;
-    if (fabs(a->value - b->value) > (fabs(a->value) + fabs(b->value)) * RATIO_PAD)
-        return a->value < b->value;
     to_fraction(a, 0, &one);
     to_fraction(b, 0, &two);
     return fraction_compare(&one, &two) < 0;
@@ -146,21 +140,15 @@ bool small_in_plane(const struct small *s, bool *any, struct fraction *in, struc
 {
     __int128 n[3], side[3];
     int64_t e1[3], e2[3];
-    int positive = 0, negative = 0;
     for (int k = 0; k < 3; k++) {
         e1[k] = s->a[1][k] - s->a[0][k];
         e2[k] = s->a[2][k] - s->a[0][k];
     }
     cross(e1, e2, n);
     int drop = n[0] ? 0 : n[1] ? 1 : 2, i = (drop + 1) % 3, j = (drop + 2) % 3;
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 3; c++)
         side[c] = (__int128)s->d[i] * s->a[c][j] - (__int128)s->d[j] * s->a[c][i];
-        positive += side[c] > 0;
-        negative += side[c] < 0;
-    }
     *any = false;
-    if (positive == 3 || negative == 3)
-        return true;
     if (2 * s->place_bits + s->way_bits > 122 || s->place_bits + 2 * s->way_bits > 122)
         return false;
     int measure = s->d[i] ? i : j;
@@ -172,12 +160,11 @@ bool small_in_plane(const struct small *s, bool *any, struct fraction *in, struc
              crosses = (side[c] < 0 && side[e] > 0) || (side[c] > 0 && side[e] < 0);
         if (!on && !crosses)
             continue;
-        struct ratio t = {s->a[c][measure], s->d[measure], 0};
+        struct ratio t = {s->a[c][measure], s->d[measure]};
         if (!on) {
             t.num = s->a[e][measure] * side[c] - s->a[c][measure] * side[e];
             t.den = (side[c] - side[e]) * s->d[measure];
         }
-        t.value = (double)t.num / (double)t.den;
         end[ends++] = t;
     }
     if (ends == 0)
