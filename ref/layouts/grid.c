@@ -278,7 +278,7 @@ static void decode(const struct packed *packed, uint32_t record, struct wide_slo
             s->count = (byte >> SLOT_ITEMS) + 1;
         } else {
             s->first = word[0] + (byte - SLOT_INNER);
-            s->there = byte < SLOT_INNER + WIDE_MAX && s->first < packed->node_count;
+            s->there = byte < SLOT_INNER + WIDE_MAX; /* wide_nodes.c: is there such a node? */
         }
         decode_box(grid, grid->frame == ABI_FRAME_WORLD ? NULL : &frame, codes, slot, &s->box);
     }

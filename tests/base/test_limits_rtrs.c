@@ -147,6 +147,8 @@ static void rtrs_rf_paper_reads_eight_slots_and_refuses_nine(void **state)
     (void)state;
     must_refuse(hold("rtrs_rf_paper", trees_grid(9), 9, TREES_BALANCED),
                 "rtrs_rf_paper: the paper's record has 8 slots, this tree has a leaf of 9");
+    must_refuse(hold("rtrs_rf_paper", trees_grid(35), 9, TREES_BALANCED), /* not the root */
+                "rtrs_rf_paper: the paper's record has 8 slots, this tree has a leaf of 9");
     for (uint32_t n = 7; n <= 8; n++) {
         struct held h = hold("rtrs_rf_paper", trees_grid(n), 8, TREES_BALANCED);
         assert_int_equal(slot(&h.packed, 0, 0), ABI_NO_PRIM); /* triangle 0 */
