@@ -4,8 +4,8 @@
 
 #include <stdint.h>
 
-/* Reads `width` bits from bit `at` on; `word` must extend to bit at + width. Without width no word is
- * read: there may be none. */
+/* Reads `width` bits from bit `at` on; `word` must extend to bit at + width. Without width no word
+ * is read: there may be none. */
 static inline uint32_t bits_get(const uint32_t *word, uint32_t at, uint32_t width)
 {
     if (width == 0)
