@@ -1,3 +1,3 @@
 # Variables under which the C library looks at a block of memory when it is freed: a byte written behind it, or a
-# second free, ends the program. New blocks that nobody zeroed are not zero. Read by shells: . tests/heap.sh
+# second free, ends the program. A new block is not zero unless it was zeroed. Read by shells: . tests/heap.sh
 heap='LD_PRELOAD=libc_malloc_debug.so.0 MALLOC_CHECK_=3 MALLOC_PERTURB_=165'

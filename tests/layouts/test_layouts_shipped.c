@@ -11,7 +11,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "tests/tree/any_words.h"
+#include "tests/layouts/any_words.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
-/* Layout amd64 stores the boxes of a node in float16, rounded outward, or in float32: the root, what
- * float16 does not hold, and what it makes more than 1.25 times as large are in float32. Every box
- * is held to that by its value. */
+/* Layout amd64 stores the boxes of a node in float16, rounded outward, or in float32. The root is
+ * in float32, and so is what float16 does not hold or makes more than 1.25 times as large. Every
+ * box is held to that by its value. */
 #include "ref/base/half.h"
 #include "ref/store.h"
 
@@ -14,7 +14,7 @@
 
 #include "tests/support/built.h"
 
-struct chosen {
+struct amd_chosen {
     const struct packed *packed;
     const struct scene *scene;
     uint32_t small, large, beyond;
@@ -32,7 +32,7 @@ static bool to_halves(const struct box *exact, struct box *out)
 }
 
 /* Returns the box of the triangles below a reference. */
-static struct box check_below(struct chosen *chosen, uint32_t ref)
+static struct box check_below(struct amd_chosen *chosen, uint32_t ref)
 {
     const struct packed *packed = chosen->packed;
     struct box all = box_empty(), exact[WIDE_MAX], half;
@@ -67,7 +67,7 @@ static struct box check_below(struct chosen *chosen, uint32_t ref)
 static void each_node_has_the_form_that_it_needs(void **state)
 {
     (void)state;
-    struct chosen chosen = {0};
+    struct amd_chosen chosen = {0};
     for (uint32_t seed = 0; seed < 24; seed++) {
         struct scene scene = built_soup(200, seed);
         const struct build_options options = {.leaf = 1 + seed % 4, .eps = BUILD_EPS_DEFAULT};
