@@ -34,7 +34,8 @@ struct definition {
     bool close; /* a comparison that rounding may decide either way */
 };
 
-/* Of one triangle: whether its t lies inside the range, the signs that are proven, the largest t. */
+/* Of one triangle: whether its t lies inside the range, the signs that are proven, the largest t.
+ */
 struct proven {
     bool inside;
     int det, edge[3];
@@ -232,7 +233,7 @@ static struct ray draw_ray(const struct scene *scene, struct rng *rng, uint32_t 
     if (what == 7)
         weight[2] = rng_float(rng) * (1 - weight[1]);
     weight[0] -= weight[1] + weight[2];
-    float off = what == 6 ? ldexpf(rng_range(rng, -1, 1), -12 - (int)rng_below(rng, 12)) : 0;
+    float off = what == 6 ? rng_scaled(rng, -1, 1, -23, 12) : 0;
     for (int k = 0; k < 3; k++) {
         float target = off;
         for (uint32_t c = 0; c < 3; c++)
