@@ -273,7 +273,7 @@ static enum status count_lists_of(const struct lister *lister, size_t at, struct
                                   struct leaks *out, uint64_t *digest, struct reason *reason)
 {
     enum status status = STATUS_OK;
-    uint32_t *scratch = alloc_zeroed(2 * (all->first[all->done] + 1), sizeof *scratch);
+    uint32_t *scratch = alloc_zeroed(2 * all->first[all->done], sizeof *scratch);
     if (!scratch)
         return fail(reason, STATUS_MEMORY, "no memory to count hits");
     for (size_t i = 0; i < all->done && !status; i++) {

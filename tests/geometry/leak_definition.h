@@ -11,6 +11,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include <cmocka.h> /* last: it defines fail() as a macro */
 
@@ -22,11 +23,18 @@ struct counted {
     struct oracle *oracle;
 };
 
-static void counted_make(const char *spec, struct counted *c)
+/* Brings `welds` pairs of vertices together, where fans of several rings meet. */
+static void counted_make(const char *spec, uint32_t welds, struct counted *c)
 {
     struct reason reason = {""};
-    if (scene_open(spec, 1, &c->scene, &reason) ||
-        topology_make(&c->scene, &c->topology, &reason) ||
+    if (scene_open(spec, 1, &c->scene, &reason))
+        fail_msg("%s", reason.text);
+    for (uint32_t i = 0; i < welds; i++) {
+        float *one = c->scene.vertex + 3 * (size_t)(i * c->scene.vertex_count / welds);
+        const float *other = c->scene.vertex + 3 * (size_t)(c->scene.vertex_count - 1 - i);
+        memcpy(one, other, 3 * sizeof *one);
+    }
+    if (topology_make(&c->scene, &c->topology, &reason) ||
         oracle_make(&c->scene, &c->oracle, &reason))
         fail_msg("%s", reason.text);
 }
