@@ -30,7 +30,7 @@ static void counted_make(const char *spec, uint32_t welds, struct counted *c)
     if (scene_open(spec, 1, &c->scene, &reason))
         fail_msg("%s", reason.text);
     for (uint32_t i = 0; i < welds; i++) {
-        float *one = c->scene.vertex + 3 * (size_t)(i * c->scene.vertex_count / welds);
+        float *one = c->scene.vertex + 3 * (size_t)(i * (c->scene.vertex_count / welds));
         const float *other = c->scene.vertex + 3 * (size_t)(c->scene.vertex_count - 1 - i);
         memcpy(one, other, 3 * sizeof *one);
     }
@@ -91,7 +91,8 @@ static bool around(const struct counted *c, const struct model *model, const str
         float v[3][3];
         scene_tri(&c->scene, i, v);
         for (uint32_t k = 0; k < 3; k++) {
-            if (!same_place(v[k], corner))
+            if (!same_place(v[k], corner) || same_place(v[0], v[1]) || same_place(v[1], v[2]) ||
+                same_place(v[2], v[0])) /* in no fan */
                 continue;
             if (!topology_fan_is_ring(&c->topology, c->topology.corner[3 * i + k]) ||
                 (model ? twin_of(c, model, ray, i).det : side_of(c, ray, i)) != side)

@@ -122,7 +122,7 @@ static struct ray draw_ray(const struct scene *scene, struct rng *rng)
     if (what > 3)
         weight[2] = rng_float(rng) * (1 - weight[1]);
     weight[0] -= weight[1] + weight[2];
-    float off = what == 3 ? rng_range(rng, -1e-6f, 1e-6f) : 0;
+    float off = what == 3 ? rng_scaled(rng, -1, 1, -28, 8) : 0;
     float reach = rng_below(rng, 2) ? 0.0f : 2.0f; /* from inside, or from anywhere */
     for (int k = 0; k < 3; k++) {
         float target = off;
@@ -226,7 +226,7 @@ static void each_count_is_as_defined(void **state)
     struct leak_tally sum[ARRAY_COUNT(models)] = {{0}};
     for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
         struct counted c;
-        counted_make(specs[s], s < ARRAY_COUNT(specs) - 1 ? 0 : 6, &c);
+        counted_make(specs[s], s < ARRAY_COUNT(specs) - 1 ? 0 : 16, &c);
         for (size_t m = 0; m < ARRAY_COUNT(models); m++) {
             check_run(&c, &models[m], &rng, RAYS, &sum[m]);
             for (int n = 0; n < 100; n++) /* a list that is the only one of its run */
