@@ -150,9 +150,13 @@ static void wrong_numbers_are_wrong(void **state)
         list.hit[0].u += 0.001f;
         must_wrong(c, list, WRONG_BARYCENTRIC, 0, ABI_NO_PRIM);
         for (size_t i = 0; i < ARRAY_COUNT(bad); i++) {
-            list = LIST(c, 0, 2);
-            list.hit[1].v = bad[i];
-            must_wrong(c, list, WRONG_NOT_FINITE, 2, ABI_NO_PRIM);
+            for (int field = 0; field < 3; field++) {
+                list = LIST(c, 0, 2);
+                *(field == 0   ? &list.hit[1].t
+                  : field == 1 ? &list.hit[1].u
+                               : &list.hit[1].v) = bad[i];
+                must_wrong(c, list, WRONG_NOT_FINITE, 2, ABI_NO_PRIM);
+            }
         }
         list = LIST(c, 0, 2);
         list.hit[1].t = nextafterf(list.hit[1].t, 3);
@@ -270,6 +274,13 @@ static void the_hit_that_stands_for_a_list_is_drawn_by_its_ray(void **state)
             (void)judge(c, &list);
             assert_true(list.judged.judgement.margin == margin);
             assert_int_equal(list.judged.judgement.edge_lost, lost == one);
+        }
+        struct judged_list unread = whole; /* what is wrong whatever the ray stands for nothing */
+        unread.hit[1].u = NAN;
+        for (int k = 0; k < 2; k++, unread.hit[1].prim = 77) {
+            must(c, unread, VERDICT_WRONG);
+            (void)judge(c, &unread);
+            assert_true(unread.judged.judgement.margin == 0);
         }
         drawn[one]++;
     }
