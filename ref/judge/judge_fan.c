@@ -36,6 +36,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Triangles of a fan; larger ones (the poles of very fine spheres) get the boundary band. */
 #define FAN_MOST 1024
@@ -54,7 +55,7 @@ struct fan {
 
 /* What is proven of one triangle. */
 struct seen {
-    int det, edge[3];
+    int edge[3], det;
     double t_most;
 };
 
@@ -64,8 +65,7 @@ static bool see_by_twin(const struct fan *fan, uint32_t prim, struct seen *seen)
     struct twin twin = judge_twin(fan->judge, fan->ray, prim, NULL);
     double t = twin.t_near, e = twin.t_err + twin.t_off;
     seen->det = twin.det;
-    for (int c = 0; c < 3; c++)
-        seen->edge[c] = twin.edge[c];
+    memcpy(seen->edge, twin.edge, sizeof seen->edge);
     seen->t_most = t + 2.0 * e;
     return t - e > (double)fan->ray->tmin && t + e < (double)fan->ray->tmax &&
            judge_surely_counts(fan->judge, fan->ray, prim, &twin);

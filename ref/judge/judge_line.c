@@ -13,6 +13,8 @@ void judge_set_lost(struct judgement *out, uint32_t prim, double t_lo, double t_
     out->lost_hi = t_hi;
 }
 
+#define HIT_LONGEST "prim=4294967295 t=-0x1.fffffep+127 u=-0x1.fffffep+127 v=-0x1.fffffep+127"
+
 static void print_hit(const struct hit *hit, char *text, size_t text_bytes)
 {
     if (hit->prim == ABI_NO_PRIM)
@@ -25,7 +27,7 @@ static void print_hit(const struct hit *hit, char *text, size_t text_bytes)
 static void print_line(const struct ray *ray, const struct hit *answer, const char *expected,
                        char *text, size_t text_bytes)
 {
-    char got[128];
+    char got[sizeof HIT_LONGEST];
     print_hit(answer, got, sizeof got);
     snprintf(text, text_bytes, "o=(%a,%a,%a) d=(%a,%a,%a) t=[%a,%a] => %s  expected: %s",
              (double)ray->org[0], (double)ray->org[1], (double)ray->org[2], (double)ray->dir[0],
@@ -36,7 +38,9 @@ static void print_line(const struct ray *ray, const struct hit *answer, const ch
 void judge_line(const struct ray *ray, const struct judgement *judgement, const struct hit *answer,
                 char *text, size_t text_bytes)
 {
-    char expected[160] = "miss", t[DECIMAL_WITHIN_MOST];
+    char expected[sizeof "prim=4294967295 t=, lost: prim=4294967295 t= displacement=-1.79e+308 uM" +
+                  2 * DECIMAL_WITHIN_MOST] = "miss";
+    char t[DECIMAL_WITHIN_MOST];
     decimal_within(judgement->t_lo, judgement->t_hi, t);
     if (judgement->expected != ABI_NO_PRIM)
         snprintf(expected, sizeof expected, "prim=%u t=%s", (unsigned)judgement->expected, t);
@@ -54,7 +58,7 @@ void judge_line(const struct ray *ray, const struct judgement *judgement, const 
 void judge_bits_line(const struct ray *ray, const struct hit *expected, const struct hit *answer,
                      char *text, size_t text_bytes)
 {
-    char want[128];
+    char want[sizeof HIT_LONGEST];
     print_hit(expected, want, sizeof want);
     print_line(ray, answer, want, text, text_bytes);
 }

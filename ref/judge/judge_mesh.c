@@ -90,14 +90,13 @@ enum status judge_list_mesh(const struct oracle *oracle, const struct topology *
                             bool closed, const struct ray *ray, const struct hit *hit, size_t count,
                             struct list_mesh *out)
 {
-    struct crossings work = {NULL, 0, 0};
-    unsigned parity = 0;
+    struct crossings work = {.list = NULL};
     enum status status = STATUS_OK;
     *out = (struct list_mesh){.pair = {ABI_NO_PRIM, ABI_NO_PRIM}};
     uint32_t *prim = alloc_zeroed(2 * count, sizeof *prim), *group = prim ? prim + count : NULL;
     if (!prim)
         return STATUS_MEMORY;
-    size_t extra = 0, kept = 0;
+    size_t kept = 0;
     for (size_t i = 0; i < count; i++) {
         bool again = hit[i].prim >= topology->tri_count;
         for (size_t k = 0; k < kept && !again; k++)
@@ -105,13 +104,13 @@ enum status judge_list_mesh(const struct oracle *oracle, const struct topology *
         if (!again)
             prim[kept++] = hit[i].prim;
     }
-    if (kept > 1)
-        extra = leaks_extra(topology, oracle, ray, prim, kept, out->pair, group);
+    size_t extra = leaks_extra(topology, oracle, ray, prim, kept, out->pair, group);
+    unsigned listed = (kept - extra) % 2, crossed = listed;
     out->doubled = extra > 0;
     if (closed)
-        status = parity_of(oracle, ray, &work, &out->parity, &parity);
+        status = parity_of(oracle, ray, &work, &out->parity, &crossed);
     out->parity = out->parity && !status;
-    out->parity_off = out->parity && (kept - extra) % 2 != parity;
+    out->parity_off = out->parity && crossed != listed;
     free(work.list);
     free(prim);
     return status;

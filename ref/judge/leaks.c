@@ -36,10 +36,10 @@ struct leak_tally leaks_total(const struct leaks *leaks)
 /* Words mixed one after the other (the finaliser of MurmurHash3). */
 static uint64_t mix(uint64_t digest, const void *data, size_t bytes)
 {
-    const unsigned char *at = data;
-    for (; bytes >= 4; bytes -= 4, at += 4) {
-        uint32_t word;
-        memcpy(&word, at, 4);
+    uint32_t word;
+    const unsigned char *at = data, *end = at + bytes;
+    for (; at < end; at += sizeof word) {
+        memcpy(&word, at, sizeof word);
         digest = (digest ^ word) * 0xFF51AFD7ED558CCDu;
         digest ^= digest >> 33;
     }
@@ -273,7 +273,7 @@ static enum status count_lists_of(const struct lister *lister, size_t at, struct
                                   struct leaks *out, uint64_t *digest, struct reason *reason)
 {
     enum status status = STATUS_OK;
-    uint32_t *scratch = alloc_zeroed(2 * (all->first[all->done] + 1), sizeof *scratch);
+    uint32_t *scratch = alloc_zeroed(2 * all->first[all->done], sizeof *scratch);
     if (!scratch)
         return fail(reason, STATUS_MEMORY, "no memory to count hits");
     for (size_t i = 0; i < all->done && !status; i++) {

@@ -95,6 +95,40 @@ static inline bool is_certain(const struct lying *l, const struct oracle_crossin
            side_at(l, c->prim) && c->pair.t_lo > 1e-20;
 }
 
+/* What is at fault stands in the list with that tag, or is a miss; its kind tells whether another
+ * instance has the triangle there, unless the world rules it out whatever the numbers. */
+static inline void check_fault(const struct lying *l, const struct hit *hit, const uint32_t *tag,
+                               size_t count, const struct list_judgement *out)
+{
+    enum wrong wrong = out->judgement.wrong;
+    struct judge here = *l->judge;
+    bool listed = false, anothers = false;
+    here.mode = l->mode;
+    for (size_t i = 0; i < count; i++)
+        listed =
+            listed || (memcmp(&hit[i], &out->at_fault, sizeof *hit) == 0 && tag[i] == out->tag);
+    if (out->at_fault.prim == ABI_NO_PRIM) {
+        assert_true(out->tag == 0 && (wrong == WRONG_NOT || wrong == WRONG_MISSED));
+        return;
+    }
+    assert_true(listed && wrong != WRONG_NOT && wrong != WRONG_MISSED);
+    if ((wrong != WRONG_INSTANCE && wrong != WRONG_PHANTOM && wrong != WRONG_DISTANCE) ||
+        judge_ruled_out(&here, &l->ray, &out->at_fault, out->tag))
+        return;
+    assert_int_equal(judge_is_anothers(&here, &l->ray, &out->at_fault, &anothers), STATUS_OK);
+    assert_int_equal(anothers, wrong == WRONG_INSTANCE);
+}
+
+static inline struct list_judgement list_judged(const struct lying *l, const struct hit *hit,
+                                                const uint32_t *tag, size_t count)
+{
+    struct list_judgement out;
+    assert_int_equal(judge_world_list(l->judge, &l->ray, l->mode, hit, tag, count, &out),
+                     STATUS_OK);
+    check_fault(l, hit, tag, count, &out);
+    return out;
+}
+
 static inline struct model model_of(size_t f, bool loose)
 {
     return (struct model){.formula = formulas[f].formula,

@@ -11,6 +11,7 @@
 #include "tests/judge/judge_fixture.h"
 
 #include <math.h>
+#include <stdio.h>
 
 /* --- right ----------------------------------------------------------------------------------- */
 
@@ -238,6 +239,32 @@ static void names_and_lines(void **state)
     assert_non_null(strstr(line, "expected: miss displacement=3 uM"));
 }
 
+/* The longest numbers are printed to their ends. */
+static void the_longest_line_is_whole(void **state)
+{
+    (void)state;
+    const double least = -0x1.fffffffffffffp+1023, tiny = -0x1.fffffffffffffp-1022;
+    const float far = -0x1.fffffep+127f, fine = -0x1.fffffep-126f;
+    struct hit hit = {far, fine, far, 0xFFFFFFFEu};
+    struct ray ray = {{far, fine, far}, fine, {fine, far, fine}, far};
+    struct judgement judgement = {.expected = 0xFFFFFFFDu, .displacement = 1.79e308};
+    judgement.t_lo = judgement.t_hi = least;
+    judge_set_lost(&judgement, 0xFFFFFFFCu, tiny, tiny);
+    char line[600], whole[600], hits[200];
+    snprintf(hits, sizeof hits, "prim=4294967294 t=%a u=%a v=%a", (double)far, (double)fine,
+             (double)far);
+    judge_line(&ray, &judgement, &hit, line, sizeof line);
+    snprintf(whole, sizeof whole,
+             "o=(%a,%a,%a) d=(%a,%a,%a) t=[%a,%a] => %s  expected: prim=4294967293 t=%.17g, "
+             "lost: prim=4294967292 t=%.17g displacement=1.79e+308 uM",
+             (double)far, (double)fine, (double)far, (double)fine, (double)far, (double)fine,
+             (double)fine, (double)far, hits, least, tiny);
+    assert_string_equal(line, whole);
+    judge_bits_line(&ray, &hit, &hit, line, sizeof line);
+    assert_string_equal(strstr(line, "expected: ") + 10, hits);
+    assert_non_null(strstr(line, "=> prim=4294967294"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -252,6 +279,7 @@ int main(void)
         cmocka_unit_test(any_and_closest_must_agree),
         cmocka_unit_test(bits_are_compared_as_bits),
         cmocka_unit_test(names_and_lines),
+        cmocka_unit_test(the_longest_line_is_whole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,7 @@
 /* Lists of all hits before the judge: what is allowed has its class, and what cannot be known is
  * not judged. */
+#include "ref/base/rng.h"
+#include "ref/judge/leaks.h"
 #include "tests/judge/judge_all_fixture.h"
 
 /* On the diagonal of both quads each half is hit by chance, but of a watertight test one is. */
@@ -143,6 +145,7 @@ static struct all_mesh mesh_of(struct scene scene)
 static struct list_mesh said_of(struct all_mesh *mesh, const struct judged_list *list)
 {
     struct list_mesh said;
+    memset(&said, 0x5A, sizeof said); /* what was there before does not count */
     assert_int_equal(judge_list_mesh(mesh->c->oracle, &mesh->topology, mesh->closed, &mesh->c->ray,
                                      list->hit, list->count, &said),
                      STATUS_OK);
@@ -201,28 +204,181 @@ static void double_hits_and_parity_are_seen(void **state)
     mesh_free(&mesh);
 }
 
-static void parity_is_silent_where_it_is_not_known(void **state)
+static void parity_of_an_open_mesh_is_not_known(void **state)
 {
     (void)state;
-    struct all_mesh mesh = mesh_of(closed_box());
-    struct judged_list none = empty;
-    mesh.c->ray = up(0.25f, 0.25f, -1); /* on the wall */
-    assert_false(said_of(&mesh, &none).parity);
-    mesh.c->ray = up(0.25f, 0.25f, -5);
-    mesh.c->ray.tmax = 4; /* ends on it */
-    assert_false(said_of(&mesh, &none).parity);
-    mesh.c->ray.tmin = 5; /* begins behind an edge, ends on one */
-    mesh.c->ray.tmax = 6;
-    assert_false(said_of(&mesh, &none).parity);
-    mesh_free(&mesh);
     struct scene scene = closed_box();
     scene.tri_count = 11;
-    mesh = mesh_of(scene);
+    struct all_mesh mesh = mesh_of(scene);
+    struct judged_list none = empty;
     mesh.c->ray = up(0.5f, 0.25f, -5);
     assert_false(mesh.closed);
     assert_false(said_of(&mesh, &none).parity);
     must_say(&mesh, LIST(mesh.c, 0, 1, 2), true, false);
     mesh_free(&mesh);
+}
+
+/* --- parity, by the geometry of the box alone --- */
+
+/* What a ray meets at one t of the line from its origin. */
+struct contact {
+    double t;
+    bool wall; /* the inside of a triangle; else an edge */
+};
+
+/* Contacts of a ray with the box from t = 0 on; directions are 0 or powers of 2, so that every
+ * number is exact. Diagonals run where both coordinates of a face are equal. -1 if the ray lies in
+ * a face's plane. */
+static int contacts_of(const struct ray *ray, struct contact out[6])
+{
+    int count = 0;
+    for (int k = 0; k < 3; k++) {
+        if (ray->dir[k] == 0 && fabsf(ray->org[k]) == 1)
+            return -1;
+        for (int side = -1; side <= 1 && ray->dir[k] != 0; side += 2) {
+            double t = ((double)side - (double)ray->org[k]) / (double)ray->dir[k], at[2];
+            for (int j = 0; j < 2; j++) {
+                int axis = (k + 1 + j) % 3;
+                at[j] = (double)ray->org[axis] + t * (double)ray->dir[axis];
+            }
+            if (t < 0 || fabs(at[0]) > 1 || fabs(at[1]) > 1)
+                continue;
+            bool wall = fabs(at[0]) < 1 && fabs(at[1]) < 1 && at[0] != at[1];
+            out[count++] = (struct contact){t, wall};
+        }
+    }
+    return count;
+}
+
+static bool is_within_box(const struct ray *ray, double t)
+{
+    bool within = !isinf(t);
+    for (int k = 0; k < 3 && within; k++)
+        within = fabs((double)ray->org[k] + t * (double)ray->dir[k]) < 1;
+    return within;
+}
+
+/* Known if the ray crosses nothing but walls; or if it meets edges between its ends, nothing at
+ * them, nothing but walls beyond, and begins its line off the walls: then a generic direction tells
+ * where. */
+static bool parity_can_be_known(const struct ray *ray, const struct contact *contact, int count)
+{
+    double lo = (double)ray->tmin, hi = (double)ray->tmax;
+    bool walls = true, around = true;
+    for (int i = 0; i < count; i++) {
+        const double t = contact[i].t;
+        bool between = t > lo && t < hi, beyond = t < lo || t > hi;
+        walls = walls && (beyond || (between && contact[i].wall));
+        around = around && t > 0 && (between || (beyond && contact[i].wall));
+    }
+    return walls || around;
+}
+
+/* A list of any triangles, some twice, some that are none: what is said of it. */
+static void check_any_list(struct all_mesh *mesh, struct rng *rng, bool known, unsigned parity)
+{
+    uint32_t prim[MOST], group[MOST], pair[2] = {ABI_NO_PRIM, ABI_NO_PRIM};
+    struct judged_list list = {.count = rng_below(rng, MOST + 1)};
+    size_t kept = 0;
+    for (size_t i = 0; i < list.count; i++) {
+        list.hit[i] = (struct hit){.prim = rng_below(rng, 14)};
+        bool again = list.hit[i].prim >= 12;
+        for (size_t k = 0; k < kept; k++)
+            again = again || prim[k] == list.hit[i].prim;
+        if (!again)
+            prim[kept++] = list.hit[i].prim;
+    }
+    size_t extra =
+        leaks_extra(&mesh->topology, mesh->c->oracle, &mesh->c->ray, prim, kept, pair, group);
+    struct list_mesh said = said_of(mesh, &list);
+    assert_int_equal(said.parity, known);
+    assert_int_equal(said.parity_off, known && (kept + extra + parity) % 2 == 1);
+    assert_int_equal(said.doubled, extra > 0);
+    assert_true(said.pair[0] == pair[0] && said.pair[1] == pair[1]);
+}
+
+/* From a lattice in and around the box, many of whose lines meet edges and corners, with ends on
+ * walls, before and behind them. */
+static void parity_is_known_and_right_wherever_it_can_be(void **state)
+{
+    (void)state;
+    static const float steps[] = {0, 1, -1, 0.5f, -2}, ends[] = {0, 0.5f, 1, 2, INFINITY};
+    struct all_mesh mesh = mesh_of(closed_box());
+    struct rng rng = rng_make(1, 1);
+    size_t count[2][2] = {{0}};
+    for (int i = 0; i < 40000; i++) {
+        struct contact contact[6];
+        struct ray ray = {.tmax = 1};
+        for (int k = 0; k < 3; k++) {
+            ray.org[k] = 0.25f * (float)rng_below(&rng, 13) - 1.5f;
+            ray.dir[k] = steps[rng_below(&rng, ARRAY_COUNT(steps))];
+        }
+        uint32_t from = rng_below(&rng, 4);
+        ray.tmin = ends[from];
+        ray.tmax = ends[from + 1 + rng_below(&rng, 4 - from)];
+        int contacts = contacts_of(&ray, contact);
+        if (contacts < 0 || !ray_in_contract(&ray))
+            continue;
+        bool known = parity_can_be_known(&ray, contact, contacts);
+        unsigned parity =
+            is_within_box(&ray, (double)ray.tmin) != is_within_box(&ray, (double)ray.tmax);
+        mesh.c->ray = ray;
+        check_any_list(&mesh, &rng, known, parity);
+        count[known][parity]++;
+    }
+    assert_true(count[0][0] > 1000 && count[0][1] > 500);
+    assert_true(count[1][0] > 5000 && count[1][1] > 2000);
+    mesh_free(&mesh);
+}
+
+/* The directions that are tried from the origin of a ray. */
+#define TRIED 8u
+static const float tried[TRIED][3] = {{0.5413f, 0.7291f, -0.4187f},  {-0.6821f, 0.2719f, 0.6793f},
+                                      {0.1373f, -0.8117f, 0.5677f},  {-0.4391f, -0.5323f, -0.7237f},
+                                      {0.8819f, 0.0947f, 0.4618f},   {0.3331f, 0.6197f, 0.7109f},
+                                      {-0.2411f, 0.9043f, -0.3527f}, {-0.9341f, -0.1879f, 0.3037f}};
+
+/* The box, made larger, with a corner of a small tetrahedron in each of these directions. */
+static struct scene box_with_corners_at(const float at[][3], uint32_t count)
+{
+    static const uint32_t index[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
+    struct scene box = closed_box(), scene;
+    assert_int_equal(scene_make(8 + 4 * count, 12 + 4 * count, &scene), STATUS_OK);
+    for (size_t i = 0; i < 24; i++)
+        scene.vertex[i] = 4 * box.vertex[i];
+    memcpy(scene.index, box.index, 36 * sizeof *box.index);
+    scene_free(&box);
+    for (uint32_t n = 0; n < count; n++)
+        for (uint32_t c = 0; c < 4; c++)
+            for (uint32_t k = 0; k < 3; k++) {
+                float aside = c == k + 1 ? 0.0625f : 0;
+                scene.vertex[3 * (8 + 4 * n + c) + k] = (c ? 1.25f : 1.0f) * at[n][k] + aside;
+                scene.index[3 * (12 + 4 * n + c) + k] = 8 + 4 * n + index[c][k];
+            }
+    return scene;
+}
+
+/* From the inside of a box, at a corner: one generic direction of eight is enough to know where the
+ * origin is, whichever it is, and if each of them meets a corner, it is not known. */
+static void eight_directions_are_tried_for_a_generic_one(void **state)
+{
+    (void)state;
+    for (uint32_t free_one = 0; free_one <= TRIED; free_one++) {
+        float at[TRIED][3];
+        uint32_t count = 0;
+        for (uint32_t d = 0; d < TRIED; d++)
+            if (d != free_one)
+                memcpy(at[count++], tried[d], sizeof tried[d]);
+        struct all_mesh mesh = mesh_of(box_with_corners_at((const float(*)[3])at, count));
+        struct judged_list none = empty;
+        assert_true(mesh.closed);
+        mesh.c->ray = (struct ray){{0, 0, 0}, 0, {0, 0, 0}, 1e30f};
+        memcpy(mesh.c->ray.dir, at[0], sizeof at[0]);
+        struct list_mesh said = said_of(&mesh, &none);
+        assert_int_equal(said.parity, free_one < TRIED);
+        assert_int_equal(said.parity_off, free_one < TRIED);
+        mesh_free(&mesh);
+    }
 }
 
 int main(void)
@@ -234,7 +390,9 @@ int main(void)
         cmocka_unit_test(a_plane_may_be_listed_or_not),
         cmocka_unit_test(out_of_contract_says_nothing),
         cmocka_unit_test(double_hits_and_parity_are_seen),
-        cmocka_unit_test(parity_is_silent_where_it_is_not_known),
+        cmocka_unit_test(parity_of_an_open_mesh_is_not_known),
+        cmocka_unit_test(parity_is_known_and_right_wherever_it_can_be),
+        cmocka_unit_test(eight_directions_are_tried_for_a_generic_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -90,7 +90,9 @@ static long fail_each(call play, const struct trial_call *t)
         atomic_store(&until_failure, -1);
         if (!has_failed) {
             assert_int_equal(status, STATUS_OK);
+            before = held;
             assert_int_equal(play(t, &again), STATUS_OK);
+            assert_int_equal(held, before);
             assert_memory_equal(&out, &again, sizeof out);
             return n;
         }
