@@ -8,11 +8,11 @@
 #include <stddef.h>
 #include <setjmp.h>
 #include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include <cmocka.h> /* last: it defines fail() as a macro */
 
 #define U 0x1p-24L
 
@@ -196,12 +196,13 @@ static void draw_transform(struct rng *rng, int kind, float m[3][4])
 {
     uint32_t turn = rng_below(rng, 3);
     for (uint32_t k = 0; k < 3; k++) {
-        for (uint32_t j = 0; j < 3; j++)
-            m[k][j] = kind ? (j == (k + turn) % 3
-                                  ? ldexpf(rng_below(rng, 2) ? 1 : -1, (int)rng_below(rng, 5) - 2)
-                                  : 0)
-                           : rng_range(rng, -1, 1) + (j == k ? 2.0f : 0.0f);
-        m[k][3] = rng_below(rng, 2) ? rng_range(rng, -8, 8) : 0;
+        for (uint32_t j = 0; j < 3; j++) {
+            float any = rng_range(rng, -1, 1), sign = any < 0 ? -1.0f : 1.0f;
+            float scale = ldexpf(sign, (int)rng_below(rng, 5) - 2);
+            m[k][j] = kind == 0 ? any + (j == k ? 2.0f : 0.0f) : j == (k + turn) % 3 ? scale : 0;
+        }
+        m[k][3] = rng_range(rng, -8, 8);
+        m[k][3] = rng_below(rng, 2) ? m[k][3] : 0;
     }
 }
 

@@ -7,9 +7,9 @@
 #include <stddef.h>
 #include <setjmp.h>
 #include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
+
+#include <cmocka.h> /* last: it defines fail() as a macro */
 
 #define U       0x1p-24L
 #define FLUSHED 0x1p-126L
@@ -28,7 +28,8 @@ static void same(const char *what, double found, wide expected)
 static double number(struct rng *rng)
 {
     static const int power[] = {0, 0, 0, 0, -24, -24, -66, -126};
-    return ldexp((double)rng_below(rng, 5), power[rng_below(rng, ARRAY_COUNT(power))]);
+    double digit = rng_below(rng, 5);
+    return ldexp(digit, power[rng_below(rng, ARRAY_COUNT(power))]);
 }
 
 static double power_of_two(struct rng *rng)
@@ -189,14 +190,14 @@ static void sums_and_extremes_are_the_same_in_either_order(void **state)
 
 /* --- of rays beside triangles ----------------------------------------------------------------- */
 
-struct beside {
+struct passing {
     struct scene scene;
     struct judge judge;
     struct ray ray;
 };
 
 /* A ray that passes an edge, or ends at the plane, closely on either side. */
-static void aim(struct rng *rng, struct beside *out)
+static void aim(struct rng *rng, struct passing *out)
 {
     float v[3][3], weight[3], off = (rng_range(rng, -100, 100)) * 0x1p-24f;
     int edge = (int)rng_below(rng, 3), where = (int)rng_below(rng, 3);
@@ -225,7 +226,7 @@ static void aim(struct rng *rng, struct beside *out)
 }
 
 /* Where the plane may be reached within the range, *near: it is a matter of the last digits. */
-static bool may_reach(const struct beside *b, const struct judge_rounding *r, bool *near)
+static bool may_reach(const struct passing *b, const struct judge_rounding *r, bool *near)
 {
     wide lo = (wide)b->ray.tmin, hi = (wide)b->ray.tmax, meet = (wide)r->t / (wide)r->det;
     bool reach = lo <= meet && meet <= hi;
@@ -245,7 +246,7 @@ static void what_may_be_hit_may_be_accepted_and_reached(void **state)
 {
     (void)state;
     struct rng rng = rng_make(3, 51);
-    struct beside b = {.judge.displacement = 32};
+    struct passing b = {.judge.displacement = 32};
     size_t yes = 0, no = 0, open = 0;
     assert_int_equal(scene_make(3, 1, &b.scene), STATUS_OK);
     for (uint32_t c = 0; c < 3; c++)
