@@ -184,6 +184,19 @@ enum status judge_list_tagged(const struct judge *judge, const struct ray *ray,
 
 /* --- judge_unnamed.c --- */
 
+/* A bit for each of the scene's triangles first .. first + count - 1, 1 to JUDGE_TOGETHER of them:
+ * 0 where two edge functions surely have opposite signs, so that neither judge_may_be_hit nor a
+ * formula of judge_looks_first takes it for hit. */
+uint64_t judge_first_look(const struct judge *judge, const struct ray *ray, uint32_t first,
+                          uint32_t count);
+
+/* True of the models whose evaluations judge_first_look allows for. */
+bool judge_looks_first(const struct model *model);
+
+/* True if the ray's line, whatever its range, passes the box, widened by 1/16 of the largest
+ * coordinate of both. False of a box that is empty. */
+bool judge_comes_near(const struct ray *ray, const struct box *box);
+
 /* Judges an any-hit answer that is a hit and names no triangle. */
 void judge_unnamed_hit(const struct judge *judge, const struct ray *ray,
                        const struct oracle_answer *truth, struct judgement *out);
