@@ -129,7 +129,7 @@ enum status judge_lost(const struct judge *judge, const struct ray *ray,
         return STATUS_OK;
     enum status status = judge_cannot_miss(judge, ray, truth->prim, truth->t_lo, truth->t_hi, reach,
                                            NULL, known, lost);
-    if (status || *lost || (truth->tie_count == 1 && !(reach > truth->t_next)))
+    if (status || *lost)
         return status;
     return try_all(judge, ray, reach, lost, out);
 }

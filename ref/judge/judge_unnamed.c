@@ -12,7 +12,7 @@ _Static_assert(TOGETHER == 64, "a bit of a uint64_t each");
 /* --- a first test ------------------------------------------------------------------------------
  */
 
-/* What the first test keeps: all that judge_may_be_hit or a named formula of judge_looks_first may accept.
+/* What the first test keeps: what judge_may_be_hit or a formula of judge_looks_first may accept.
  * With x = |coordinate| of what is in brackets, M = [vertex - origin], D = [d] and L = [edge] <= 2
  * M, an edge function may have the other sign by
  *   A |d x e| u M <= 2 sqrt 3 A u M D L for A units of displacement, or, of the widest of
