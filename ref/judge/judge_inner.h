@@ -93,10 +93,6 @@ struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_
 
 #define JUDGE_TOGETHER 64u /* triangles looked at together, at most */
 
-/* The twins of `count` triangles, without t, u and v. */
-void judge_twins(const struct judge *judge, const struct ray *ray, const uint32_t *prim,
-                 size_t count, struct twin *out);
-
 /* As oracle_crossings; of a world as oracle_crossings_world. */
 enum status judge_crossings(const struct judge *judge, const struct ray *ray, double t_most,
                             struct oracle_crossing **list, size_t *capacity, size_t *count);

@@ -105,16 +105,15 @@ bool judge_looks_first(const struct model *model)
 static bool possible_by_twin(const struct judge *judge, const struct ray *ray, uint32_t first,
                              uint32_t count)
 {
-    struct twin_pair pair[TOGETHER];
+    struct twin_pair pair[TOGETHER] = {{NULL, 0}};
     struct twin twin[TOGETHER];
     bool possible = false;
-    uint64_t left = UINT64_MAX;
+    uint64_t left = UINT64_MAX >> (TOGETHER - count);
     uint32_t pairs = 0;
     if (judge_looks_first(&judge->model))
         left = judge_first_look(judge, ray, first, count);
-    for (uint32_t i = 0; i < count; i++)
-        if (left >> i & 1)
-            pair[pairs++] = (struct twin_pair){ray, first + i};
+    for (; left; left &= left - 1)
+        pair[pairs++] = (struct twin_pair){ray, first + (uint32_t)__builtin_ctzll(left)};
     twin_eval_many(judge->model.formula, judge->model.rounding, judge->scene, pair, pairs, twin);
     for (uint32_t i = 0; i < pairs && !possible; i++)
         possible = may_hit(judge, ray, pair[i].prim, &twin[i]);

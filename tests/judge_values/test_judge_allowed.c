@@ -12,7 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h> /* last: it defines fail() as a macro */
+#include <cmocka.h> /* it defines fail() as a macro */
+
+#include "tests/judge_values/one_placed.h"
 
 #define U 0x1p-24L
 
@@ -160,36 +162,6 @@ static void bounds_are_those_of_their_formula(void **state)
 }
 
 /* --- of a placed triangle --------------------------------------------------------------------- */
-
-/* A world of one triangle. */
-struct one_placed {
-    struct world world;
-    struct twin_place place;
-    struct judge judge;
-};
-
-static void place(struct one_placed *out, float v[3][3], float m[3][4])
-{
-    struct world *world = &out->world;
-    *world = (struct world){.mesh_count = 1, .instance_count = 1};
-    world->mesh = calloc(1, sizeof *world->mesh);
-    world->instance = calloc(1, sizeof *world->instance);
-    assert_true(world->mesh && world->instance);
-    world->mesh->geometry = calloc(1, sizeof(struct geometry));
-    world->mesh->scene = calloc(1, sizeof(struct scene));
-    assert_true(world->mesh->geometry && world->mesh->scene);
-    assert_int_equal(scene_make(3, 1, world->mesh->scene), STATUS_OK);
-    memcpy(world->mesh->scene->vertex, v, 9 * sizeof(float));
-    for (uint32_t c = 0; c < 3; c++)
-        world->mesh->scene->index[c] = c;
-    world->mesh->geometry_count = 1;
-    world->mesh->geometry[0] = (struct geometry){0, 1, true};
-    world->instance->mask = 0xFF;
-    memcpy(world->instance->m, m, sizeof world->instance->m);
-    assert_int_equal(world_finish(world, NULL), STATUS_OK);
-    assert_int_equal(twin_place_of(world->instance, &out->place, NULL), STATUS_OK);
-    out->judge = (struct judge){.world = world, .place = &out->place, .displacement = 32};
-}
 
 /* Turned axes, scales and mirrors, or any numbers; of each a shift. */
 static void draw_transform(struct rng *rng, int kind, float m[3][4])

@@ -85,7 +85,8 @@ static bool is_dropped(const struct looked *l, uint32_t prim, bool *near)
  * which a small or a large triangle, a far one or a long direction has its share. */
 static const struct kind_of_place {
     int direction, scale, along; /* powers of two */
-} places[] = {{0, 0, 0}, {-60, -25, 35}, {-90, 0, 110}, {20, -45, -65}, {-110, 20, 100}};
+} places[] = {{0, 0, 0},      {-60, -25, 35},  {-90, 0, 110},
+              {20, -45, -65}, {-110, 20, 100}, {-110, 0, 110}};
 
 static void draw_ray(struct rng *rng, const struct kind_of_place *at, struct ray *ray)
 {

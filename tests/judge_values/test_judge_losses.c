@@ -1,8 +1,7 @@
-/* What is judged of a lost hit (ref/judge/judge_lost.c), by value: twins and numbers are given to it,
- * those at borders among them. */
+/* What is judged of a lost hit (ref/judge/judge_lost.c), by value: twins and numbers are given to
+ * it, those at borders among them. */
 #include "ref/judge/judge_inner.h"
 #include "ref/base/rng.h"
-#include "ref/oracle/oracle.h"
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -181,7 +180,7 @@ static void the_first_of_what_was_found_is_found(void **state)
     }
 }
 
-/* --- all that lies before what was answered ---------------------------------------------------- */
+/* --- all that lies before what was answered --------------------------------------------------- */
 
 #define LAYERS 24
 
@@ -241,7 +240,7 @@ static void what_cannot_be_missed_is_lost_wherever_it_lies(void **state)
     assert_int_equal(scene_make(3 * LAYERS, LAYERS, &scene), STATUS_OK);
     for (int i = 0; i < 3000; i++) {
         static const struct model model = {.formula = TWIN_MT, .rounding = {1, 1, 1, 0x1p-149}};
-        struct ray ray = {{0, 0, 0}, 0, {0, 0, 1}, 1e30f};
+        struct ray ray = {{0, 0, 0}, 0, {0, 0, 3}, 1e30f};
         struct oracle *oracle;
         struct judge *judge;
         struct oracle_answer truth;
@@ -252,14 +251,22 @@ static void what_cannot_be_missed_is_lost_wherever_it_lies(void **state)
             oracle_closest(oracle, ORACLE_BRUTE, ORACLE_CLOSED, &ray, 1, 1, &truth, NULL, NULL),
             STATUS_OK);
         for (int at = 0; at < 18; at++) {
-            double reach = at == 17 ? INFINITY : 0.875 + at * 0.125;
+            double reach = at == 17 ? INFINITY : (0.875 + at * 0.125) / 3;
             struct judgement out = {.lost = ABI_NO_PRIM, .expected = truth.prim};
             bool lost = true, any = truth.prim != ABI_NO_PRIM && reach > truth.t_hi;
             uint32_t must =
                 any ? must_be_lost(judge, oracle, &ray, truth.prim, reach) : ABI_NO_PRIM;
             assert_int_equal(judge_lost(judge, &ray, &truth, reach, NULL, &lost, &out), STATUS_OK);
             assert_int_equal(lost, must != ABI_NO_PRIM);
-            assert_int_equal(out.lost, lost && must != truth.prim ? must : ABI_NO_PRIM);
+            if (lost && must != truth.prim) {
+                struct oracle_pair pair;
+                oracle_pair(oracle, &ray, must, &pair);
+                assert_int_equal(out.lost, must);
+                assert_true(out.lost_lo == pair.t_lo && out.lost_hi == pair.t_hi);
+                assert_true(pair.t_lo < pair.t_hi);
+            } else {
+                assert_int_equal(out.lost, ABI_NO_PRIM);
+            }
             nearest += lost && must == truth.prim;
             another += lost && must != truth.prim;
             none += !lost;
