@@ -45,14 +45,14 @@ static bool reaches(const struct one_placed *one, const struct ray *ray, int whi
            judge_weight_allowed(&r, which + 1, nearest(r.edge[which + 1] / r.det, cell));
 }
 
-struct cells {
+struct passing_cells {
     bool some, all, any, near; /* pass: of those that may be reached, and of the grid */
 };
 
-static struct cells cells_of(const struct one_placed *one, const struct ray *ray)
+static struct passing_cells cells_of(const struct one_placed *one, const struct ray *ray)
 {
     const struct place at = world_place(&one->world, 0);
-    struct cells out = {.all = true};
+    struct passing_cells out = {.all = true};
     for (int cell = 0; cell < GRID * GRID; cell++) {
         int u = cell / GRID, v = cell % GRID;
         bool passes = filter_passes(&one->world.filter, &at, ((float)u + 0.5f) / (float)GRID,
@@ -122,7 +122,7 @@ static void what_passes_is_a_matter_of_the_cells_that_u_and_v_may_lie_in(void **
         struct one_placed one;
         struct oracle *oracle = place_filtered(&one, &models[i % 3], &rng);
         struct ray ray = aim(&rng, one.world.instance->m[0][3]);
-        struct cells cells = cells_of(&one, &ray);
+        struct passing_cells cells = cells_of(&one, &ray);
         struct twin twin = {.possible = true};
         struct hit hit = {1, 0.25f, 0.25f, 0};
         if (one.judge.own)

@@ -1,8 +1,7 @@
-/* What is judged of a named triangle (ref/judge/judge_named.c), and of the ends of a range
- * (ref/judge/judge_noise.c), by value: twins are given to it, and numbers at every border. */
+/* What is judged of a named triangle (ref/judge/judge_named.c), by value: twins are given to it,
+ * and numbers at every border. */
 #include "ref/judge/judge_inner.h"
 #include "ref/base/rng.h"
-#include "ref/twin/twin_replay.h"
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -191,7 +190,8 @@ static void sharp_bounds_decide_alone(void **state)
     struct named_one one;
     named_open(&one, &mt, across);
     for (int i = 0; i < 4000; i++) {
-        double of_t = 4 * pick(&rng, errors, 4), of_u = pick(&rng, errors, 4);
+        double of_t = 4 * pick(&rng, errors, 4);
+        double of_u = pick(&rng, errors, 4);
         double of_v = pick(&rng, errors, 4);
         struct twin twin = {.possible = true, .t_err = of_t, .u_err = of_u, .v_err = of_v};
         twin.t_near = 4;
@@ -202,6 +202,57 @@ static void sharp_bounds_decide_alone(void **state)
         enum verdict verdict = named(&one, &ray, &twin, &hit, &wrong);
         assert_int_equal(verdict, sharp ? VERDICT_RIGHT : VERDICT_WRONG);
         assert_int_equal(wrong, sharp ? WRONG_NOT : WRONG_DISTANCE);
+    }
+    named_close(&one);
+}
+
+/* Near values are no excuse where the triangle is not hit, or not in the range. */
+static void what_is_not_hit_is_not_exact(void **state)
+{
+    (void)state;
+    static const struct ray rays[] = {{{0, 0, 0}, 0, {0, 0, 1}, 2.5f},
+                                      {{9, 0, 0}, 0, {0, 0, 1}, INFINITY}};
+    for (size_t i = 0; i < ARRAY_COUNT(rays); i++)
+        for (int open = 0; open < 2; open++) {
+            struct named_one one;
+            struct twin twin = {.possible = true, .t_err = open ? INFINITY : 1e9};
+            struct hit hit = {2, 0.25f, 0.25f, 0};
+            enum wrong wrong;
+            twin.t_near = 2;
+            twin.u_near = twin.v_near = 0.25;
+            twin.u_err = twin.v_err = 4;
+            named_open(&one, &mt, across);
+            assert_int_equal(named(&one, &rays[i], &twin, &hit, &wrong), VERDICT_WRONG);
+            assert_int_equal(wrong, WRONG_TRIANGLE);
+            named_close(&one);
+        }
+}
+
+/* t may be off by its bound from where the exact one may be, and no more. */
+static void a_bound_counts_from_both_ends_of_the_exact_t(void **state)
+{
+    (void)state;
+    struct ray ray = {{0, 0, 0}, 0, {0, 0, 1}, INFINITY};
+    const struct twin twin = {.possible = true,
+                              .t_near = 4,
+                              .t_err = 0.5,
+                              .t_off = 0.125,
+                              .u_near = 0.25,
+                              .v_near = 0.25,
+                              .u_err = 0.25,
+                              .v_err = 0.25};
+    const struct oracle_answer truth = {.prim = 0, .tie_count = 1};
+    const struct judge_known known = {{0}, {twin}, 1};
+    struct named_one one;
+    named_open(&one, &mt, across);
+    for (int step = -80; step <= 80; step++) {
+        struct hit hit = {4 + (float)step / 64, 0.25f, 0.25f, 0};
+        struct judgement out = {.verdict = VERDICT_RIGHT};
+        int beyond = abs(step) > 8 ? abs(step) - 8 : 0;
+        enum verdict found = judge_named(one.judge, &ray, &truth, &hit, &known, &out);
+        assert_true(out.over == beyond / 32.0);
+        assert_int_equal(found, beyond > 32 ? VERDICT_WRONG : VERDICT_RIGHT);
+        assert_int_equal(out.wrong, beyond > 32 ? WRONG_DISTANCE : WRONG_NOT);
     }
     named_close(&one);
 }
@@ -224,7 +275,7 @@ static bool is_in_box(const struct ray *ray, float v[3][3], double t, bool *near
     return in;
 }
 
-/* Multiples of 2^-17, so that the plane x + y = z has ray and triangle exactly, and products round. */
+/* Multiples of 2^-17: the plane x + y = z has ray and triangle exactly, and products round. */
 static void draw_in_plane(struct rng *rng, float v[3][3], struct ray *ray)
 {
     for (int k = 0; k < 2; k++) {
@@ -270,7 +321,8 @@ static void what_is_off_the_triangle_is_noise(void **state)
         named_open(&one, i % 2 ? &loose : &mt, v);
         judge_by_bounds(one.judge, true);
         struct twin twin = {.possible = true, .t_err = INFINITY, .u_err = 9, .v_err = 9};
-        float step = ldexpf(rng_range(&rng, -1, 1), (i % 2 ? 0 : -14) - (int)rng_below(&rng, 6));
+        float step = rng_range(&rng, -1, 1);
+        step = ldexpf(step, (i % 2 ? 0 : -14) - (int)rng_below(&rng, 6));
         struct hit hit = {1 + step, 2, 2, 0};
         bool near = false;
         bool in = is_in_box(&ray, v, (double)hit.t, &near);
@@ -315,79 +367,16 @@ static void the_class_of_a_pair_is_that_of_the_table(void **state)
             }
 }
 
-/* --- the ends of a range ---------------------------------------------------------------------- */
-
-static void the_share_beyond_an_end_is_that_of_two_products_and_a_division(void **state)
-{
-    (void)state;
-    static const double steps[] = {1, 1.5, 2, 5.5};
-    for (int f = 0; f <= TWIN_UNKNOWN; f++)
-        for (size_t m = 0; m < 4; m++)
-            for (size_t d = 0; d < 4; d++) {
-                struct model model = {.formula = (enum twin_formula)f};
-                model.rounding.mul = steps[m];
-                model.rounding.div = steps[d];
-                double share = (2 * steps[m] + steps[d]) * 0x1p-24 * (1 + 0x1p-20);
-                assert_true(judge_share_beyond(&model) == (f == TWIN_EMBREE ? share : 0));
-            }
-}
-
-static void what_is_lost_at_an_end_is_as_much_as_is_flushed(void **state)
-{
-    (void)state;
-    struct rng rng = rng_make(5, 54);
-    size_t kept = 0, refused = 0;
-    for (int i = 0; i < 40000; i++) {
-        float v[3][3], size = ldexpf(1, -(int)rng_below(&rng, 9));
-        struct model model = {.formula = i % 8 ? TWIN_EMBREE : TWIN_MT, .bits = i % 2};
-        struct ray ray = {{0, 0, 0}, 0, {0, 0, 1}, INFINITY};
-        model.rounding = i % 3 ? (struct rounding){1, 1, 5.5, 0x1p-126} : mt.rounding;
-        for (int k = 0; k < 9; k++)
-            v[k / 3][k % 3] = across[k / 3][k % 3] * size;
-        struct scene scene;
-        assert_int_equal(scene_make(3, 1, &scene), STATUS_OK);
-        memcpy(scene.vertex, v, sizeof v);
-        for (uint32_t c = 0; c < 3; c++)
-            scene.index[c] = c;
-        struct judge judge = {.scene = &scene, .model = model};
-        struct liberty liberty = {model.rounding, !model.bits};
-        const struct rounding *r = &model.rounding;
-        wide share = (wide)judge_share_beyond(&model);
-        wide lost =
-            3 * (wide)r->tiny / (wide)replay_least_det(&liberty, &ray, v) + 2 * (wide)r->tiny;
-        bool end = rng_below(&rng, 2);
-        float at = i % 5 ? ldexpf(1, -100 - (int)rng_below(&rng, 40)) : 0;
-        at = i % 7 ? at : 1;
-        if (end)
-            ray.tmax = at;
-        else
-            ray.tmin = at;
-        wide most = (wide)at * (end ? 1 + share : 1 - share) + (end ? lost : -lost);
-        float t = around(&rng, (double)most, 0);
-        bool in = end ? t >= 0 && t <= at : t >= at;
-        bool may = model.formula == TWIN_EMBREE && fabsl((wide)t - most) > 1e-13L * fabsl(most) &&
-                   (end ? (wide)t <= most && (wide)t >= -lost : (wide)t >= most);
-        if (fabsl((wide)t - most) > 1e-13L * fabsl(most) || in) {
-            assert_int_equal(judge_may_keep(&judge, &ray, 0, t), in || may);
-            kept += may && !in;
-            refused += !may && !in;
-        }
-        scene_free(&scene);
-    }
-    print_message("kept %zu, refused %zu\n", kept, refused);
-    assert_true(kept > 3000 && refused > 3000);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_exactly_right_needs_no_replay),
         cmocka_unit_test(the_exact_t_of_a_sliver_needs_no_replay),
         cmocka_unit_test(sharp_bounds_decide_alone),
+        cmocka_unit_test(what_is_not_hit_is_not_exact),
+        cmocka_unit_test(a_bound_counts_from_both_ends_of_the_exact_t),
         cmocka_unit_test(what_is_off_the_triangle_is_noise),
         cmocka_unit_test(the_class_of_a_pair_is_that_of_the_table),
-        cmocka_unit_test(the_share_beyond_an_end_is_that_of_two_products_and_a_division),
-        cmocka_unit_test(what_is_lost_at_an_end_is_as_much_as_is_flushed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
