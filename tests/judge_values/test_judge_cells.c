@@ -149,6 +149,88 @@ static void what_passes_is_a_matter_of_the_cells_that_u_and_v_may_lie_in(void **
     assert_true(pass > 2000 && sure > 1500 && open > 300);
 }
 
+/* A weight whose bound ends at the border of a cell, or one share of 2^-20 before or behind. */
+static void bounds_of_weights_reach_a_share_farther(void **state)
+{
+    (void)state;
+    static const struct model model = {.formula = TWIN_MT, .rounding = {1, 1, 1, 0x1p-149}};
+    const struct ray ray = {{1, 1, 0}, 0, {0, 0, 1}, INFINITY};
+    struct rng rng = rng_make(3, 55);
+    size_t differ = 0;
+    for (int i = 0; i < 6000; i++) {
+        struct one_placed one;
+        struct oracle *oracle = place_filtered(&one, &model, &rng);
+        const struct place at = world_place(&one.world, 0);
+        bool all = true, before = true;
+        double near[2], err[2], share[2];
+        for (int k = 0; k < 2; k++) { /* cells at off <= err (1 + 2^-20) are reached */
+            int border = (int)rng_below(&rng, 5), side = rng_below(&rng, 2) ? 1 : -1;
+            err[k] = ldexp(1, -3 - (int)rng_below(&rng, 4));
+            share[k] = rng_below(&rng, 3) * 0x1p-20;
+            near[k] = (double)border / GRID + side * err[k] * (1 + share[k]);
+        }
+        for (int cell = 0; cell < GRID * GRID; cell++) {
+            int c[2] = {cell / GRID, cell % GRID};
+            bool in = true, narrow = true;
+            for (int k = 0; k < 2; k++) {
+                double off = fabs(nearest(near[k], c[k]) - near[k]);
+                in = in && off <= err[k] * (1 + 0x1p-20);
+                narrow = narrow && off <= err[k];
+            }
+            bool passes = filter_passes(&one.world.filter, &at, ((float)c[0] + 0.5f) / (float)GRID,
+                                        ((float)c[1] + 0.5f) / (float)GRID);
+            all = all && (passes || !in);
+            before = before && (passes || !narrow);
+        }
+        struct twin twin = {.possible = true, .u_near = near[0], .v_near = near[1]};
+        twin.u_err = err[0];
+        twin.v_err = err[1];
+        assert_int_equal(judge_surely_counts(&one.judge, &ray, 0, &twin), all);
+        differ += all != before;
+        oracle_free(oracle);
+        world_free(&one.world);
+    }
+    assert_true(differ > 20);
+}
+
+/* Of what is opaque, and of filters that do not read u and v, no number is looked at. */
+static void what_reads_no_weights_needs_none(void **state)
+{
+    (void)state;
+    static const struct model models[] = {{.formula = TWIN_MT, .rounding = {1, 1, 1, 0x1p-149}},
+                                          {.formula = TWIN_UNKNOWN}};
+    const struct ray ray = {{1, 1, 0}, 0, {0, 0, 1}, INFINITY};
+    const struct twin any = {.possible = true, .u_err = INFINITY, .v_err = INFINITY};
+    struct rng rng = rng_make(4, 55);
+    size_t count[2] = {0};
+    for (int i = 0; i < 2000; i++) {
+        struct one_placed one;
+        struct oracle *oracle = place_filtered(&one, &models[i % 2], &rng);
+        const struct place at = world_place(&one.world, 0);
+        struct hit hit = {4, rng_range(&rng, 0, 1), 0, 0};
+        hit.v = rng_range(&rng, 0, 1);
+        one.world.filter.kind = (enum filter_kind)rng_below(&rng, 4);
+        one.world.mesh->geometry->opaque = rng_below(&rng, 3) == 0;
+        one.judge.model.bits = rng_below(&rng, 2);
+        bool opaque = one.world.mesh->geometry->opaque;
+        bool reads = !opaque && one.world.filter.kind == FILTER_CELLS;
+        bool passes = opaque || filter_passes(&one.world.filter, &at, hit.u, hit.v);
+        enum wrong front = judge_ruled_out(&one.judge, &ray, &hit, ABI_TAG_FRONT);
+        enum wrong back = judge_ruled_out(&one.judge, &ray, &hit, 0);
+        if (!reads || one.judge.model.bits) /* such a judge is told the very numbers */
+            assert_int_equal(front == WRONG_FACING ? back : front,
+                             passes ? WRONG_NOT : WRONG_OPACITY);
+        if (!reads) {
+            assert_int_equal(judge_surely_counts(&one.judge, &ray, 0, &any), passes);
+            assert_int_equal(judge_may_count(&one.judge, &ray, 0), passes);
+            count[passes]++;
+        }
+        oracle_free(oracle);
+        world_free(&one.world);
+    }
+    assert_true(count[0] > 100 && count[1] > 100);
+}
+
 /* What has no numbers, no ray or no contract is judged by those, and not by the filter. */
 static void what_has_no_numbers_is_not_the_filters(void **state)
 {
@@ -195,6 +277,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_passes_is_a_matter_of_the_cells_that_u_and_v_may_lie_in),
+        cmocka_unit_test(bounds_of_weights_reach_a_share_farther),
+        cmocka_unit_test(what_reads_no_weights_needs_none),
         cmocka_unit_test(what_has_no_numbers_is_not_the_filters),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
