@@ -10,7 +10,9 @@
 #include <math.h>
 #include <string.h>
 
-#include <cmocka.h> /* last: it defines fail() as a macro */
+#include <cmocka.h> /* it defines fail() as a macro */
+
+#include "tests/judge_values/one_placed.h"
 
 typedef long double wide;
 
@@ -128,6 +130,103 @@ static void a_lost_hit_needs_the_least_way_out(void **state)
     assert_true(counts[VERDICT_BORDER] > 200);
 }
 
+/* What the world may rule out, or a transform spoils, is lost for nothing. */
+static void what_may_not_count_is_lost_for_nothing(void **state)
+{
+    (void)state;
+    float v[3][3] = {{-1, -1, 3}, {2, -1, 3}, {-1, 2, 3}};
+    float m[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+    struct ray ray = {{0, 0, 0}, 0, {0, 0, 1}, INFINITY};
+    struct oracle_crossing crossing = {.prim = 0};
+    for (int i = 0; i < 3; i++) {
+        struct one_placed one;
+        m[0][2] = i == 2 ? 0x1p11f : 0;
+        place(&one, v, m);
+        one.judge.model.formula = TWIN_UNKNOWN;
+        one.judge.mode.mask = i == 1 ? 0 : 0xFF;
+        struct judge_loss loss = judge_loss_of(&one.judge, &ray, &crossing, INFINITY);
+        assert_int_equal(loss.need > 0 && loss.over > 0, i == 0);
+        assert_true(i == 0 || (loss.need == 0 && loss.over == 0));
+        assert_int_equal(loss.why, i == 2 ? VERDICT_OUT_OF_CONTRACT : VERDICT_BOUNDARY);
+        world_free(&one.world);
+    }
+}
+
+/* --- hits ------------------------------------------------------------------------------------- */
+
+struct share_of {
+    wide share, need;
+    bool noise;
+};
+
+/* The distance of the ray's point to the triangle, or, of what may be accepted, to its plane. */
+static struct share_of share_at(const struct judge *judge, const struct judge_rounding *r, double t)
+{
+    wide need = (wide)judge_point_displacement(&r->tri, t);
+    wide plane = (wide)ray_triangle_plane_distance(t, &r->tri) / (wide)r->tri.unit;
+    struct share_of out = {need / (wide)judge->displacement, need, false};
+    if (!judge_may_accept(judge, r))
+        return out;
+    if (out.share > 1) {
+        out.need = plane;
+        out.noise = judge_det_is_open(r);
+    }
+    out.share = fminl(out.share, plane / (wide)judge_plane_allowed(judge, r, t));
+    return out;
+}
+
+static void a_hit_needs_what_its_point_is_off(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(4, 56);
+    size_t counts[WRONG_COUNT] = {0}, noise = 0;
+    for (int i = 0; i < 20000; i++) {
+        struct needing n;
+        float u = rng_range(&rng, -0.2f, 0.8f), off = rng_range(&rng, -1, 1);
+        u = rng_below(&rng, 2) ? ldexpf(u, -(int)rng_below(&rng, 26)) : u;
+        draw(&rng, &n, u, 0.25f, i % 4 != 0);
+        off = ldexpf(off, -(int)rng_below(&rng, 26));
+        struct hit hit = {rng_below(&rng, 8) ? 1 + off : 40, u < 0 ? 0 : u, 0.25f, 0};
+        const struct oracle_answer truth = {.prim = i % 2 ? 0 : ABI_NO_PRIM, .tie_count = 1};
+        struct judgement out = {.verdict = VERDICT_RIGHT};
+        struct oracle_pair pair;
+        float v[3][3];
+        struct judge_rounding r = judge_rounding_at(n.judge, &n.ray, 0);
+        struct share_of at = share_at(n.judge, &r, (double)hit.t);
+        scene_tri(&n.scene, 0, v);
+        oracle_pair(n.oracle, &n.ray, 0, &pair);
+        double exact = (double)(float)judge_plane_t(&n.ray, v);
+        bool there = pair.det != 0 && share_at(n.judge, &r, exact).share <= 1;
+        if (ray_in_contract(&n.ray) && hit.t >= 0 && fabsl(at.share - 1) > 1e-9L) {
+            judge_named_by_distance(n.judge, &n.ray, &truth, &hit, &out);
+            assert_true(fabsl((wide)out.share - at.share) <= 1e-9L * at.share);
+            assert_true(fabsl((wide)out.displacement - at.need) <= 1e-9L * at.need);
+            if (at.share > 1)
+                assert_int_equal(out.wrong, there   ? WRONG_DISTANCE
+                                            : i % 2 ? WRONG_TRIANGLE
+                                                    : WRONG_PHANTOM);
+            else
+                assert_true(out.wrong == WRONG_NOT || out.wrong == WRONG_BARYCENTRIC);
+            counts[out.wrong]++;
+        }
+        hit.u = (float)(r.edge[1] / r.det);
+        hit.v = (float)(r.edge[2] / r.det);
+        out = (struct judgement){.verdict = VERDICT_RIGHT};
+        if (ray_in_contract(&n.ray) && hit.t >= 0 && at.share < 0.999L && isfinite(hit.u) &&
+            isfinite(hit.v)) {
+            enum verdict found = judge_named_by_distance(n.judge, &n.ray, &truth, &hit, &out);
+            enum verdict usual = judge_by_pair(n.judge, &n.ray, 0, &pair);
+            assert_true(found == VERDICT_WRONG || found == (at.noise ? VERDICT_NOISE : usual));
+            noise += found == VERDICT_NOISE;
+        }
+        done(&n);
+    }
+    print_message("distance %zu, triangle %zu, phantom %zu, noise %zu\n", counts[WRONG_DISTANCE],
+                  counts[WRONG_TRIANGLE], counts[WRONG_PHANTOM], noise);
+    assert_true(counts[WRONG_DISTANCE] > 100 && counts[WRONG_TRIANGLE] > 100);
+    assert_true(counts[WRONG_PHANTOM] > 100 && noise > 20);
+}
+
 /* --- weights ---------------------------------------------------------------------------------- */
 
 /* Their point may be moved onto the line of the ray, on the triangle; or the classical test may
@@ -222,6 +321,9 @@ static void an_answer_may_lie_beyond_the_range_by_the_share_of_its_model(void **
         wide lo = (wide)n.ray.tmin * (1 - (wide)judge.beyond);
         wide hi = (wide)n.ray.tmax * (1 + (wide)judge.beyond);
         bool in = (wide)t >= lo && (wide)t <= hi;
+        judge.model.open = rng_below(&rng, 2);
+        if (judge.model.open && judge.beyond == 0)
+            in = t > n.ray.tmin && t < n.ray.tmax;
         judge_named_by_distance(&judge, &n.ray, &truth, &hit, &out);
         assert_int_equal(out.wrong, in ? WRONG_NOT : WRONG_DISTANCE);
         kept += in;
@@ -235,6 +337,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_lost_hit_needs_the_least_way_out),
+        cmocka_unit_test(what_may_not_count_is_lost_for_nothing),
+        cmocka_unit_test(a_hit_needs_what_its_point_is_off),
         cmocka_unit_test(weights_are_those_of_a_point_on_the_ray_or_of_the_classical_test),
         cmocka_unit_test(an_answer_may_lie_beyond_the_range_by_the_share_of_its_model),
     };
