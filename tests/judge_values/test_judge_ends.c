@@ -2,6 +2,7 @@
  * what a replay of the judge's model may come to. */
 #include "ref/judge/judge_inner.h"
 #include "ref/base/rng.h"
+#include "ref/oracle/oracle_world.h"
 #include "ref/twin/twin_replay.h"
 
 #include <stdarg.h>
@@ -163,11 +164,84 @@ static void an_answer_is_possible_if_the_model_comes_to_it(void **state)
     assert_true(one_yes > 20 && one_no > 500 && any_yes > 500 && any_no > 100 && fused_more > 20);
 }
 
+/* --- off a placed triangle -------------------------------------------------------------------- */
+
+/* As in a scene, and by what the ray in the space of the mesh may be off. */
+static bool is_in_box(const struct judge *judge, const struct ray *ray, float v[3][3], double t,
+                      bool *near)
+{
+    struct twin_ray at;
+    bool in = true;
+    judge_take_along(judge, ray, 0, &at);
+    for (int k = 0; k < 3; k++) {
+        wide x = (wide)at.org_near[k] + (wide)t * (wide)at.dir_near[k];
+        wide lo = (wide)fminf(v[0][k], fminf(v[1][k], v[2][k]));
+        wide hi = (wide)fmaxf(v[0][k], fmaxf(v[1][k], v[2][k]));
+        wide pad = 64 * 0x1p-24L * (fmaxl(fabsl(lo), fabsl(hi)) + fabsl((wide)at.org_near[k]));
+        pad += (wide)at.org_off[k] + fabsl((wide)t) * (wide)at.dir_off[k];
+        wide off = fmaxl(lo - x, x - hi);
+        in = in && off <= pad;
+        *near = *near || fabsl(off - pad) <= 1e-8L * pad;
+    }
+    return in;
+}
+
+/* A shear makes the ray's numbers worse than the box's own share. */
+static void what_is_off_a_placed_triangle_is_noise(void **state)
+{
+    (void)state;
+    static float m[3][4] = {{1, 40, 0, 3}, {0, 1, 30, -2}, {0, 0, 1, 1}};
+    struct rng rng = rng_make(7, 54);
+    size_t on = 0, off = 0;
+    for (int i = 0; i < 6000; i++) {
+        struct one_placed one;
+        struct oracle *oracle;
+        struct oracle_pair pair;
+        struct ray ray = {.tmin = 0, .tmax = INFINITY};
+        float v[3][3], to[3], step = rng_range(&rng, -1, 1);
+        for (int k = 0; k < 3; k++) {
+            float at = rng_range(&rng, -1, 1);
+            for (int c = 0; c < 3; c++)
+                v[c][k] = at + 0x1p-14f * rng_range(&rng, -1, 1);
+            to[k] = (v[0][k] + v[1][k] + v[2][k]) / 3;
+        }
+        for (int k = 0; k < 3; k++) {
+            ray.org[k] = rng_range(&rng, -40, 40);
+            ray.dir[k] = m[k][0] * to[0] + m[k][1] * to[1] + m[k][2] * to[2] + m[k][3] - ray.org[k];
+        }
+        place(&one, v, m);
+        assert_int_equal(oracle_make_world(&one.world, &oracle, NULL), STATUS_OK);
+        one.judge.oracle = oracle;
+        one.judge.model = (struct model){.formula = TWIN_MT, .rounding = flushed};
+        one.judge.own = one.judge.by_bounds = true;
+        one.judge.mode = ray_mode_all();
+        oracle_pair(oracle, &ray, 0, &pair);
+        step = ldexpf(step, -12 - (int)rng_below(&rng, 10));
+        const struct hit hit = {1 + step, 2, 2, 0};
+        const struct oracle_answer truth = {.prim = 0, .tie_count = 1};
+        const struct twin twin = {.possible = true, .t_err = INFINITY, .u_err = 9, .v_err = 9};
+        const struct judge_known known = {{0}, {twin}, 1};
+        struct judgement out = {.verdict = VERDICT_RIGHT};
+        bool near = false, in = is_in_box(&one.judge, &ray, v, (double)hit.t, &near);
+        if (!near && judge_takes(&one.judge, &ray, 0) && judge_can_hit(&one.judge, &ray, 0)) {
+            assert_int_equal(judge_named(&one.judge, &ray, &truth, &hit, &known, &out),
+                             in ? VERDICT_BOUNDARY : VERDICT_NOISE);
+            on += in;
+            off += !in;
+        }
+        oracle_free(oracle);
+        world_free(&one.world);
+    }
+    print_message("%zu on the triangle, %zu off\n", on, off);
+    assert_true(on > 1000 && off > 500);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_share_beyond_an_end_is_that_of_two_products_and_a_division),
         cmocka_unit_test(what_is_lost_at_an_end_is_as_much_as_is_flushed),
+        cmocka_unit_test(what_is_off_a_placed_triangle_is_noise),
         cmocka_unit_test(an_answer_is_possible_if_the_model_comes_to_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
