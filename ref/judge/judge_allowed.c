@@ -48,8 +48,8 @@ static double bound_of(const double a[3], const double b[3], const double c[3])
     for (int k = 0; k < 3; k++) {
         int i = (k + 1) % 3, j = (k + 2) % 3;
         double pair[2] = {fabs(b[i] * c[j]), fabs(b[j] * c[i])};
+        perm += fabs(a[k]) * (pair[0] + pair[1]);
         for (int p = 0; p < 2; p++) {
-            perm += fabs(a[k]) * pair[p];
             if (pair[p] > 0.0)
                 least = fmin(least, pair[p]);
             if (pair[p] > 0.0 && a[k] != 0.0)
@@ -143,8 +143,9 @@ static void allow_mesh(const struct judge *judge, const struct judge_at *at,
         through(w, mesh.tri.side[c]);
     }
     through(w, mesh.tri.d);
-    judge_cross(mesh.tri.side[2], mesh.tri.side[0], mesh.tri.n);
-    complete(&mesh);
+    mesh.det = out->det / size;
+    for (int base = 0; base < 3; base++)
+        widen(base, &mesh);
     for (int c = 0; c < 3; c++)
         out->edge_most[c] = fmax(out->edge_most[c], size * mesh.edge_most[c]);
     out->det_most = fmax(out->det_most, size * mesh.det_most);
@@ -241,18 +242,16 @@ bool judge_may_accept(const struct judge *judge, const struct judge_rounding *r)
     return det && (may_have_sign(judge, r, 1.0) || may_have_sign(judge, r, -1.0));
 }
 
-/* True if the allowance moves the plane to a point of the ray between these two. */
+/* True if the allowance moves the plane to a point of the ray between these two: an end, or the
+ * one nearest to the plane. The determinant is not 0. */
 static bool may_reach(const struct judge *judge, const struct judge_rounding *r, double from,
                       double to)
 {
-    double least = INFINITY, end[2] = {from, to};
-    double meet = r->det != 0.0 ? r->t / r->det : (double)INFINITY;
-    if (meet >= from && meet <= to)
-        return true;
-    for (int i = 0; i < 2; i++) {
-        double off = fabs(end[i] * r->det - r->t) / (r->tri.area * r->tri.unit);
-        if (isfinite(end[i]))
-            least = fmin(least, off / judge_plane_allowed(judge, r, end[i]));
+    double least = INFINITY, at[3] = {from, to, fmin(fmax(r->t / r->det, from), to)};
+    for (int i = 0; i < 3; i++) {
+        double off = fabs(at[i] * r->det - r->t) / (r->tri.area * r->tri.unit);
+        if (isfinite(at[i]))
+            least = fmin(least, off / judge_plane_allowed(judge, r, at[i]));
     }
     return least <= 1.0;
 }

@@ -2,7 +2,6 @@
  * of the judge see triangles through these functions. */
 #include "ref/judge/judge_inner.h"
 
-#include <assert.h>
 #include <math.h>
 
 struct judge_at judge_locate(const struct judge *judge, uint32_t prim)
@@ -17,10 +16,6 @@ struct judge_at judge_locate(const struct judge *judge, uint32_t prim)
 
 void judge_tri(const struct judge *judge, uint32_t prim, float v[3][3])
 {
-    if (!judge->world) {
-        scene_tri(judge->scene, prim, v);
-        return;
-    }
     struct judge_at at = judge_locate(judge, prim);
     scene_tri(at.scene, at.prim, v);
 }
@@ -63,21 +58,6 @@ struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_
     }
     struct twin twin = twin_eval(judge->model.formula, judge->model.rounding, ray, v);
     return twin;
-}
-
-void judge_twins(const struct judge *judge, const struct ray *ray, const uint32_t *prim,
-                 size_t count, struct twin *out)
-{
-    struct twin_pair pair[JUDGE_TOGETHER];
-    assert(count <= JUDGE_TOGETHER);
-    for (size_t i = 0; i < count; i++) {
-        if (judge->world)
-            out[i] = judge_twin(judge, ray, prim[i], NULL);
-        else
-            pair[i] = (struct twin_pair){ray, prim[i]};
-    }
-    if (!judge->world)
-        twin_eval_many(judge->model.formula, judge->model.rounding, judge->scene, pair, count, out);
 }
 
 enum status judge_crossings(const struct judge *judge, const struct ray *ray, double t_most,

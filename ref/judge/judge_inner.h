@@ -93,10 +93,6 @@ struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_
 
 #define JUDGE_TOGETHER 64u /* triangles looked at together, at most */
 
-/* The twins of `count` triangles, without t, u and v. */
-void judge_twins(const struct judge *judge, const struct ray *ray, const uint32_t *prim,
-                 size_t count, struct twin *out);
-
 /* As oracle_crossings; of a world as oracle_crossings_world. */
 enum status judge_crossings(const struct judge *judge, const struct ray *ray, double t_most,
                             struct oracle_crossing **list, size_t *capacity, size_t *count);
@@ -183,6 +179,19 @@ enum status judge_list_tagged(const struct judge *judge, const struct ray *ray,
                               struct list_judgement *out);
 
 /* --- judge_unnamed.c --- */
+
+/* A bit for each of the scene's triangles first .. first + count - 1, 1 to JUDGE_TOGETHER of them:
+ * 0 where two edge functions surely have opposite signs, so that neither judge_may_be_hit nor a
+ * formula of judge_looks_first takes it for hit. */
+uint64_t judge_first_look(const struct judge *judge, const struct ray *ray, uint32_t first,
+                          uint32_t count);
+
+/* True of the models whose evaluations judge_first_look allows for. */
+bool judge_looks_first(const struct model *model);
+
+/* True if the ray's line, whatever its range, passes the box, widened by 1/16 of the largest
+ * coordinate of both. False of a box that is empty. */
+bool judge_comes_near(const struct ray *ray, const struct box *box);
 
 /* Judges an any-hit answer that is a hit and names no triangle. */
 void judge_unnamed_hit(const struct judge *judge, const struct ray *ray,

@@ -27,8 +27,9 @@ static bool slab_may_miss(const struct judge *judge, const struct ray *ray, uint
         double d = (double)ray->dir[k], o = (double)ray->org[k];
         if (fabs(d) < EMBREE_LEAST_DIR)
             d = EMBREE_LEAST_DIR;
-        enter[k] = ((double)(d < 0 ? box.hi[k] : box.lo[k]) - o) / d;
-        leave[k] = ((double)(d < 0 ? box.lo[k] : box.hi[k]) - o) / d;
+        double a = ((double)box.lo[k] - o) / d, b = ((double)box.hi[k] - o) / d;
+        enter[k] = fmin(a, b);
+        leave[k] = fmax(a, b);
         error[k] = SLAB_ERROR * ((double)judge->largest[k] + fabs(o)) / fabs(d);
     }
     for (int i = 0; i < 3; i++) {
@@ -85,34 +86,19 @@ enum status judge_cannot_miss(const struct judge *judge, const struct ray *ray, 
     return STATUS_OK;
 }
 
-#define TOGETHER 8u /* twins computed together */
-
-static void know(const struct judge *judge, const struct ray *ray,
-                 const struct oracle_crossing *crossing, size_t count, struct twin *out)
-{
-    uint32_t prim[TOGETHER];
-    for (size_t i = 0; i < count; i++)
-        prim[i] = crossing[i].prim;
-    judge_twins(judge, ray, prim, count, out);
-}
-
 /* Tries every exact hit before `reach`, nearest first. */
 static enum status try_all(const struct judge *judge, const struct ray *ray, double reach,
                            bool *lost, struct judgement *out)
 {
     struct oracle_crossing *list = NULL;
     size_t capacity = 0, count = 0;
-    struct twin twin[TOGETHER];
     enum status status = judge_crossings(judge, ray, reach, &list, &capacity, &count);
     for (size_t i = 0; i < count && status == STATUS_OK && !*lost; i++) {
         const struct oracle_pair *pair = &list[i].pair;
-        if (i % TOGETHER == 0)
-            know(judge, ray, list + i, count - i < TOGETHER ? count - i : TOGETHER, twin);
         if (!oracle_is_hit(pair))
             continue;
-        const struct judge_known known = {{list[i].prim}, {twin[i % TOGETHER]}, 1};
         status = judge_cannot_miss(judge, ray, list[i].prim, pair->t_lo, pair->t_hi, reach, NULL,
-                                   &known, lost);
+                                   NULL, lost);
         if (*lost)
             judge_set_lost(out, list[i].prim, pair->t_lo, pair->t_hi);
     }
@@ -129,7 +115,7 @@ enum status judge_lost(const struct judge *judge, const struct ray *ray,
         return STATUS_OK;
     enum status status = judge_cannot_miss(judge, ray, truth->prim, truth->t_lo, truth->t_hi, reach,
                                            NULL, known, lost);
-    if (status || *lost || (truth->tie_count == 1 && !(reach > truth->t_next)))
+    if (status || *lost)
         return status;
     return try_all(judge, ray, reach, lost, out);
 }

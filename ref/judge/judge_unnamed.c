@@ -6,12 +6,13 @@
 
 #include <math.h>
 
-#define TOGETHER 64u /* triangles tested together */
+#define TOGETHER JUDGE_TOGETHER
+_Static_assert(TOGETHER == 64, "a bit of a uint64_t each");
 
 /* --- a first test ------------------------------------------------------------------------------
  */
 
-/* What the first test keeps: all that judge_may_be_hit or a named formula of has_look may accept.
+/* What the first test keeps: what judge_may_be_hit or a formula of judge_looks_first may accept.
  * With x = |coordinate| of what is in brackets, M = [vertex - origin], D = [d] and L = [edge] <= 2
  * M, an edge function may have the other sign by
  *   A |d x e| u M <= 2 sqrt 3 A u M D L for A units of displacement, or, of the widest of
@@ -25,7 +26,7 @@
 struct unnamed_look {
     double p[3][3][TOGETHER]; /* vertex - origin */
     double edge[3][TOGETHER];
-    double most[TOGETHER], size[TOGETHER], length[TOGETHER];
+    double size[TOGETHER], length[TOGETHER];
 };
 
 static void take(const struct judge *judge, const struct ray *ray, uint32_t first, uint32_t count,
@@ -63,23 +64,24 @@ static void measure(const struct ray *ray, struct unnamed_look *look)
     }
 }
 
-/* A bit for each triangle that has no two edge functions of surely opposite signs. */
-static uint64_t kept(const struct judge *judge, const struct ray *ray, struct unnamed_look *look)
+uint64_t judge_first_look(const struct judge *judge, const struct ray *ray, uint32_t first,
+                          uint32_t count)
 {
+    struct unnamed_look look;
     double d =
         fmax(fabs((double)ray->dir[0]), fmax(fabs((double)ray->dir[1]), fabs((double)ray->dir[2])));
     double share = (PER_UNIT * judge->displacement + SHAPE) * JUDGE_UNIT;
     uint64_t out = 0;
-    measure(ray, look);
+    take(judge, ray, first, count, &look);
+    measure(ray, &look);
     for (uint32_t i = 0; i < TOGETHER; i++) {
-        double s = 1.0 + larger(d, larger(look->size[i], look->length[i]));
-        double most = share * look->size[i] * d * look->length[i] + LOST * s * s;
-        bool below =
-            look->edge[0][i] < -most || look->edge[1][i] < -most || look->edge[2][i] < -most;
-        bool above = look->edge[0][i] > most || look->edge[1][i] > most || look->edge[2][i] > most;
+        double s = 1.0 + larger(d, larger(look.size[i], look.length[i]));
+        double most = share * look.size[i] * d * look.length[i] + LOST * s * s;
+        bool below = look.edge[0][i] < -most || look.edge[1][i] < -most || look.edge[2][i] < -most;
+        bool above = look.edge[0][i] > most || look.edge[1][i] > most || look.edge[2][i] > most;
         out |= (uint64_t) !(below && above) << i;
     }
-    return out;
+    return out & UINT64_MAX >> (TOGETHER - count);
 }
 
 /* --- named formulas --------------------------------------------------------------------------- */
@@ -92,31 +94,26 @@ static bool may_hit(const struct judge *judge, const struct ray *ray, uint32_t p
     return judge_can_hit(judge, ray, prim);
 }
 
-static bool has_look(const struct judge *judge)
+bool judge_looks_first(const struct model *model)
 {
-    enum twin_formula formula = judge->model.formula;
-    const struct rounding *k = &judge->model.rounding;
+    const struct rounding *k = &model->rounding;
     return k->add <= 2.0 && k->mul <= 2.0 &&
-           (formula == TWIN_MT || formula == TWIN_MT_RTRS || formula == TWIN_EMBREE ||
-            formula == TWIN_PLUECKER);
+           (model->formula == TWIN_MT || model->formula == TWIN_MT_RTRS ||
+            model->formula == TWIN_EMBREE || model->formula == TWIN_PLUECKER);
 }
 
 static bool possible_by_twin(const struct judge *judge, const struct ray *ray, uint32_t first,
                              uint32_t count)
 {
-    struct unnamed_look look;
-    struct twin_pair pair[TOGETHER];
+    struct twin_pair pair[TOGETHER] = {{NULL, 0}};
     struct twin twin[TOGETHER];
     bool possible = false;
-    uint64_t left = UINT64_MAX;
+    uint64_t left = UINT64_MAX >> (TOGETHER - count);
     uint32_t pairs = 0;
-    if (has_look(judge)) {
-        take(judge, ray, first, count, &look);
-        left = kept(judge, ray, &look);
-    }
-    for (uint32_t i = 0; i < count; i++)
-        if (left >> i & 1)
-            pair[pairs++] = (struct twin_pair){ray, first + i};
+    if (judge_looks_first(&judge->model))
+        left = judge_first_look(judge, ray, first, count);
+    for (; left; left &= left - 1)
+        pair[pairs++] = (struct twin_pair){ray, first + (uint32_t)__builtin_ctzll(left)};
     twin_eval_many(judge->model.formula, judge->model.rounding, judge->scene, pair, pairs, twin);
     for (uint32_t i = 0; i < pairs && !possible; i++)
         possible = may_hit(judge, ray, pair[i].prim, &twin[i]);
@@ -132,20 +129,17 @@ static double displacement_of(const struct judge *judge, const struct ray *ray, 
     judge_tri(judge, prim, v);
     const struct judge_rounding at = judge_rounding_at(judge, ray, prim);
     double t = judge->world ? at.t / at.det : judge_plane_t(ray, v);
-    t = t > (double)ray->tmin ? fmin(t, (double)ray->tmax) : (double)ray->tmin;
-    return judge_point_displacement(&at.tri, t);
+    return judge_point_displacement(&at.tri, fmin(fmax(t, (double)ray->tmin), (double)ray->tmax));
 }
 
 static bool possible_by_distance(const struct judge *judge, const struct ray *ray, uint32_t first,
                                  uint32_t count, double *least)
 {
-    struct unnamed_look look;
     bool possible = false;
-    take(judge, ray, first, count, &look);
-    for (uint64_t left = kept(judge, ray, &look); left; left &= left - 1) {
-        uint32_t i = (uint32_t)__builtin_ctzll(left);
-        if (i < count && judge_may_be_hit(judge, ray, first + i)) {
-            *least = fmin(*least, displacement_of(judge, ray, first + i));
+    for (uint64_t left = judge_first_look(judge, ray, first, count); left; left &= left - 1) {
+        uint32_t prim = first + (uint32_t)__builtin_ctzll(left);
+        if (judge_may_be_hit(judge, ray, prim)) {
+            *least = fmin(*least, displacement_of(judge, ray, prim));
             possible = true;
         }
     }
@@ -160,7 +154,7 @@ static bool possible_by_distance(const struct judge *judge, const struct ray *ra
  * boxes itself. */
 #define NEAR 0x1p-4
 
-static bool comes_near(const struct ray *ray, const struct box *box)
+bool judge_comes_near(const struct ray *ray, const struct box *box)
 {
     double size = 0, from = -INFINITY, to = INFINITY;
     if (!(box->lo[0] <= box->hi[0]))
@@ -208,7 +202,7 @@ static void judge_in_world(const struct judge *judge, const struct ray *ray, str
 {
     struct world_search look = {.least = INFINITY};
     for (uint32_t i = 0; i < judge->world->instance_count && !look.possible; i++)
-        if (!judge->box || comes_near(ray, &judge->box[i]))
+        if (!judge->box || judge_comes_near(ray, &judge->box[i]))
             look_into(judge, ray, i, &look);
     bool ill = look.ill, possible = look.possible;
     double least = look.least;
