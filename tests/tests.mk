@@ -64,6 +64,9 @@ MEMORY_TESTS := $(addprefix $(B)/tests/test_,out_of_memory judge_memory oracle_w
 $(MEMORY_TESTS): TEST_LIBS += \
     -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 
+# What it computes together is looked at.
+$(B)/tests/test_judge_many: TEST_LIBS += -Wl,--wrap=twin_eval_many
+
 # A Vulkan within the program, which the loader of the library finds in it.
 FAKE_VULKAN_TESTS := $(addprefix $(B)/tests/,test_card $(addprefix test_vulkan_,faults answers refusals frame_faults memory parts))
 $(FAKE_VULKAN_TESTS): $(addprefix $(B)/obj/tests/gpu/,fake_vulkan.o fake_vulkan_device.o fake_vulkan_command.o)

@@ -239,6 +239,31 @@ static void names_and_lines(void **state)
     assert_non_null(strstr(line, "expected: miss displacement=3 uM"));
 }
 
+/* What a line ends with; numbers of 0 are none. */
+static void ends_with(const struct judgement *judgement, const char *end)
+{
+    char line[400];
+    const struct ray ray = along_z(0.5f, -0.25f);
+    const struct hit miss = a_miss();
+    judge_line(&ray, judgement, &miss, line, sizeof line);
+    assert_string_equal(strstr(line, "=> ") + 3, end);
+}
+
+static void a_line_has_what_there_is(void **state)
+{
+    (void)state;
+    struct judgement judgement = {.expected = ABI_NO_PRIM};
+    ends_with(&judgement, "miss  expected: miss");
+    judgement.displacement = 0.25;
+    ends_with(&judgement, "miss  expected: miss displacement=0.25 uM");
+    judgement.over = 0.5;
+    ends_with(&judgement, "miss  expected: miss err/E=0.5");
+    judgement = (struct judgement){.expected = 7, .t_lo = 2.9999, .t_hi = 3.0001};
+    ends_with(&judgement, "miss  expected: prim=7 t=3");
+    judge_set_lost(&judgement, 8, 4.9999, 5.0001);
+    ends_with(&judgement, "miss  expected: prim=7 t=3, lost: prim=8 t=5");
+}
+
 /* The longest numbers are printed to their ends. */
 static void the_longest_line_is_whole(void **state)
 {
@@ -279,6 +304,7 @@ int main(void)
         cmocka_unit_test(any_and_closest_must_agree),
         cmocka_unit_test(bits_are_compared_as_bits),
         cmocka_unit_test(names_and_lines),
+        cmocka_unit_test(a_line_has_what_there_is),
         cmocka_unit_test(the_longest_line_is_whole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

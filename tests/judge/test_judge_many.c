@@ -5,6 +5,7 @@
 #include "tests/judge/judgement_laws.h"
 
 #include "fuzz/gen/gen.h"
+#include "ref/judge/judge_inner.h"
 #include "ref/trace/trace.h"
 
 #include <math.h>
@@ -43,6 +44,59 @@ static bool same_double(double a, double b)
     return memcmp(&a, &b, sizeof a) == 0;
 }
 
+/* --- what is computed together: twin_eval_many is wrapped by the linker ---------------------- */
+
+static struct twin_pair seen[1u << 16];
+static size_t seen_count;
+
+void __real_twin_eval_many(enum twin_formula formula, struct rounding rounding,
+                           const struct scene *scene, const struct twin_pair *pair, size_t count,
+                           struct twin *out);
+void __wrap_twin_eval_many(enum twin_formula formula, struct rounding rounding,
+                           const struct scene *scene, const struct twin_pair *pair, size_t count,
+                           struct twin *out);
+void __wrap_twin_eval_many(enum twin_formula formula, struct rounding rounding,
+                           const struct scene *scene, const struct twin_pair *pair, size_t count,
+                           struct twin *out)
+{
+    for (size_t i = 0; i < count && seen_count < ARRAY_COUNT(seen); i++)
+        seen[seen_count++] = pair[i];
+    __real_twin_eval_many(formula, rounding, scene, pair, count, out);
+}
+
+/* A twin that a question needs, if there is such a triangle, stands behind those before it: what is
+ * computed besides, while answers are judged one after the other, comes later. */
+static void must_see(const struct judge *judge, const struct judge_question *question,
+                     uint32_t prim, size_t *next)
+{
+    if (prim >= judge->scene->tri_count)
+        return;
+    while (*next < seen_count && (seen[*next].ray != question->ray || seen[*next].prim != prim))
+        ++*next;
+    assert_true(*next < seen_count);
+    ++*next;
+}
+
+/* In parts of questions, the exact nearest triangle and the answered one, once, of each ray that
+ * is judged; for any-hit the answered one, of a miss the nearest, if the engine names it. */
+static void check_seen(const struct judge *judge, const struct judge_question *question)
+{
+    size_t next = 0;
+    for (size_t i = 0; i < RAYS; i++) {
+        uint32_t nearest = question[i].truth->prim, answer = question[i].answer->prim;
+        if (!judge->in_contract || !ray_in_contract(question[i].ray) ||
+            judge->model.formula == TWIN_UNKNOWN)
+            continue;
+        if (judge->query == QUERY_CLOSEST)
+            must_see(judge, &question[i], nearest, &next);
+        if (judge->query == QUERY_CLOSEST && answer != nearest)
+            must_see(judge, &question[i], answer, &next);
+        if (judge->query != QUERY_CLOSEST && !judge->model.any_unnamed)
+            must_see(judge, &question[i], answer == ABI_NO_PRIM ? nearest : answer, &next);
+    }
+    assert_true(seen_count < ARRAY_COUNT(seen));
+}
+
 static size_t behind_count;
 
 /* Returns how many are not plainly right. */
@@ -51,7 +105,9 @@ static size_t compare(const struct oracle *oracle, const struct fixture_subject 
 {
     static struct judgement many[RAYS];
     size_t other = 0;
+    seen_count = 0;
     assert_int_equal(judge_answers(judge, question, RAYS, many), STATUS_OK);
+    check_seen(judge, question);
     for (size_t i = 0; i < RAYS; i++) {
         struct judgement one;
         assert_int_equal(
