@@ -243,15 +243,14 @@ bool judge_may_accept(const struct judge *judge, const struct judge_rounding *r)
 }
 
 /* True if the allowance moves the plane to a point of the ray between these two: an end, or the
- * one nearest to the plane. The determinant is not 0. */
+ * one nearest to the plane. The determinant is not 0: of an endless range the quotient is NaN. */
 static bool may_reach(const struct judge *judge, const struct judge_rounding *r, double from,
                       double to)
 {
     double least = INFINITY, at[3] = {from, to, fmin(fmax(r->t / r->det, from), to)};
     for (int i = 0; i < 3; i++) {
         double off = fabs(at[i] * r->det - r->t) / (r->tri.area * r->tri.unit);
-        if (isfinite(at[i]))
-            least = fmin(least, off / judge_plane_allowed(judge, r, at[i]));
+        least = fmin(least, off / judge_plane_allowed(judge, r, at[i]));
     }
     return least <= 1.0;
 }

@@ -20,8 +20,8 @@ static bool on_the_triangle(const struct judge_line *line, float v[3][3], double
 {
     for (int k = 0; k < 3; k++) {
         double o = line->o[k], at = o + t * line->d[k];
-        double lo = (double)v[0][k], hi = lo;
-        for (int c = 1; c < 3; c++) {
+        double lo = INFINITY, hi = -INFINITY;
+        for (int c = 0; c < 3; c++) {
             lo = fmin(lo, (double)v[c][k]);
             hi = fmax(hi, (double)v[c][k]);
         }

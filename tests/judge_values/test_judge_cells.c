@@ -231,6 +231,25 @@ static void what_reads_no_weights_needs_none(void **state)
     assert_true(count[0] > 100 && count[1] > 100);
 }
 
+/* A cell behind the last has its answer, and is reached if that is; where u and v are not read all
+ * cells have one answer. */
+static void cells_beyond_the_grid_are_those_at_its_ends(void **state)
+{
+    (void)state;
+    for (uint32_t seed = 0; seed < 4000; seed++) {
+        struct filter_rule filter = {(enum filter_kind)(seed % 4), seed, 96};
+        const struct place at = {.tri = seed % 7};
+        float in = ((float)(seed / 4 % GRID) + 0.5f) / GRID, last = (GRID - 0.5f) / GRID;
+        float behind = (GRID + 0.5f) / GRID;
+        bool one = filter_passes(&filter, &at, last, in),
+             other = filter_passes(&filter, &at, in, last);
+        assert_int_equal(filter_passes(&filter, &at, behind, in), one);
+        assert_int_equal(filter_passes(&filter, &at, in, behind), other);
+        if (filter.kind != FILTER_CELLS)
+            assert_int_equal(one, filter_passes(&filter, &at, in, in));
+    }
+}
+
 /* What has no numbers, no ray or no contract is judged by those, and not by the filter. */
 static void what_has_no_numbers_is_not_the_filters(void **state)
 {
@@ -279,6 +298,7 @@ int main(void)
         cmocka_unit_test(what_passes_is_a_matter_of_the_cells_that_u_and_v_may_lie_in),
         cmocka_unit_test(bounds_of_weights_reach_a_share_farther),
         cmocka_unit_test(what_reads_no_weights_needs_none),
+        cmocka_unit_test(cells_beyond_the_grid_are_those_at_its_ends),
         cmocka_unit_test(what_has_no_numbers_is_not_the_filters),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -21,6 +21,29 @@ typedef long double wide;
 static const struct rounding ieee = {1, 1, 1, 0x1p-149}, flushed = {2, 2, 5.5, 0x1p-126};
 static float across[3][3] = {{-1, -1, 3}, {2, -1, 3}, {-1, 2, 3}};
 
+static void the_class_of_a_pair_is_that_of_the_table(void **state)
+{
+    (void)state;
+    struct ray ray = {{0, 0, 0}, 0, {0, 0, 1}, INFINITY};
+    struct judge judge = {.displacement = 0};
+    for (int class = 0; class < ORACLE_CLASS_COUNT; class ++)
+        for (int range = ORACLE_BELOW; range <= ORACLE_ABOVE; range++)
+            for (int open = 0; open < 2; open++) {
+                struct oracle_pair pair = {.class = (enum oracle_class) class,
+                                           .range = (enum oracle_range)range};
+                bool hit = class == ORACLE_INSIDE || class == ORACLE_EDGE || class == ORACLE_VERTEX;
+                bool flat = class == ORACLE_IN_PLANE || class == ORACLE_ZERO_AREA;
+                bool end = range == ORACLE_AT_TMIN || range == ORACLE_AT_TMAX;
+                bool in = range == ORACLE_WITHIN || (end && !open);
+                enum verdict expected = hit && in ? VERDICT_RIGHT
+                                        : hit     ? VERDICT_BORDER
+                                        : flat    ? VERDICT_IN_PLANE
+                                                  : VERDICT_BOUNDARY;
+                judge.model.open = open;
+                assert_int_equal(judge_by_pair(&judge, &ray, 0, &pair), expected);
+            }
+}
+
 /* --- the ends of a range ---------------------------------------------------------------------- */
 
 static void the_share_beyond_an_end_is_that_of_two_products_and_a_division(void **state)
@@ -239,6 +262,7 @@ static void what_is_off_a_placed_triangle_is_noise(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_class_of_a_pair_is_that_of_the_table),
         cmocka_unit_test(the_share_beyond_an_end_is_that_of_two_products_and_a_division),
         cmocka_unit_test(what_is_lost_at_an_end_is_as_much_as_is_flushed),
         cmocka_unit_test(what_is_off_a_placed_triangle_is_noise),

@@ -231,10 +231,15 @@ static void a_ray_comes_near_a_box_that_it_meets_when_widened(void **state)
             if (rng_below(&rng, 4) == 0)
                 ray.dir[k] = 0;
         }
+        for (int k = 0; k < 3; k++) { /* whatever the size of all */
+            box.lo[k] = ldexpf(box.lo[k], -(i % 16));
+            box.hi[k] = ldexpf(box.hi[k], -(i % 16));
+            ray.org[k] = ldexpf(ray.org[k], -(i % 16));
+        }
         bool found = judge_comes_near(&ray, &box);
         assert_int_equal(found, meets(&ray, &box));
         near += found;
-        ray.org[0] += 0x1p-10f; /* what was at a border is not any more */
+        ray.org[0] += ldexpf(0x1p-10f, -(i % 16)); /* what was at a border is not any more */
         border += found && !meets(&ray, &box);
     }
     print_message("%zu near, %zu at a border\n", near, border);

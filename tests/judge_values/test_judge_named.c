@@ -228,6 +228,32 @@ static void what_is_not_hit_is_not_exact(void **state)
         }
 }
 
+/* Nor is it possible, whatever the numbers, if its twin is not; nor right beyond the range. */
+static void what_is_impossible_or_beyond_is_wrong(void **state)
+{
+    (void)state;
+    struct ray ray = {{0, 0, 0}, 0, {0, 0, 1}, 3.5f};
+    struct hit right = {3, 1.0f / 3, 1.0f / 3, 0}, beyond = right;
+    struct twin twin = {.possible = true,
+                        .t_near = 3,
+                        .t_err = 1,
+                        .u_near = 1.0 / 3,
+                        .v_near = 1.0 / 3,
+                        .u_err = 0.1,
+                        .v_err = 0.1};
+    struct named_one one;
+    enum wrong wrong;
+    named_open(&one, &mt, across);
+    beyond.t = 3.75f;
+    assert_int_equal(named(&one, &ray, &twin, &right, &wrong), VERDICT_RIGHT);
+    assert_int_equal(named(&one, &ray, &twin, &beyond, &wrong), VERDICT_WRONG);
+    assert_int_equal(wrong, WRONG_DISTANCE);
+    twin.possible = false;
+    assert_int_equal(named(&one, &ray, &twin, &right, &wrong), VERDICT_WRONG);
+    assert_int_equal(wrong, WRONG_TRIANGLE);
+    named_close(&one);
+}
+
 /* t may be off by its bound from where the exact one may be, and no more. */
 static void a_bound_counts_from_both_ends_of_the_exact_t(void **state)
 {
@@ -344,29 +370,6 @@ static void what_is_off_the_triangle_is_noise(void **state)
     assert_true(counts[VERDICT_BOUNDARY] > 500);
 }
 
-static void the_class_of_a_pair_is_that_of_the_table(void **state)
-{
-    (void)state;
-    struct ray ray = {{0, 0, 0}, 0, {0, 0, 1}, INFINITY};
-    struct judge judge = {.displacement = 0};
-    for (int class = 0; class < ORACLE_CLASS_COUNT; class ++)
-        for (int range = ORACLE_BELOW; range <= ORACLE_ABOVE; range++)
-            for (int open = 0; open < 2; open++) {
-                struct oracle_pair pair = {.class = (enum oracle_class) class,
-                                           .range = (enum oracle_range)range};
-                bool hit = class == ORACLE_INSIDE || class == ORACLE_EDGE || class == ORACLE_VERTEX;
-                bool flat = class == ORACLE_IN_PLANE || class == ORACLE_ZERO_AREA;
-                bool end = range == ORACLE_AT_TMIN || range == ORACLE_AT_TMAX;
-                bool in = range == ORACLE_WITHIN || (end && !open);
-                enum verdict expected = hit && in ? VERDICT_RIGHT
-                                        : hit     ? VERDICT_BORDER
-                                        : flat    ? VERDICT_IN_PLANE
-                                                  : VERDICT_BOUNDARY;
-                judge.model.open = open;
-                assert_int_equal(judge_by_pair(&judge, &ray, 0, &pair), expected);
-            }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -374,9 +377,9 @@ int main(void)
         cmocka_unit_test(the_exact_t_of_a_sliver_needs_no_replay),
         cmocka_unit_test(sharp_bounds_decide_alone),
         cmocka_unit_test(what_is_not_hit_is_not_exact),
+        cmocka_unit_test(what_is_impossible_or_beyond_is_wrong),
         cmocka_unit_test(a_bound_counts_from_both_ends_of_the_exact_t),
         cmocka_unit_test(what_is_off_the_triangle_is_noise),
-        cmocka_unit_test(the_class_of_a_pair_is_that_of_the_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
