@@ -277,6 +277,8 @@ static void weights_are_those_of_a_point_on_the_ray_or_of_the_classical_test(voi
         float off = rng_range(&rng, -1, 1);
         if (rng_below(&rng, 4) == 0)
             hit.u += ldexpf(off, -(int)rng_below(&rng, 24));
+        else if (rng_below(&rng, 2)) /* a sum at its border, where the ray does not go */
+            hit.u = 1 - hit.v + (float)(int)rng_below(&rng, 4) * 0x1p-21f;
         bool near = false;
         struct judge_rounding r = judge_rounding_at(n.judge, &n.ray, 0);
         bool may = weights_fit(&r, hit.u, hit.v, &near);
@@ -286,7 +288,8 @@ static void weights_are_those_of_a_point_on_the_ray_or_of_the_classical_test(voi
                 assert_int_equal(out.wrong, may ? WRONG_NOT : WRONG_BARYCENTRIC);
                 fit += may;
                 not += !may;
-                border += may && (hit.u == -0x1p-20f || hit.v == -0x1p-20f);
+                border += may && (hit.u == -0x1p-20f || hit.v == -0x1p-20f ||
+                                  (double)hit.u + (double)hit.v == 1 + 0x1p-20);
             }
         }
         done(&n);
