@@ -188,7 +188,7 @@ static void what_has_no_area_has_no_plane(void **state)
     assert_true(tri.unit == 0 && judge_point_displacement(&tri, 1) == 0);
 }
 
-/* --- what a judge takes -------------------------------------------------------------------------- */
+/* --- what a judge takes ----------------------------------------------------------------------- */
 
 #define LARGEST 0x1p40f
 
@@ -230,14 +230,14 @@ static void coordinates_are_taken_up_to_a_limit(void **state)
 }
 
 /* Two meshes, three instances: of the large mesh the last two. */
-struct taken {
+struct taken_case {
     struct scene scene[2];
     struct geometry geometry[2];
     struct world_mesh mesh[2];
     struct instance instance[3];
 };
 
-static void taken_make(struct taken *t, float x, float y, float z)
+static void taken_make(struct taken_case *t, float x, float y, float z)
 {
     t->scene[0] = one_triangle(1, 1, 1);
     t->scene[1] = one_triangle(x, y, z);
@@ -253,7 +253,7 @@ static void taken_make(struct taken *t, float x, float y, float z)
 }
 
 /* Whether the judge takes it; *status: what it was made with. */
-static bool is_taken(struct taken *t, enum status *status)
+static bool is_taken(struct taken_case *t, enum status *status)
 {
     static const struct model model = {.formula = TWIN_MT, .rounding = {1, 1, 1, 0x1p-149}};
     struct world world = {.mesh = t->mesh,
@@ -286,7 +286,7 @@ static void placed_coordinates_are_taken_up_to_the_limit(void **state)
 {
     (void)state;
     const float axis[3] = {0x1p37f, 0x1p36f, 0x1p35f};
-    struct taken t;
+    struct taken_case t;
     enum status status;
     taken_make(&t, axis[0], axis[1], axis[2]);
     for (int which = 1; which < 3; which++)
