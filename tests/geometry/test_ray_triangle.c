@@ -188,7 +188,7 @@ static void what_has_no_area_has_no_plane(void **state)
     assert_true(tri.unit == 0 && judge_point_displacement(&tri, 1) == 0);
 }
 
-/* --- what a judge takes ----------------------------------------------------------------------- */
+/* --- what a judge takes ---------------------------------------------------------------------- */
 
 #define LARGEST 0x1p40f
 
@@ -230,14 +230,14 @@ static void coordinates_are_taken_up_to_a_limit(void **state)
 }
 
 /* Two meshes, three instances: of the large mesh the last two. */
-struct taken_case {
+struct taken_world {
     struct scene scene[2];
     struct geometry geometry[2];
     struct world_mesh mesh[2];
     struct instance instance[3];
 };
 
-static void taken_make(struct taken_case *t, float x, float y, float z)
+static void taken_make(struct taken_world *t, float x, float y, float z)
 {
     t->scene[0] = one_triangle(1, 1, 1);
     t->scene[1] = one_triangle(x, y, z);
@@ -253,7 +253,7 @@ static void taken_make(struct taken_case *t, float x, float y, float z)
 }
 
 /* Whether the judge takes it; *status: what it was made with. */
-static bool is_taken(struct taken_case *t, enum status *status)
+static bool is_taken(struct taken_world *t, enum status *status)
 {
     static const struct model model = {.formula = TWIN_MT, .rounding = {1, 1, 1, 0x1p-149}};
     struct world world = {.mesh = t->mesh,
@@ -286,7 +286,7 @@ static void placed_coordinates_are_taken_up_to_the_limit(void **state)
 {
     (void)state;
     const float axis[3] = {0x1p37f, 0x1p36f, 0x1p35f};
-    struct taken_case t;
+    struct taken_world t;
     enum status status;
     taken_make(&t, axis[0], axis[1], axis[2]);
     for (int which = 1; which < 3; which++)
@@ -320,6 +320,31 @@ static void placed_coordinates_are_taken_up_to_the_limit(void **state)
     scene_free(&t.scene[1]);
 }
 
+/* u and v, each up to its own error and 2^-20 of that; t by its error beyond the exact ones. */
+static void weights_and_distances_are_taken_up_to_their_errors(void **state)
+{
+    (void)state;
+    const float most[2] = {0x1p-10f * (1 + 0x1p-20f), 0x1p-5f * (1 + 0x1p-20f)};
+    for (int which = 0; which < 2; which++)
+        for (int sign = -1; sign <= 1; sign += 2)
+            for (int beyond = 0; beyond < 2; beyond++) {
+                struct twin twin = {.u_err = 0x1p-10, .v_err = 0x1p-5};
+                struct hit hit = {.t = 1};
+                float at = beyond ? nextafterf(most[which], 1) : most[which];
+                *(which ? &hit.v : &hit.u) = (float)sign * at;
+                assert_int_equal(judge_barycentrics(&twin, &hit), !beyond);
+                *(which ? &twin.v_near : &twin.u_near) = (double)sign * 0x1p-24;
+                assert_true(judge_barycentrics(&twin, &hit));
+                *(which ? &twin.v_near : &twin.u_near) = 1e30;
+                assert_false(judge_barycentrics(&twin, &hit));
+                *(which ? &twin.v_err : &twin.u_err) = INFINITY;
+                assert_true(judge_barycentrics(&twin, &hit));
+            }
+    assert_true(judge_over(1, 2, 3, 0.5) == 2 && judge_over(3.25, 2, 3, 0.5) == 0.5);
+    assert_true(judge_over(2, 2, 3, 0) == 0 && judge_over(3, 2, 3, 0) == 0);
+    assert_true(judge_over(2.5, 2, 3, 0) == 0 && judge_over(2.75, 3, 4, 0.25) == 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -327,6 +352,7 @@ int main(void)
         cmocka_unit_test(what_has_no_area_has_no_plane),
         cmocka_unit_test(coordinates_are_taken_up_to_a_limit),
         cmocka_unit_test(placed_coordinates_are_taken_up_to_the_limit),
+        cmocka_unit_test(weights_and_distances_are_taken_up_to_their_errors),
     };
     return cmocka_run_group_tests_name("ray_triangle", tests, NULL, NULL) ? 1 : 0;
 }
