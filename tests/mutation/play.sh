@@ -125,8 +125,7 @@ red() { # suite, seconds that it may take, folder of the library, variables
     logs=$dir
     (
         export LD_LIBRARY_PATH="$(realpath "$3")"
-        case $1 in test_*) with_heap=$heap ;; *) with_heap= ;; esac
-        eval "timeout -k 5 $2 env ${4:-$with_heap} $command"
+        eval "timeout -k 5 $2 env ${4:-$(heap_of "$1")} $command"
     ) >"$dir/log" 2>&1 </dev/null
     code=$?
     [ "$code" -ne 0 ] && [ "$code" -ne 77 ]
