@@ -189,7 +189,7 @@ for test in "$build"/tests/test_*; do
         case $name in test_abi | test_half_gpu | test_vulkan*) ;; *) continue ;; esac
     fi
     checked=
-    [ "$mode" = plain ] && checked="env $(heap_of "$name")"
+    case $mode in plain | made_up) checked="env $(heap_of "$name")" ;; esac # made_up: tests/house/runner.sh
     case $name in
     test_pipe | test_guardian | test_fuzz_shrink_apart) alone "$name" $checked "$test" ;;
     *) suite "$name" $checked "$test" ;;

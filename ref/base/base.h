@@ -50,7 +50,7 @@ void *alloc_copy(const void *from, size_t count, size_t size) MUST_USE;
  * capacity are unchanged. New elements are uninitialized. */
 enum status array_reserve(void *array, size_t *capacity, size_t need, size_t size) MUST_USE;
 
-/* Returns -1, 0 or 1 if a is less than, equal to or greater than b; of doubles neither is NaN. */
+/* Returns -1, 0 or 1 if a is less than, equal to or greater than b. NaN counts as equal to all. */
 static inline int order_numbers(uint64_t a, uint64_t b)
 {
     return (a > b) - (a < b);

@@ -21,22 +21,19 @@ struct half_edge {
 static int by_place(const void *left, const void *right)
 {
     const struct topology_place *x = left, *y = right;
-    for (int k = 0; k < 3; k++)
-        if (x->key[k] != y->key[k])
-            return order_numbers(x->key[k], y->key[k]);
-    return order_numbers(x->vertex, y->vertex);
+    int order = 0;
+    for (int k = 0; k < 3 && order == 0; k++)
+        order = order_numbers(x->key[k], y->key[k]);
+    return order ? order : order_numbers(x->vertex, y->vertex);
 }
 
 static int by_edge(const void *left, const void *right)
 {
     const struct half_edge *x = left, *y = right;
-    if (x->a != y->a)
-        return order_numbers(x->a, y->a);
-    if (x->b != y->b)
-        return order_numbers(x->b, y->b);
-    if (x->backward != y->backward)
-        return x->backward ? 1 : -1;
-    return order_numbers(x->tri, y->tri);
+    int order = order_numbers(x->a, y->a);
+    order = order ? order : order_numbers(x->b, y->b);
+    order = order ? order : order_numbers(x->backward, y->backward);
+    return order ? order : order_numbers(x->tri, y->tri);
 }
 
 /* Numbers the points by their first vertex. */

@@ -49,6 +49,8 @@ static void numbers_are_ordered(void **state)
         for (int j = 0; j < (int)ARRAY_COUNT(real); j++)
             assert_int_equal(order_doubles(real[i], real[j]), i < j ? -1 : i > j ? 1 : 0);
     assert_int_equal(order_doubles(0.0, -0.0), 0);
+    for (int i = 0; i < (int)ARRAY_COUNT(real); i++)
+        assert_true(order_doubles(real[i], NAN) == 0 && order_doubles(NAN, real[i]) == 0);
 }
 
 int main(void)

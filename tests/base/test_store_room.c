@@ -207,30 +207,22 @@ static void rows_by_value(void **state)
         }
 }
 
-/* No row has a fourth axis. */
+/* Of a row that every ray meets, whatever its axis: no row has a fourth one. */
 static void an_axis_that_is_none_is_no_triangle(void **state)
 {
     (void)state;
+    const float row[9] = {[2] = 0.25f, [5] = 0.25f};
+    const struct ray ray = {{1, 2, 3}, -10, {-1, -1, -1}, 10};
+    const struct tri_ray at = tri_ray_make(&ray);
     struct leaf leaf;
     leaf_make(&leaf, 1, 3, 5);
     struct stored_leaf w = write_leaf(tri_store_find("baldwin_webber"), &leaf);
+    memcpy(w.word + w.first, row, sizeof row);
     for (uint32_t axis = 0; axis < 4; axis++) {
-        uint32_t met = 0;
+        struct hit hit;
         w.word[w.first + 9] = axis << 30;
-        for (int n = 0; n < 27 * 27; n++) {
-            struct ray ray = {.tmin = -INFINITY, .tmax = INFINITY};
-            struct hit hit;
-            for (int k = 0, m = n; k < 3; k++, m /= 9) {
-                ray.org[k] = (float)(m % 3) + 5.25f;
-                ray.dir[k] = (float)(m / 3 % 3) - 1;
-            }
-            struct tri_ray at;
-            if (ray.dir[0] == 0 && ray.dir[1] == 0 && ray.dir[2] == 0)
-                continue;
-            at = tri_ray_make(&ray);
-            met += w.packed.store->test(&w.packed, w.first, 0, ABI_TRI_BALDWIN_WEBBER, &at, &hit);
-        }
-        assert_int_equal(met > 0, axis < 3);
+        bool met = w.packed.store->test(&w.packed, w.first, 0, ABI_TRI_BALDWIN_WEBBER, &at, &hit);
+        assert_int_equal(met, axis < 3);
     }
     free(w.word);
 }

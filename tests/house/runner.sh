@@ -31,6 +31,10 @@ made_up pipe 'exit 0'
 made_up absent 'echo "SKIP nothing to do"; exit 77'
 expect 0 '2 passed, 0 failed, 1 skipped'
 grep -q '^passed   test_pipe' "$dir/out" || bad 'a suite that runs alone is not played'
+made_up good '[ "$MALLOC_CHECK_" = 3 ]' # tests/heap.sh
+made_up vulkan '[ -z "${MALLOC_CHECK_:-}" ]'
+expect 0 '3 passed, 0 failed, 1 skipped'
+rm "$dir/tests/test_vulkan"
 made_up wrong 'echo "here it is wrong"; exit 1'
 expect 1 '2 passed, 1 failed, 1 skipped'
 grep -q 'here it is wrong' "$dir/out" || bad 'the log of what failed is not shown'

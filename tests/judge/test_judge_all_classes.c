@@ -274,7 +274,8 @@ static bool parity_can_be_known(const struct ray *ray, const struct contact *con
     return walls || around;
 }
 
-/* A list of any triangles, some twice, some that are none: what is said of it. */
+/* What judge_list_mesh finds in a list of any triangles, some of them twice, some that do not
+ * exist. */
 static void check_any_list(struct all_mesh *mesh, struct rng *rng, bool known, unsigned parity)
 {
     uint32_t prim[MOST], group[MOST], pair[2] = {ABI_NO_PRIM, ABI_NO_PRIM};

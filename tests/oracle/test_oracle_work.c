@@ -68,6 +68,28 @@ static bool differs(const char *what, struct oracle_stats is, struct oracle_stat
     return true;
 }
 
+/* Whether the oracle of a world, or of a scene without one, does other work than it must. */
+static bool works_otherwise(const char *what, const struct scene *scene, const struct world *world,
+                            uint64_t seed, struct oracle_stats must)
+{
+    struct oracle *oracle;
+    struct ray ray[RAYS];
+    struct oracle_answer answer[RAYS];
+    struct oracle_stats stats = {0};
+    struct reason reason = {""};
+    draw_rays(scene, world, seed, ray);
+    enum status status =
+        world ? oracle_make_world(world, &oracle, &reason) : oracle_make(scene, &oracle, &reason);
+    assert_int_equal(status, STATUS_OK);
+    status = world ? oracle_closest_world(oracle, ORACLE_TREE, ORACLE_CLOSED, ray, NULL, RAYS, 2,
+                                          answer, &stats, &reason)
+                   : oracle_closest(oracle, ORACLE_TREE, ORACLE_CLOSED, ray, RAYS, 2, answer,
+                                    &stats, &reason);
+    assert_int_equal(status, STATUS_OK);
+    oracle_free(oracle);
+    return differs(what, stats, must);
+}
+
 static void of_scenes(void **state)
 {
     (void)state;
@@ -87,22 +109,11 @@ static void of_scenes(void **state)
         {7055, 0, 0},           /* axes */
         {0, 0, 0},              /* ends */
     };
-    struct reason reason = {""};
     bool bad = false;
     const char *what;
     for (size_t s = 0; s < ARRAY_COUNT(must); s++) {
         struct scene scene = built_scene(s, &what);
-        struct oracle *oracle;
-        struct ray ray[RAYS];
-        struct oracle_answer answer[RAYS];
-        struct oracle_stats stats = {0};
-        draw_rays(&scene, NULL, s, ray);
-        assert_int_equal(oracle_make(&scene, &oracle, &reason), STATUS_OK);
-        assert_int_equal(oracle_closest(oracle, ORACLE_TREE, ORACLE_CLOSED, ray, RAYS, 2, answer,
-                                        &stats, &reason),
-                         STATUS_OK);
-        bad |= differs(what, stats, must[s]);
-        oracle_free(oracle);
+        bad |= works_otherwise(what, &scene, NULL, s, must[s]);
         scene_free(&scene);
     }
     assert_false(bad);
@@ -131,15 +142,11 @@ static void of_worlds(void **state)
     };
     enum { INSTANCES = 40 };
     struct reason reason = {""};
-    struct ray ray[RAYS];
     bool bad = false;
     const char *what;
     for (size_t k = 0; k < WORLD_TURNS; k++) {
         struct scene scene = built_scene(0, &what);
         struct world world;
-        struct oracle *oracle;
-        struct oracle_answer answer[RAYS];
-        struct oracle_stats stats = {0};
         struct rng rng = far_rng(k);
         assert_int_equal(world_of_scene(&scene, &world, &reason), STATUS_OK);
         struct instance *one = world.instance;
@@ -151,13 +158,7 @@ static void of_worlds(void **state)
             world_turn_draw(&world_turns[k], &rng, world.instance[i].m);
         }
         free(one);
-        draw_rays(&scene, &world, 99, ray);
-        assert_int_equal(oracle_make_world(&world, &oracle, &reason), STATUS_OK);
-        assert_int_equal(oracle_closest_world(oracle, ORACLE_TREE, ORACLE_CLOSED, ray, NULL, RAYS,
-                                              2, answer, &stats, &reason),
-                         STATUS_OK);
-        bad |= differs(world_turns[k].name, stats, must[k]);
-        oracle_free(oracle);
+        bad |= works_otherwise(world_turns[k].name, &scene, &world, 99, must[k]);
         world_free(&world);
         scene_free(&scene);
     }

@@ -3,6 +3,7 @@
 #include "ref/store.h"
 #include "ref/two_level/packed_world.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -71,17 +72,22 @@ static void expect_time(const struct engine *engine, struct timed *t, bool world
                                : engine->prepare(self, &job, &reason);
     if (status)
         fail_msg("%s: %s", engine->name, reason.text);
-    uint64_t start = time_ns();
-    status = world ? engine->worlds->trace_world(self, t->ray, NULL, RAYS, t->hit, t->tag, &report,
-                                                 &reason)
-                   : engine->trace(self, t->ray, RAYS, t->hit, &report, &reason);
-    uint64_t passed = time_ns() - start;
-    if (status)
-        fail_msg("%s: %s", engine->name, reason.text);
-    /* Tracing is nearly all of it: 5000 rays are milliseconds. */
-    if (report.ns > passed || report.ns < passed / 4)
-        fail_msg("%s, %s: %lu ns of %lu", engine->name, world ? "a world" : "a scene",
-                 (unsigned long)report.ns, (unsigned long)passed);
+    /* Tracing is nearly all that passes, but that another program may take its turn after it. */
+    double most = 0;
+    for (int i = 0; i < 12; i++) {
+        uint64_t start = time_ns();
+        status = world ? engine->worlds->trace_world(self, t->ray, NULL, RAYS, t->hit, t->tag,
+                                                     &report, &reason)
+                       : engine->trace(self, t->ray, RAYS, t->hit, &report, &reason);
+        uint64_t passed = time_ns() - start;
+        if (status)
+            fail_msg("%s: %s", engine->name, reason.text);
+        assert_true(report.ns <= passed);
+        most = fmax(most, (double)report.ns / (double)passed);
+    }
+    if (most < 0.9)
+        fail_msg("%s, %s: at most %g of the time that passes is reported", engine->name,
+                 world ? "a world" : "a scene", most);
     engine->close(self);
 }
 
