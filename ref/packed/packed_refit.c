@@ -217,7 +217,7 @@ static enum status write_leaves(struct refit *refit)
 {
     enum status status = STATUS_OK;
     uint32_t end = refit->to.item_count;
-    if (refit->leaf_count > 0)
+    if (refit->leaf)
         qsort(refit->leaf, refit->leaf_count, sizeof *refit->leaf, by_place);
     for (size_t i = refit->leaf_count; i-- > 0 && !status;) {
         status = write_leaf(refit, refit->leaf[i], end);

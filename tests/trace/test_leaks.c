@@ -319,6 +319,54 @@ static void an_engine_without_lists_is_counted(void **state)
     mesh_free(m);
 }
 
+static enum status failing_prepare(void *self, const struct job *job, struct reason *reason)
+{
+    (void)self, (void)job;
+    return (fail)(reason, STATUS_LIMIT, "not prepared");
+}
+
+static enum status failing_trace(void *self, const struct ray *ray, size_t ray_count,
+                                 struct hit *hit, struct trace_report *report,
+                                 struct reason *reason)
+{
+    (void)self, (void)ray, (void)ray_count, (void)hit, (void)report;
+    return (fail)(reason, STATUS_DEVICE, "not traced");
+}
+
+static enum status failing_all(void *self, const struct ray *ray, size_t ray_count,
+                               uint32_t capacity, struct hit *hit, uint32_t *hit_count,
+                               struct reason *reason)
+{
+    (void)self, (void)ray, (void)ray_count, (void)capacity, (void)hit, (void)hit_count;
+    return (fail)(reason, STATUS_REFUSED, "not listed");
+}
+
+/* Whichever step of an engine fails, counting fails with that. */
+static void an_engine_that_fails_is_not_counted(void **state)
+{
+    (void)state;
+    const struct engine engines_that_fail[] = {
+        {.name = "a", .prepare = failing_prepare, .trace = script_trace, .trace_all = script_all},
+        {.name = "b", .prepare = script_prepare, .trace = failing_trace, .trace_all = script_all},
+        {.name = "c", .prepare = script_prepare, .trace = failing_trace},
+        {.name = "d", .prepare = script_prepare, .trace = script_trace, .trace_all = failing_all},
+    };
+    static const enum status must[] = {STATUS_LIMIT, STATUS_DEVICE, STATUS_DEVICE, STATUS_REFUSED};
+    static const char *const said[] = {"not prepared", "not traced", "not traced", "not listed"};
+    struct leaks_script script[4] = {{false, {0}, 1}};
+    struct leaks_mesh *m = cube(4);
+    struct job job = {.scene = &m->scene, .box = box_tests[0], .tri = tri_tests[0]};
+    for (size_t e = 0; e < ARRAY_COUNT(must); e++) {
+        struct leaks leaks;
+        struct reason reason = {""};
+        assert_int_equal(
+            leaks_count(&m->rays, &engines_that_fail[e], script, &job, &leaks, NULL, &reason),
+            must[e]);
+        assert_string_equal(reason.text, said[e]);
+    }
+    mesh_free(m);
+}
+
 static void profiles_have_names(void **state)
 {
     (void)state;
@@ -338,6 +386,7 @@ int main(void)
         cmocka_unit_test(each_fault_has_its_count),
         cmocka_unit_test(sums_do_not_depend_on_the_order_of_rays),
         cmocka_unit_test(an_engine_without_lists_is_counted),
+        cmocka_unit_test(an_engine_that_fails_is_not_counted),
         cmocka_unit_test(profiles_have_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
