@@ -25,7 +25,12 @@ my $root = getcwd();
 my $copy;
 my ($bad, $skipped, $commands, $lines, $slow) = (0, 0, 0, 0, 0);
 
-sub breach { print "$_[0]\n"; $bad = 1 }
+sub breach {
+    print "$_[0]\n";
+    return if ++$bad < 10;
+    print "$bad breaches, the rest is left out\n";
+    exit 1;
+}
 
 sub masked {
     my ($line) = @_;

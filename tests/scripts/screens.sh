@@ -12,6 +12,7 @@ failed=0
 bad() {
     echo "FAILED  $*"
     failed=$((failed + 1))
+    [ "$failed" -lt 10 ] || { echo "$failed failed, the rest is left out" >&2; exit 1; }
 }
 # columns, arguments: what a terminal shows; what stands before a carriage return, as progress does, is overwritten
 on_terminal() {

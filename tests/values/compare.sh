@@ -7,6 +7,7 @@ failed=0
 bad() {
     echo "FAILED  $*"
     failed=$((failed + 1))
+    [ "$failed" -lt 10 ] || { echo "$failed failed, the rest is left out"; exit 1; }
 }
 
 # What NAME.awk needs beside lib.awk.
