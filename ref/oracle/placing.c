@@ -2,7 +2,6 @@
 
 #include "ref/integers/oracle_grid.h"
 
-#include <float.h>
 #include <math.h>
 
 struct located placing_locate(const struct placing *placing, uint32_t instance, uint32_t prim)
@@ -61,11 +60,7 @@ void placing_invert(const float m[3][4], struct inverse *out)
 
 static float float_below(double x)
 {
-    if (x >= (double)FLT_MAX)
-        return FLT_MAX;
-    if (x < -(double)FLT_MAX)
-        return -INFINITY;
-    float nearest = (float)x;
+    float nearest = (float)x; /* infinite, if all floats are nearer to 0 */
     return (double)nearest > x ? nextafterf(nearest, -INFINITY) : nearest;
 }
 

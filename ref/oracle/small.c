@@ -3,7 +3,6 @@
 #include "ref/base/base.h"
 #include "ref/integers/oracle_grid.h"
 
-
 /* --- input ------------------------------------------------------------------------------------ */
 
 /* Of several numbers: the lowest bit set in any, as an exponent, and the largest, as its bits. */
@@ -152,8 +151,7 @@ bool small_in_plane(const struct small *s, bool *any, struct fraction *in, struc
     if (2 * s->place_bits + s->way_bits > 122 || s->place_bits + 2 * s->way_bits > 122)
         return false;
     int measure = s->d[i] ? i : j;
-    struct ratio end[3];
-    int ends = 0;
+    struct ratio first = {0, 1}, last = {0, 1};
     for (int c = 0; c < 3; c++) {
         int e = (c + 1) % 3;
         bool on = side[c] == 0,
@@ -165,19 +163,13 @@ bool small_in_plane(const struct small *s, bool *any, struct fraction *in, struc
             t.num = s->a[e][measure] * side[c] - s->a[c][measure] * side[e];
             t.den = (side[c] - side[e]) * s->d[measure];
         }
-        end[ends++] = t;
+        if (!*any || less(&t, &first))
+            first = t;
+        if (!*any || less(&last, &t))
+            last = t;
+        *any = true;
     }
-    if (ends == 0)
-        return true;
-    int least = 0, most = 0;
-    for (int c = 1; c < ends; c++) {
-        if (less(&end[c], &end[least]))
-            least = c;
-        if (less(&end[most], &end[c]))
-            most = c;
-    }
-    *any = true;
-    to_fraction(&end[least], s->scale, in);
-    to_fraction(&end[most], s->scale, out);
+    to_fraction(&first, s->scale, in);
+    to_fraction(&last, s->scale, out);
     return true;
 }
