@@ -94,12 +94,6 @@ static bool take_signs(const int edge[3], int det, struct exact *out)
     return positive && negative;
 }
 
-/* Of a hit: whether it is on an edge or a vertex. */
-static bool on_border(const struct exact *pair)
-{
-    return pair->edge[0] == 0 || pair->edge[1] == 0 || pair->edge[2] == 0;
-}
-
 static int sign_of(__int128 x)
 {
     return (x > 0) - (x < 0);
@@ -121,7 +115,7 @@ static bool multiply(const struct ray *ray, float v[3][3], const struct instance
     const int edge[3] = {sign_of(product.w[0]), sign_of(product.w[1]), sign_of(product.w[2])};
     if (take_signs(edge, sign_of(product.det), out) && hits)
         return false;
-    for (int c = 0; c < 3 && !(hits && on_border(out)); c++)
+    for (int c = 0; c < 3; c++)
         wide_set(product.w[c], &value->w[c]);
     wide_set(product.det, &value->det);
     wide_set(product.t, &value->t);
@@ -134,9 +128,7 @@ void exact_pair(const struct ray *ray, float v[3][3], const struct instance *at,
     struct products value;
     if (!multiply(ray, v, at, hits, out, &value))
         return;
-    if (out->det && hits && on_border(out)) /* the others are positive */
-        out->edge_share = 0;
-    else if (out->det)
+    if (out->det)
         for (int c = 0; c < 3; c++)
             out->edge_share = fmin(out->edge_share, share(&value.w[c], &value.det));
     out->in_plane = out->det == 0 && value.t.sign == 0 && !ray_is_still(ray);
