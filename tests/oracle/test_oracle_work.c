@@ -160,6 +160,7 @@ static void of_worlds(void **state)
             world_turn_draw(&world_turns[k], &rng, world.instance[i].m);
         }
         free(one);
+        assert_int_equal(world_finish(&world, &reason), STATUS_OK);
         bad |= works_otherwise(world_turns[k].name, &scene, &world, 99,
                                k + 1 < WORLD_TURNS ? RAYS : 20, must[k]);
         world_free(&world);
