@@ -94,11 +94,6 @@ static bool take_signs(const int edge[3], int det, struct exact *out)
     return positive && negative;
 }
 
-static int sign_of(__int128 x)
-{
-    return (x > 0) - (x < 0);
-}
-
 /* Returns whether more than the signs is needed. */
 static bool multiply(const struct ray *ray, float v[3][3], const struct instance *at, bool hits,
                      struct exact *out, struct products *value)
@@ -168,16 +163,6 @@ static void normal_of(struct oracle_wide a[3][3], struct oracle_wide n[3])
     }
 }
 
-/* Widens [in, out] by one point of the overlap. */
-static void include(const struct fraction *t, bool *any, struct fraction *in, struct fraction *out)
-{
-    if (!*any || fraction_compare(t, in) < 0)
-        *in = *t;
-    if (!*any || fraction_compare(t, out) > 0)
-        *out = *t;
-    *any = true;
-}
-
 bool exact_in_plane(const struct ray *ray, float v[3][3], const struct instance *at,
                     struct fraction *in, struct fraction *out)
 {
@@ -201,14 +186,14 @@ bool exact_in_plane(const struct ray *ray, float v[3][3], const struct instance 
         if (side[c].sign == 0) { /* the vertex is on the line */
             t.num = a[c][measure];
             t.den = d[measure];
-            include(&t, &any, in, out);
+            overlap_add(&t, &any, in, out);
         } else if (side[c].sign == -side[e].sign) {
             /* The edge crosses it, where a_c + (a_e - a_c) * side_c / (side_c - side_e) is. */
             struct oracle_wide span;
             cross_term(&a[e][measure], &side[c], &a[c][measure], &side[e], &t.num);
             wide_sub(&side[c], &side[e], &span);
             wide_mul(&span, &d[measure], &t.den);
-            include(&t, &any, in, out);
+            overlap_add(&t, &any, in, out);
         }
     }
     return any;

@@ -21,6 +21,8 @@
 #include "ref/oracle/placing.h"
 #include "ref/oracle/tree_walk.h"
 
+#include <float.h>
+
 #define PLACED_PAD 0x1p-998
 #define PLACED_FAR 0x1p1000
 
@@ -68,7 +70,7 @@ static inline void placed_level(const struct placed_axis *axis, const struct tre
         double lo = (double)node->lo[k][side] - axis->in.from;
         double hi = (double)node->hi[k][side] - axis->out.from;
         if ((axis->in.inverse == 0 && lo > 0) || (axis->out.inverse == 0 && hi < 0))
-            far[side] = -1;
+            far[side] = -DBL_MAX;
         near[side] = tree_max(near[side], lo * axis->in.inverse);
         near[side] = tree_max(near[side], hi * axis->out.inverse);
     }
@@ -87,7 +89,7 @@ static inline void placed_visit(struct placed_walk *walk, uint32_t at, double re
         near[side] = tree_min(near[side], PLACED_FAR) - PLACED_PAD;
         far[side] += PLACED_PAD;
         if (node->lo[0][side] > node->hi[0][side]) /* of errors that large, it might be entered */
-            far[side] = -1;
+            far[side] = -DBL_MAX;
     }
     tree_push(&walk->walk, at, reach, near, far);
 }

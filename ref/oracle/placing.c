@@ -41,7 +41,6 @@ void placing_invert(const float m[3][4], struct inverse *out)
         for (int j = 0; j < 3; j++)
             minor_of(x, (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3, &cofactor[i][j]);
     struct fraction share = {.scale = -grid.exponent};
-    wide_set(0, &share.den);
     for (int j = 0; j < 3; j++) {
         wide_mul(&x[0][j], &cofactor[0][j], &term);
         wide_add(&share.den, &term, &share.den);

@@ -258,12 +258,38 @@ static void the_nearer_is_visited_first(void **state)
     assert_true(both > 1000 && equal > 50);
 }
 
+/* A t that is too small for an enclosure is 0 or FRACTION_LEAST there: a walk up to or from these
+ * visits what it may lie in. So it does where quotients that are equal are rounded apart. */
+static void tiny_t_is_not_lost(void **state)
+{
+    (void)state;
+    struct oracle_part part = {.box = {{0, -1, -1}, {1, 0, 1}}, .prim = 0};
+    struct tree tree;
+    struct placed_walk walk;
+    struct tree_leaf leaf;
+    struct reason reason = {""};
+    assert_int_equal(tree_make_parts(&part, 1, 1, &tree, &reason), STATUS_OK);
+    struct sight sight = {.o = {-0x1p-150, -0.5, 0}, .d = {0x1p850, 0, 0}};
+    placed_walk_start(&walk, &tree, &sight, false, 0, 0);
+    assert_true(placed_walk_next(&walk, 0, &leaf));
+    sight = (struct sight){.o = {0.5, -0x1p-151, 0}, .d = {0, 0x1p850, 0}};
+    placed_walk_start(&walk, &tree, &sight, false, FRACTION_LEAST, INFINITY);
+    assert_true(placed_walk_next(&walk, INFINITY, &leaf));
+    placed_walk_start(&walk, &tree, &sight, false, 0x1p-990, INFINITY);
+    assert_false(placed_walk_next(&walk, INFINITY, &leaf));
+    sight = (struct sight){.o = {-0x3p-225, -0x9p-225, 0}, .d = {0x1p850, 0x3p850, 0}};
+    placed_walk_start(&walk, &tree, &sight, false, 0, INFINITY);
+    assert_true(placed_walk_next(&walk, INFINITY, &leaf));
+    tree_free(&tree);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rays_visit_what_they_meet),
         cmocka_unit_test(rays_within_errors_visit_what_they_may_meet),
         cmocka_unit_test(the_nearer_is_visited_first),
+        cmocka_unit_test(tiny_t_is_not_lost),
     };
     return cmocka_run_group_tests_name("oracle_boxes", tests, NULL, NULL);
 }

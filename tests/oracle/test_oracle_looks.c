@@ -325,6 +325,33 @@ static void crossings_are_looked_for_within_reach(void **state)
     scene_free(&scene);
 }
 
+/* The reach is 2^-38 of t_most beyond it, whatever its sign: a triangle a little nearer is looked
+ * at, one a little farther is not. */
+static void the_reach_is_known_to_its_bits(void **state)
+{
+    (void)state;
+    float vertex[9] = {-1, -1, 3, 1, -1, 3, 0, 1, 3};
+    uint32_t index[3] = {0, 1, 2};
+    struct scene scene = {.vertex = vertex, .index = index, .vertex_count = 3, .tri_count = 1};
+    struct oracle *oracle = watched(&scene);
+    struct oracle_crossing *list = NULL;
+    size_t capacity = 0, count;
+    for (int sense = -1; sense <= 1; sense += 2)
+        for (int n = 0; n < 8; n++) {
+            const struct ray ray = {{0, 0, 0}, -9, {0, 0, (float)sense}, 9};
+            const double t = 3 * sense, off = (n - 4 + 0.5) * 0x1p-41;
+            const double t_most = t - fabs(t) * (0x1p-38 + off);
+            looks = 0;
+            assert_int_equal(
+                oracle_crossings(oracle, &ray, t_most, &list, &capacity, &count, &reason),
+                STATUS_OK);
+            assert_int_equal(looks, off < 0);
+            assert_int_equal(count, 0);
+        }
+    free(list);
+    oracle_free(oracle);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -332,6 +359,7 @@ int main(void)
         cmocka_unit_test(few_triangles_take_no_tree),
         cmocka_unit_test(a_thread_has_rays),
         cmocka_unit_test(crossings_are_looked_for_within_reach),
+        cmocka_unit_test(the_reach_is_known_to_its_bits),
     };
     return cmocka_run_group_tests_name("oracle_looks", tests, NULL, NULL);
 }
