@@ -1,6 +1,6 @@
-/* Which leaves a walk of the oracle's trees visits (ref/oracle/tree_walk.h, placed_walk.h), of whole
- * numbers and their quotients: exactly those whose box a point of the ray, or of a ray within the
- * errors, is in at a t of the range, borders included; each once, the nearer of two first. */
+/* Which leaves a walk of the oracle's trees visits (ref/oracle/tree_walk.h, placed_walk.h), of
+ * whole numbers and their quotients: exactly those whose box a point of the ray, or of a ray within
+ * the errors, is in at a t of the range, borders included; each once, the nearer of two first. */
 #include "ref/base/rng.h"
 #include "ref/oracle/placed_walk.h"
 
@@ -35,11 +35,11 @@ static struct tree draw_tree(struct rng *rng, uint32_t count, uint32_t leaf, uin
 }
 
 /* t of a ray in a box, by two conditions an axis: t * speed is at least, or at most, a number. */
-struct span {
+struct t_span {
     long double near, far;
 };
 
-static void at_least(struct span *span, long double number, long double speed)
+static void at_least(struct t_span *span, long double number, long double speed)
 {
     if (speed > 0)
         span->near = fmaxl(span->near, number / speed);
@@ -49,12 +49,12 @@ static void at_least(struct span *span, long double number, long double speed)
         span->far = -INFINITY;
 }
 
-static void at_most(struct span *span, long double number, long double speed)
+static void at_most(struct t_span *span, long double number, long double speed)
 {
     at_least(span, -number, -speed);
 }
 
-static bool meets(const struct span *span, double tmin, double reach)
+static bool meets(const struct t_span *span, double tmin, double reach)
 {
     return span->near <= span->far && span->near <= (long double)reach &&
            span->far >= (long double)tmin;
@@ -65,9 +65,9 @@ struct boxed_ray {
     long double least; /* t */
 };
 
-static struct span span_of(const struct boxed_ray *ray, const struct tree_node *node, int side)
+static struct t_span span_of(const struct boxed_ray *ray, const struct tree_node *node, int side)
 {
-    struct span span = {ray->least, INFINITY};
+    struct t_span span = {ray->least, INFINITY};
     for (int k = 0; k < 3; k++) {
         at_least(&span, (long double)node->lo[k][side] - (ray->o[k] + ray->o_err[k]),
                  ray->d[k] + ray->d_err[k]);
@@ -93,7 +93,7 @@ static void expect_leaf(const struct tree *tree, const struct boxed_ray *ray,
 {
     int side;
     const struct tree_node *node = leaf_at(tree, leaf->first, &side);
-    struct span span = span_of(ray, node, side);
+    struct t_span span = span_of(ray, node, side);
     double largest = 0;
     assert_int_equal(leaf->count, node->count[side]);
     assert_true(meets(&span, tmin, reach));
@@ -135,7 +135,7 @@ static uint32_t expect_walk(struct any_walk *any, const struct tree *tree,
     for (uint32_t n = 0; n < tree->node_count; n++)
         for (int side = 0; side < 2; side++)
             if (tree->node[n].count[side]) {
-                struct span span = span_of(ray, &tree->node[n], side);
+                struct t_span span = span_of(ray, &tree->node[n], side);
                 if (meets(&span, tmin, later < reach ? later : reach))
                     assert_true(seen[tree->node[n].child[side]]);
             }
@@ -197,7 +197,8 @@ static void rays_within_errors_visit_what_they_may_meet(void **state)
     struct rng rng = rng_make(55, 0);
     uint32_t visited = 0, none = 0;
     for (uint32_t round = 0; round < 30000; round++) {
-        struct tree tree = draw_tree(&rng, 1 + rng_below(&rng, BOXES), 1 + rng_below(&rng, 4), 4);
+        const uint32_t leaf = 1 + rng_below(&rng, 4);
+        struct tree tree = draw_tree(&rng, 1 + rng_below(&rng, BOXES), leaf, 4);
         struct boxed_ray ray = {.least = 0};
         struct sight sight;
         struct any_walk walk = {.placed = true};

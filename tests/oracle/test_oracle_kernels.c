@@ -152,8 +152,10 @@ static void errors_widen_the_bounds_by_their_formulas(void **state)
         for (int k = 0; k < 3; k++) {
             o[k] = draw_number(&rng);
             d[k] = draw_number(&rng);
-            o_err[k] = ldexp(fabs(draw_number(&rng)), -(int)rng_below(&rng, 50));
-            d_err[k] = ldexp(fabs(draw_number(&rng)), -(int)rng_below(&rng, 20));
+            o_err[k] = fabs(draw_number(&rng));
+            o_err[k] = ldexp(o_err[k], -(int)rng_below(&rng, 50));
+            d_err[k] = fabs(draw_number(&rng));
+            d_err[k] = ldexp(d_err[k], -(int)rng_below(&rng, 20));
         }
         const struct early_ray ray = early_ray_about(o, d, o_err, d_err);
         expect_axes(&ray, d);

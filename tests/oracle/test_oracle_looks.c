@@ -1,7 +1,7 @@
 /* What the oracle looks at, seen by a kernel (ref/oracle/early.h) that keeps a list: brute force
  * looks at every triangle once a ray, a walk at the leaves that lie within the reach alone, each
- * with a bound that is the largest distance along an axis to the bit; on as many threads as there is
- * work for. Answers do not show any of this. */
+ * with a bound that is the largest distance along an axis to the bit; on as many threads as there
+ * is work for. Answers do not show any of this. */
 #include "ref/base/rng.h"
 #include "ref/oracle/internal.h"
 #include "ref/oracle/oracle_world.h"
@@ -276,8 +276,8 @@ static void expect_reached(const struct oracle *mesh, double at, double each, do
     assert_int_equal(got, want);
 }
 
-/* Whether the row is met forth or back, from before it or from within, by a ray whose own range ends
- * it or whose t_most does; as a scene, in a world, and placed at double size. */
+/* Whether the row is met forth or back, from before it or from within, by a ray whose own range
+ * ends it or whose t_most does; as a scene, in a world, and placed at double size. */
 static void crossings_are_looked_for_within_reach(void **state)
 {
     (void)state;

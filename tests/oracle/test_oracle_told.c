@@ -19,15 +19,15 @@
 #define LEGIBLE 23 /* characters of a fraction that is told */
 
 /* t = n / (m 2^r), m is odd. */
-struct told {
+struct told_t {
     uint64_t n, m;
     int r;
     bool minus;
 };
 
-/* What oracle_t_text has for it: a ray straight at a triangle n away, whose direction is m 2^r. n is
- * a float and another. */
-static void tell(const struct told *t, char text[ORACLE_T_TEXT])
+/* What oracle_t_text has for it: a ray straight at a triangle n away, whose direction is m 2^r. n
+ * is a float and another. */
+static void tell(const struct told_t *t, char text[ORACLE_T_TEXT])
 {
     const float far = (float)t->n, near = (float)((int64_t)t->n - (int64_t)far);
     const float sign = t->minus ? -1 : 1;
@@ -81,9 +81,9 @@ static void digits_in(const char *decimal, char out[48])
 /* How it is told. */
 enum telling { DECIMAL, FRACTION, ABOUT, TELLINGS };
 
-static enum telling expect(const struct told *given, const char *text)
+static enum telling expect(const struct told_t *given, const char *text)
 {
-    struct told t = *given;
+    struct told_t t = *given;
     char fraction[99], digits[48], room[48], got[48];
     uint64_t common = greatest_common(t.n, t.m);
     t.n /= common;
@@ -151,7 +151,7 @@ static void t_is_told_as_well_as_it_can_be(void **state)
     for (int r = -90; r <= 90; r++)
         for (size_t i = 0; i < ARRAY_COUNT(known) + 24; i++)
             for (int k = 0; k < 6; k++) {
-                struct told t = {.r = r, .m = k < 3 ? 1 : 2 * rng_below(&rng, 99) + 1};
+                struct told_t t = {.r = r, .m = k < 3 ? 1 : 2 * rng_below(&rng, 99) + 1};
                 t.n =
                     i < ARRAY_COUNT(known) ? known[i] : rng_u64(&rng) >> (16 + rng_below(&rng, 48));
                 t.n = t.n ? t.n : 1;

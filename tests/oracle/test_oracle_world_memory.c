@@ -3,6 +3,7 @@
  * what an instance takes. */
 #include "tests/support/allocations.h"
 
+#include "ref/oracle/oracle_tree.h"
 #include "tests/exact/oracle_batch.h"
 #include "tests/exact/world_cases.h"
 
@@ -44,6 +45,36 @@ static void a_world_is_made_or_not(void **state)
         assert_int_equal(held, 0);
     }
     assert_true(done && n > 12);
+    world_case_free(&c);
+}
+
+/* What was in it before does not stay in a tree that is not made. */
+static void a_tree_is_made_or_zero(void **state)
+{
+    (void)state;
+    struct world_case c;
+    world_case_make(&world_turns[2], 3, &c);
+    bool done = false;
+    long n;
+    for (n = 0; n < TIMES_MOST && !done; n++) {
+        struct reason reason = {""};
+        struct tree tree;
+        memset(&tree, 0xAA, sizeof tree);
+        atomic_store(&held, 0);
+        atomic_store(&has_failed, false);
+        atomic_store(&until_failure, n);
+        enum status status = tree_make(c.world.mesh[0].scene, &tree, &reason);
+        atomic_store(&until_failure, -1);
+        done = !has_failed;
+        assert_int_equal(status, done ? STATUS_OK : STATUS_MEMORY);
+        if (done)
+            tree_free(&tree);
+        assert_null(tree.node);
+        assert_null(tree.order);
+        assert_int_equal(tree.node_count, 0);
+        assert_int_equal(held, 0);
+    }
+    assert_true(done && n > 3);
     world_case_free(&c);
 }
 
@@ -111,6 +142,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_world_is_made_or_not),
+        cmocka_unit_test(a_tree_is_made_or_zero),
         cmocka_unit_test(crossings_are_listed_or_not),
         cmocka_unit_test(an_instance_takes_little),
     };
