@@ -93,9 +93,9 @@ static void in_plane(const struct ray *ray, float v[3][3], const struct instance
     pair->margin = 0;
     fraction_enclose(&in, &pair->t_lo, &in_hi);
     fraction_enclose(&out, &out_lo, &pair->t_hi);
-    if (!(out_lo >= tmin) && fraction_compare_double(&out, tmin) < 0) {
-        pair->range = ORACLE_BELOW;
-    } else if (!(in_hi <= tmax) && fraction_compare_double(&in, tmax) > 0) {
+    if (!(out_lo >= tmin) && fraction_compare_double(&out, tmin) < 0)
+        return; /* it is below, as before anything was known */
+    if (!(in_hi <= tmax) && fraction_compare_double(&in, tmax) > 0) {
         pair->range = ORACLE_ABOVE;
     } else {
         pair->range = ORACLE_WITHIN;

@@ -7,6 +7,7 @@
 #include "tests/exact/oracle_batch.h"
 #include "tests/exact/world_cases.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <setjmp.h>
@@ -102,6 +103,52 @@ static void crossings_are_listed_or_not(void **state)
     world_case_free(&c);
 }
 
+/* Of a long list each allocation fails in turn: none of it is kept, in a scene nor in a world. */
+static void long_lists_are_whole_or_empty(void **state)
+{
+    (void)state;
+    enum { ROW = 300 };
+    struct scene scene;
+    struct world world;
+    struct oracle *oracle[2];
+    struct reason reason = {""};
+    assert_int_equal(scene_make(3 * ROW, ROW, &scene), STATUS_OK);
+    for (uint32_t i = 0; i < 3 * ROW; i++) {
+        scene.index[i] = i;
+        scene.vertex[3 * i] = (float)(i % 3) - 1;
+        scene.vertex[3 * i + 1] = i % 3 == 1 ? 2 : -1;
+        scene.vertex[3 * i + 2] = (float)(i / 3 + 1);
+    }
+    assert_int_equal(world_of_scene(&scene, &world, &reason), STATUS_OK);
+    assert_int_equal(oracle_make(&scene, &oracle[0], &reason), STATUS_OK);
+    assert_int_equal(oracle_make_world(&world, &oracle[1], &reason), STATUS_OK);
+    const struct ray ray = {{0, 0, 0}, 0, {0, 0, 1}, INFINITY};
+    for (int placed = 0; placed < 2; placed++) {
+        bool done = false;
+        long n;
+        for (n = 0; n < TIMES_MOST && !done; n++) {
+            struct oracle_crossing *list = NULL;
+            size_t capacity = 0, count = 7;
+            atomic_store(&has_failed, false);
+            atomic_store(&until_failure, n);
+            enum status status =
+                placed ? oracle_crossings_world(oracle[1], &ray, ray_mode_all(), INFINITY, &list,
+                                                &capacity, &count, &reason)
+                       : oracle_crossings(oracle[0], &ray, INFINITY, &list, &capacity, &count,
+                                          &reason);
+            atomic_store(&until_failure, -1);
+            done = !has_failed;
+            assert_int_equal(status, done ? STATUS_OK : STATUS_MEMORY);
+            assert_int_equal(count, done ? ROW : 0);
+            free(list);
+        }
+        assert_true(done && n > 2);
+        oracle_free(oracle[placed]);
+    }
+    world_free(&world);
+    scene_free(&scene);
+}
+
 /* Nothing is made per placed triangle. */
 static void an_instance_takes_little(void **state)
 {
@@ -144,6 +191,7 @@ int main(void)
         cmocka_unit_test(a_world_is_made_or_not),
         cmocka_unit_test(a_tree_is_made_or_zero),
         cmocka_unit_test(crossings_are_listed_or_not),
+        cmocka_unit_test(long_lists_are_whole_or_empty),
         cmocka_unit_test(an_instance_takes_little),
     };
     return cmocka_run_group_tests_name("oracle_world_memory", tests, NULL, NULL) ? 1 : 0;
