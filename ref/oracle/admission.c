@@ -77,13 +77,13 @@ static bool passes(const struct standing *standing, int u_cell, int v_cell)
 static bool passes_at(const struct standing *standing, const struct ray *ray,
                       const struct located *at)
 {
-    double lo[2], hi[2];
+    struct enclosure u, v;
     struct fraction weight[2];
     if (!filter_reads_uv(standing->filter))
         return passes(standing, 0, 0);
-    if (pair_weights(ray, at, lo, hi) && cell_of(lo[0]) == cell_of(hi[0]) &&
-        cell_of(lo[1]) == cell_of(hi[1]))
-        return passes(standing, cell_of(lo[0]), cell_of(lo[1]));
+    if (pair_weights(ray, at, &u, &v) && cell_of(u.lo) == cell_of(u.hi) &&
+        cell_of(v.lo) == cell_of(v.hi))
+        return passes(standing, cell_of(u.lo), cell_of(v.lo));
     weights_exactly(ray, at, weight);
     return passes(standing, exact_cell(&weight[0]), exact_cell(&weight[1]));
 }

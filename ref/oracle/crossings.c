@@ -65,11 +65,12 @@ static enum status add(const struct decided *pair, double t_most, struct oracle_
     return status;
 }
 
-/* Enclosures of hits in range are at most 2^-40 wide, so t_lo <= t_most bounds t by this; or, of
- * tiny t, FRACTION_LEAST. */
+/* Enclosures of hits in range are at most 2^-40 wide, so t_lo <= t_most bounds t by this; or it is
+ * up to FRACTION_LEAST, where the walks take it for 0: of a float32 scene no t is as small, and
+ * PLACED_PAD is more. */
 static double reach_to(const struct ray *ray, double t_most)
 {
-    return fmin(t_most + fabs(t_most) * 0x1p-38 + 4 * FRACTION_LEAST, (double)ray->tmax);
+    return fmin(t_most + fabs(t_most) * 0x1p-38, (double)ray->tmax);
 }
 
 /* Appends triangle `prim` if it is met in range. */

@@ -9,15 +9,13 @@
 static inline unsigned long environment_enter(void)
 {
     unsigned long saved = float_mode();
-    if (saved & FLOAT_MODES)
-        float_mode_set(saved & ~(unsigned long)FLOAT_MODES);
+    float_mode_set(saved & ~(unsigned long)FLOAT_MODES);
     return saved;
 }
 
 static inline void environment_leave(unsigned long saved)
 {
-    if (saved & FLOAT_MODES)
-        float_mode_set((float_mode() & ~(unsigned long)FLOAT_MODES) | (saved & FLOAT_MODES));
+    float_mode_set((float_mode() & ~(unsigned long)FLOAT_MODES) | (saved & FLOAT_MODES));
 }
 
 #endif

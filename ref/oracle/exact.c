@@ -94,17 +94,6 @@ static bool take_signs(const int edge[3], int det, struct exact *out)
     return positive && negative;
 }
 
-/* Of a hit: whether it is on an edge or a vertex. */
-static bool on_border(const struct exact *pair)
-{
-    return pair->edge[0] == 0 || pair->edge[1] == 0 || pair->edge[2] == 0;
-}
-
-static int sign_of(__int128 x)
-{
-    return (x > 0) - (x < 0);
-}
-
 /* Returns whether more than the signs is needed. */
 static bool multiply(const struct ray *ray, float v[3][3], const struct instance *at, bool hits,
                      struct exact *out, struct products *value)
@@ -121,7 +110,7 @@ static bool multiply(const struct ray *ray, float v[3][3], const struct instance
     const int edge[3] = {sign_of(product.w[0]), sign_of(product.w[1]), sign_of(product.w[2])};
     if (take_signs(edge, sign_of(product.det), out) && hits)
         return false;
-    for (int c = 0; c < 3 && !(hits && on_border(out)); c++)
+    for (int c = 0; c < 3; c++)
         wide_set(product.w[c], &value->w[c]);
     wide_set(product.det, &value->det);
     wide_set(product.t, &value->t);
@@ -134,9 +123,7 @@ void exact_pair(const struct ray *ray, float v[3][3], const struct instance *at,
     struct products value;
     if (!multiply(ray, v, at, hits, out, &value))
         return;
-    if (out->det && hits && on_border(out)) /* the others are positive */
-        out->edge_share = 0;
-    else if (out->det)
+    if (out->det)
         for (int c = 0; c < 3; c++)
             out->edge_share = fmin(out->edge_share, share(&value.w[c], &value.det));
     out->in_plane = out->det == 0 && value.t.sign == 0 && !ray_is_still(ray);
@@ -176,16 +163,6 @@ static void normal_of(struct oracle_wide a[3][3], struct oracle_wide n[3])
     }
 }
 
-/* Widens [in, out] by one point of the overlap. */
-static void include(const struct fraction *t, bool *any, struct fraction *in, struct fraction *out)
-{
-    if (!*any || fraction_compare(t, in) < 0)
-        *in = *t;
-    if (!*any || fraction_compare(t, out) > 0)
-        *out = *t;
-    *any = true;
-}
-
 bool exact_in_plane(const struct ray *ray, float v[3][3], const struct instance *at,
                     struct fraction *in, struct fraction *out)
 {
@@ -209,14 +186,14 @@ bool exact_in_plane(const struct ray *ray, float v[3][3], const struct instance 
         if (side[c].sign == 0) { /* the vertex is on the line */
             t.num = a[c][measure];
             t.den = d[measure];
-            include(&t, &any, in, out);
+            overlap_add(&t, &any, in, out);
         } else if (side[c].sign == -side[e].sign) {
             /* The edge crosses it, where a_c + (a_e - a_c) * side_c / (side_c - side_e) is. */
             struct oracle_wide span;
             cross_term(&a[e][measure], &side[c], &a[c][measure], &side[e], &t.num);
             wide_sub(&side[c], &side[e], &span);
             wide_mul(&span, &d[measure], &t.den);
-            include(&t, &any, in, out);
+            overlap_add(&t, &any, in, out);
         }
     }
     return any;

@@ -45,6 +45,12 @@ void filter_plane(struct filter *out)
     out->t_err = CUBIC * perm;
 }
 
+/* Whether the difference of two products of edges certainly is not 0. */
+static bool not_zero(double left, double right)
+{
+    return fabs(left - right) > FILTER_FLAT * (fabs(left) + fabs(right));
+}
+
 bool filter_has_area(float v[3][3])
 {
     double e1[3], e2[3];
@@ -52,11 +58,6 @@ bool filter_has_area(float v[3][3])
         e1[k] = (double)v[1][k] - (double)v[0][k];
         e2[k] = (double)v[2][k] - (double)v[0][k];
     }
-    for (int k = 0; k < 3; k++) {
-        int i = (k + 1) % 3, j = (k + 2) % 3;
-        double left = e1[i] * e2[j], right = e1[j] * e2[i];
-        if (fabs(left - right) > FILTER_FLAT * (fabs(left) + fabs(right)))
-            return true;
-    }
-    return false;
+    return not_zero(e1[0] * e2[1], e1[1] * e2[0]) || not_zero(e1[1] * e2[2], e1[2] * e2[1]) ||
+           not_zero(e1[2] * e2[0], e1[0] * e2[2]);
 }

@@ -4,7 +4,6 @@
 
 void nearest_start(struct nearest *nearest)
 {
-    nearest->prim = ABI_NO_PRIM;
     nearest->count = 0;
     nearest->next = INFINITY;
     nearest->plane_lo = INFINITY;

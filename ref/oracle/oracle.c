@@ -95,7 +95,8 @@ bool oracle_takes(const struct ray *ray)
 int oracle_team(size_t parts, unsigned threads)
 {
     size_t team = threads ? threads : (size_t)omp_get_max_threads();
-    return (int)(parts < team ? parts + (parts == 0) : team);
+    size_t most = parts ? parts : 1;
+    return (int)(most < team ? most : team);
 }
 
 static void decide(const struct oracle *oracle, const struct ray *ray, uint32_t prim,

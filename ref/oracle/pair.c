@@ -93,9 +93,9 @@ static void in_plane(const struct ray *ray, float v[3][3], const struct instance
     pair->margin = 0;
     fraction_enclose(&in, &pair->t_lo, &in_hi);
     fraction_enclose(&out, &out_lo, &pair->t_hi);
-    if (!(out_lo >= tmin) && fraction_compare_double(&out, tmin) < 0) {
-        pair->range = ORACLE_BELOW;
-    } else if (!(in_hi <= tmax) && fraction_compare_double(&in, tmax) > 0) {
+    if (!(out_lo >= tmin) && fraction_compare_double(&out, tmin) < 0)
+        return; /* it is below, as before anything was known */
+    if (!(in_hi <= tmax) && fraction_compare_double(&in, tmax) > 0) {
         pair->range = ORACLE_ABOVE;
     } else {
         pair->range = ORACLE_WITHIN;
@@ -224,39 +224,37 @@ const struct fraction *pair_t(const struct ray *ray, struct decided *hit)
     return &hit->exact.t;
 }
 
-bool pair_weights(const struct ray *ray, const struct located *at, double lo[2], double hi[2])
+bool pair_weights(const struct ray *ray, const struct located *at, struct enclosure *u,
+                  struct enclosure *v)
 {
     struct placed_filter placed;
     struct filter *f = &placed.filter;
-    float v[3][3];
-    scene_tri(at->mesh->scene, at->tri, v);
+    float vertex[3][3];
+    scene_tri(at->mesh->scene, at->tri, vertex);
     if (at->instance) {
-        placed_edges(ray, v, at->instance, &placed);
+        placed_edges(ray, vertex, at->instance, &placed);
         placed_plane(&placed);
         if (!placed_is_moderate(&placed))
             return false;
     } else {
-        filter_edges(ray, v, f);
+        filter_edges(ray, vertex, f);
         filter_plane(f);
     }
     if (filter_sign(f->det, f->det_err) == 0)
         return false;
-    for (int i = 0; i < 2; i++)
-        enclose_ratio(f->w[i + 1], f->w_err[i + 1], f->det, f->det_err, &lo[i], &hi[i]);
+    enclose_ratio(f->w[1], f->w_err[1], f->det, f->det_err, &u->lo, &u->hi);
+    enclose_ratio(f->w[2], f->w_err[2], f->det, f->det_err, &v->lo, &v->hi);
     return true;
 }
 
-/* Whether all six vertices have one coordinate in common. */
-static bool share_axis_plane(float v[3][3], float w[3][3])
+/* Whether all six vertices of two triangles have coordinate k in common. */
+static bool share_coordinate(float v[2][3][3], int k)
 {
-    for (int k = 0; k < 3; k++) {
-        bool same = true;
+    bool same = true;
+    for (int n = 0; n < 2; n++)
         for (int c = 0; c < 3; c++)
-            same = same && v[c][k] == v[0][k] && w[c][k] == v[0][k];
-        if (same)
-            return true;
-    }
-    return false;
+            same = same && v[n][c][k] == v[0][0][k];
+    return same;
 }
 
 /* Whether two triangles are in one space: a scene's, or placed by one instance or by two of the
@@ -273,20 +271,20 @@ static bool same_space(const struct instance *a, const struct instance *b)
  * proves nothing. */
 static bool same_place(const struct decided *a, const struct decided *b)
 {
-    float v[3][3], w[3][3];
+    float v[2][3][3];
     if (!same_space(a->at.instance, b->at.instance))
         return false;
-    scene_tri(a->at.mesh->scene, a->at.tri, v);
-    scene_tri(b->at.mesh->scene, b->at.tri, w);
-    if (share_axis_plane(v, w))
+    scene_tri(b->at.mesh->scene, b->at.tri, v[0]);
+    scene_tri(a->at.mesh->scene, a->at.tri, v[1]);
+    if (share_coordinate(v, 0) || share_coordinate(v, 1) || share_coordinate(v, 2))
         return true;
     if (a->pair.class != b->pair.class)
         return false;
     for (int i = 0; i < 3; i++) {
         bool shared = a->pair.edge[i] == 0;
         for (int j = 0; j < 3 && !shared; j++)
-            shared = b->pair.edge[j] != 0 && v[i][0] == w[j][0] && v[i][1] == w[j][1] &&
-                     v[i][2] == w[j][2];
+            shared = b->pair.edge[j] != 0 && v[1][i][0] == v[0][j][0] && v[1][i][1] == v[0][j][1] &&
+                     v[1][i][2] == v[0][j][2];
         if (!shared)
             return false;
     }

@@ -43,8 +43,14 @@ const struct fraction *pair_t(const struct ray *ray, struct decided *hit);
 /* Sign of t_a - t_b of two hits, exactly. */
 int pair_order(const struct ray *ray, struct decided *a, struct decided *b);
 
-/* The weights of vertices 1 and 2 of a hit in double: lo[i] <= w / D <= hi[i]. Returns whether the
- * filter knows them; else nothing is written. */
-bool pair_weights(const struct ray *ray, const struct located *at, double lo[2], double hi[2]);
+/* The number is lo <= x <= hi. */
+struct enclosure {
+    double lo, hi;
+};
+
+/* The weights of vertices 1 and 2 of a hit in double: *u encloses w1 / D and *v w2 / D. Returns
+ * whether the filter knows them; else nothing is written. */
+bool pair_weights(const struct ray *ray, const struct located *at, struct enclosure *u,
+                  struct enclosure *v);
 
 #endif

@@ -12,7 +12,8 @@
  * 2^-51 of themselves, which TREE_PAD covers, as long as nothing over- or underflows. Numbers of W
  * are multiples of 2^-743, so o, d and their errors of 2^-950, and all are below 2^850; the
  * inverse of a factor is below 2^950. A product below 2^-1022 is off by at most 2^-1074:
- * PLACED_PAD. One that overflows bounds t from below by more than PLACED_FAR, which is taken
+ * PLACED_PAD, which is also more than what a t is off by that an enclosure takes for 0
+ * (FRACTION_LEAST). One that overflows bounds t from below by more than PLACED_FAR, which is taken
  * instead, or from above by a negative number. */
 #ifndef ORACLE_PLACED_WALK_H
 #define ORACLE_PLACED_WALK_H
@@ -20,7 +21,9 @@
 #include "ref/oracle/placing.h"
 #include "ref/oracle/tree_walk.h"
 
-#define PLACED_PAD 0x1p-1000
+#include <float.h>
+
+#define PLACED_PAD 0x1p-998
 #define PLACED_FAR 0x1p1000
 
 /* The sense in which the ray runs along an axis. */
@@ -67,7 +70,7 @@ static inline void placed_level(const struct placed_axis *axis, const struct tre
         double lo = (double)node->lo[k][side] - axis->in.from;
         double hi = (double)node->hi[k][side] - axis->out.from;
         if ((axis->in.inverse == 0 && lo > 0) || (axis->out.inverse == 0 && hi < 0))
-            far[side] = -1;
+            far[side] = -DBL_MAX;
         near[side] = tree_max(near[side], lo * axis->in.inverse);
         near[side] = tree_max(near[side], hi * axis->out.inverse);
     }
@@ -86,7 +89,7 @@ static inline void placed_visit(struct placed_walk *walk, uint32_t at, double re
         near[side] = tree_min(near[side], PLACED_FAR) - PLACED_PAD;
         far[side] += PLACED_PAD;
         if (node->lo[0][side] > node->hi[0][side]) /* of errors that large, it might be entered */
-            far[side] = -1;
+            far[side] = -DBL_MAX;
     }
     tree_push(&walk->walk, at, reach, near, far);
 }

@@ -2,7 +2,6 @@
 
 #include "ref/integers/oracle_grid.h"
 
-#include <float.h>
 #include <math.h>
 
 struct located placing_locate(const struct placing *placing, uint32_t instance, uint32_t prim)
@@ -42,7 +41,6 @@ void placing_invert(const float m[3][4], struct inverse *out)
         for (int j = 0; j < 3; j++)
             minor_of(x, (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3, &cofactor[i][j]);
     struct fraction share = {.scale = -grid.exponent};
-    wide_set(0, &share.den);
     for (int j = 0; j < 3; j++) {
         wide_mul(&x[0][j], &cofactor[0][j], &term);
         wide_add(&share.den, &term, &share.den);
@@ -61,11 +59,7 @@ void placing_invert(const float m[3][4], struct inverse *out)
 
 static float float_below(double x)
 {
-    if (x >= (double)FLT_MAX)
-        return FLT_MAX;
-    if (x < -(double)FLT_MAX)
-        return -INFINITY;
-    float nearest = (float)x;
+    float nearest = (float)x; /* infinite, if all floats are nearer to 0 */
     return (double)nearest > x ? nextafterf(nearest, -INFINITY) : nearest;
 }
 

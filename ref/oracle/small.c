@@ -3,7 +3,6 @@
 #include "ref/base/base.h"
 #include "ref/integers/oracle_grid.h"
 
-
 /* --- input ------------------------------------------------------------------------------------ */
 
 /* Of several numbers: the lowest bit set in any, as an exponent, and the largest, as its bits. */
@@ -18,20 +17,17 @@ static inline void ends_add(struct ends *ends, float x)
 {
     uint32_t size = float_bits(x) & 0x7FFFFFFFu, field = size >> 23;
     uint32_t m = (size & 0x7FFFFFu) | (uint32_t)(field != 0) << 23;
-    int low = (int)(field ? field : 1) - 150 + __builtin_ctz(m | 1u << 31);
-    low = m ? low : NO_BITS;
+    int low = m ? (int)(field ? field : 1) - 150 + __builtin_ctz(m) : NO_BITS;
     ends->low = low < ends->low ? low : ends->low;
     ends->most = size > ends->most ? size : ends->most;
 }
 
-/* As grid_of. */
+/* As grid_of, but that subnormal numbers count as the least normal one: they fit anyway. */
 static inline struct oracle_grid ends_grid(const struct ends *ends)
 {
-    uint32_t field = ends->most >> 23;
     if (ends->most == 0)
         return (struct oracle_grid){0, 0};
-    int high = field ? (int)field - 126 : 32 - __builtin_clz(ends->most) - 149;
-    return (struct oracle_grid){ends->low, high - ends->low};
+    return (struct oracle_grid){ends->low, (int)(ends->most >> 23) - 126 - ends->low};
 }
 
 /* A multiple of 2^-exponent of fewer than 62 bits, in these units. */
@@ -114,24 +110,13 @@ bool small_multiply(const struct small *small, struct small_products *out)
 /* --- in the plane ------------------------------------------------------------------------------
  */
 
-struct ratio {
-    __int128 num, den;
-};
-
-static void to_fraction(const struct ratio *ratio, int scale, struct fraction *out)
+void overlap_add(const struct fraction *t, bool *any, struct fraction *in, struct fraction *out)
 {
-    wide_set(ratio->num, &out->num);
-    wide_set(ratio->den, &out->den);
-    out->scale = scale;
-}
-
-/* Is a less than b? */
-static bool less(const struct ratio *a, const struct ratio *b)
-{
-    struct fraction one, two;
-    to_fraction(a, 0, &one);
-    to_fraction(b, 0, &two);
-    return fraction_compare(&one, &two) < 0;
+    if (!*any || fraction_compare(t, in) < 0)
+        *in = *t;
+    if (!*any || fraction_compare(t, out) > 0)
+        *out = *t;
+    *any = true;
 }
 
 /* |d| < 2^60 and |a| < 2^61, so that sides and normals stay below 2^126; the ends of the overlap
@@ -152,32 +137,19 @@ bool small_in_plane(const struct small *s, bool *any, struct fraction *in, struc
     if (2 * s->place_bits + s->way_bits > 122 || s->place_bits + 2 * s->way_bits > 122)
         return false;
     int measure = s->d[i] ? i : j;
-    struct ratio end[3];
-    int ends = 0;
+    struct fraction t = {.scale = s->scale};
     for (int c = 0; c < 3; c++) {
-        int e = (c + 1) % 3;
-        bool on = side[c] == 0,
-             crosses = (side[c] < 0 && side[e] > 0) || (side[c] > 0 && side[e] < 0);
-        if (!on && !crosses)
-            continue;
-        struct ratio t = {s->a[c][measure], s->d[measure]};
-        if (!on) {
-            t.num = s->a[e][measure] * side[c] - s->a[c][measure] * side[e];
-            t.den = (side[c] - side[e]) * s->d[measure];
+        int e = (c + 1) % 3, one = sign_of(side[c]), two = sign_of(side[e]);
+        __int128 num = s->a[c][measure], den = s->d[measure];
+        if (one != 0) { /* the vertex is beside the line */
+            if (one != -two)
+                continue;
+            num = s->a[e][measure] * side[c] - s->a[c][measure] * side[e];
+            den = (side[c] - side[e]) * s->d[measure];
         }
-        end[ends++] = t;
+        wide_set(num, &t.num);
+        wide_set(den, &t.den);
+        overlap_add(&t, any, in, out);
     }
-    if (ends == 0)
-        return true;
-    int least = 0, most = 0;
-    for (int c = 1; c < ends; c++) {
-        if (less(&end[c], &end[least]))
-            least = c;
-        if (less(&end[most], &end[c]))
-            most = c;
-    }
-    *any = true;
-    to_fraction(&end[least], s->scale, in);
-    to_fraction(&end[most], s->scale, out);
     return true;
 }

@@ -26,6 +26,14 @@ struct small_products {
 /* Returns false if they do not fit. */
 bool small_multiply(const struct small *small, struct small_products *out);
 
+static inline int sign_of(__int128 x)
+{
+    return (x > 0) - (x < 0);
+}
+
+/* Widens the overlap [*in, *out] by a point, which is the first one if there is not *any. */
+void overlap_add(const struct fraction *t, bool *any, struct fraction *in, struct fraction *out);
+
 /* Where the line overlaps a triangle that has an area and in whose plane it lies. Returns false if
  * the numbers do not fit; else *any says whether there is an overlap, from *in to *out. */
 bool small_in_plane(const struct small *small, bool *any, struct fraction *in,

@@ -5,30 +5,26 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-#define FRACTION_MOST 24 /* characters of a fraction that is still readable */
-#define DIGITS_MOST   17 /* of a decimal that is exact */
+#define FRACTION_MOST 24                 /* characters of a fraction that is still readable */
+#define DIGITS        100000000000000000 /* that a decimal has is below this: 17 of them */
 
-/* A fraction "num/den" whose den is a power of two, as a decimal without a needless 0; false if
- * that is not exact in DIGITS_MOST digits. */
+/* A fraction "num/den" in lowest terms whose den is a power of two, as a decimal without a needless
+ * 0; false if that is not exact in 17 digits, or no double is. num / 2^q is num 5^q / 10^q, and num
+ * is odd unless q is 0: the decimal's digits are those of num 5^q. */
 static bool as_decimal(const char *fraction, char text[ORACLE_T_TEXT])
 {
     char *end;
-    unsigned long long num = strtoull(fraction + (*fraction == '-'), &end, 10);
-    unsigned long long den = *end == '/' ? strtoull(end + 1, &end, 10) : 0;
-    if (*end || den == 0 || (den & (den - 1)) != 0 || num >= 1ull << 53)
+    bool minus = *fraction == '-';
+    unsigned long long num = strtoull(fraction + minus, &end, 10), digits = num;
+    unsigned long long den = strtoull(end + 1, &end, 10);
+    if (*end || num > 1ull << 53)
         return false;
-    double x = (double)num / (double)den, back;
-    snprintf(text, ORACLE_T_TEXT, "= %s%.*g", *fraction == '-' ? "-" : "", DIGITS_MOST, x);
-    /* Seventeen digits distinguish doubles, but need not be the exact value: more digits must be
-     * 0. */
-    char full[1200], exact[ORACLE_T_TEXT];
-    snprintf(full, sizeof full, "%.*e", 1100, x);
-    snprintf(exact, sizeof exact, "%.*e", DIGITS_MOST - 1, x);
-    size_t shown = strcspn(exact, "e");
-    return strncmp(full, exact, shown) == 0 && full[shown + strspn(full + shown, "0")] == 'e' &&
-           decimal_read_double(exact, &back) && back == x;
+    for (unsigned long long twos = den; twos > 1; twos /= 2)
+        if (twos % 2 != 0 || (digits *= 5) > DIGITS)
+            return false;
+    snprintf(text, ORACLE_T_TEXT, "= %s%.17g", minus ? "-" : "", (double)num / (double)den);
+    return true;
 }
 
 void oracle_t_text(const struct oracle *oracle, const struct ray *ray, uint32_t prim,

@@ -1,10 +1,10 @@
 #include "ref/oracle/environment.h"
 #include "ref/oracle/internal.h"
 #include "ref/oracle/nearest.h"
+#include "ref/oracle/tree_walk.h"
 #include "ref/oracle/world_walk.h"
 
 #include <assert.h>
-#include <math.h>
 
 #define CHUNK 16 /* rays that a thread takes at once */
 
@@ -15,17 +15,11 @@ struct closest_visitor {
     struct nearest nearest;
 };
 
-/* nearest_reach, and what an enclosure of a tiny t may be wide (FRACTION_LEAST), with room. */
-static double reach_of(const struct nearest *nearest, const struct ray *ray)
-{
-    return fmin((double)ray->tmax, nearest_reach(nearest) + 4 * FRACTION_LEAST);
-}
-
 static enum status take(struct world_visitor *visitor, const struct ray *ray, struct decided *pair)
 {
     struct closest_visitor *closest = (struct closest_visitor *)visitor;
     nearest_add(&closest->nearest, ray, closest->ends, pair);
-    visitor->reach = reach_of(&closest->nearest, ray);
+    visitor->reach = tree_min((double)ray->tmax, nearest_reach(&closest->nearest));
     return STATUS_OK;
 }
 

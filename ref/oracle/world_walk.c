@@ -153,11 +153,10 @@ enum status world_walk(const struct oracle *oracle, const struct ray *ray, struc
     if (brute)
         return walk_brute(&walking);
     tree_walk_start(&walk, &placing->top, ray);
-    while (!status && tree_walk_next(&walk, visitor->reach, &leaf))
-        for (uint32_t i = 0; i < leaf.count && !status; i++) {
-            uint32_t instance = placing->top.order[leaf.first + i];
-            if (world_meets(&placing->world->instance[instance], mode))
-                status = walk_instance(&walking, instance);
-        }
+    while (!status && tree_walk_next(&walk, visitor->reach, &leaf)) {
+        uint32_t instance = placing->top.order[leaf.first]; /* one a leaf */
+        if (world_meets(&placing->world->instance[instance], mode))
+            status = walk_instance(&walking, instance);
+    }
     return status;
 }

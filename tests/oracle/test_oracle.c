@@ -191,43 +191,6 @@ static void oracle_rational_is_t_in_lowest_terms(void **state)
     assert_true(written > 500);
 }
 
-/* What a person is told: the exact decimal or fraction where it is short, and never more digits
- * than are known. */
-static void t_is_told_exactly(void **state)
-{
-    (void)state;
-    static const struct {
-        float height, dir, x;
-        const char *text;
-    } rows[] = {
-        {0.25f, 1, 0.25f, "= 0.25"},
-        {0.25f, 3, 0.25f, "= 1/12, about 0.083333333333"},
-        {1, 3, 0.25f, "= 1/3, about 0.3333333333333"},
-        {0.1f, 1, 0.25f, "= 13421773/134217728, about 0.1000000014901"},
-        {2048, 1, 0.25f, "= 2048"},
-        {0x1.8p-20f, 1, 0.25f, "= 1.430511474609375e-06"},
-        {0x1p-24f, 1, 0.25f, "= 5.9604644775390625e-08"}, /* 17 digits, and 18 */
-        {0x1p-25f, 1, 0.25f, "= 1/33554432, about 2.980232238769"},
-        {0x1.fffffep+30f, 0x1.234567p-3f, 0.25f, "about 15"},
-        {1, 1, 7, "is none"},
-    };
-    for (size_t i = 0; i < ARRAY_COUNT(rows); i++) {
-        float z = rows[i].height, vertex[9] = {-1, -1, z, 1, -1, z, 0, 1, z};
-        uint32_t index[3] = {0, 1, 2};
-        struct scene scene = {.vertex = vertex, .index = index, .vertex_count = 3, .tri_count = 1};
-        const struct ray ray = {{rows[i].x, 0.125f, 0}, 0, {0, 0, rows[i].dir}, INFINITY};
-        struct oracle *oracle;
-        struct reason reason;
-        char text[ORACLE_T_TEXT];
-        assert_int_equal(oracle_make(&scene, &oracle, &reason), STATUS_OK);
-        oracle_t_text(oracle, &ray, 0, text);
-        if (strncmp(text, rows[i].text, strlen(rows[i].text)) != 0 ||
-            (text[0] == '=' && !strchr(text, ',') && strcmp(text, rows[i].text) != 0))
-            fail_msg("row %zu: '%s', not '%s'", i, text, rows[i].text);
-        oracle_free(oracle);
-    }
-}
-
 static void what_is_no_class_has_no_name(void **state)
 {
     (void)state;
@@ -261,7 +224,6 @@ int main(void)
         cmocka_unit_test(oracle_pair_agrees_with_rationals),
         cmocka_unit_test(oracle_compare_agrees_with_rationals),
         cmocka_unit_test(oracle_rational_is_t_in_lowest_terms),
-        cmocka_unit_test(t_is_told_exactly),
         cmocka_unit_test(what_is_no_class_has_no_name),
         cmocka_unit_test(a_team_has_work_for_all),
     };

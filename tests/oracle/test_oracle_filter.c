@@ -171,6 +171,22 @@ struct sufficient {
     size_t did, did_not, unsure;
 };
 
+/* Of a hit that the filter decides: t lies between the quotients of the ends of T and D, the
+ * larger widened and the smaller lessened by 2^-50 of itself, to within their roundings. */
+static void expect_enclosure(const struct ray *ray, float v[3][3], const struct oracle_pair *pair)
+{
+    struct filter f;
+    filter_edges(ray, v, &f);
+    filter_plane(&f);
+    const long double t = fabsl((long double)f.t), d = fabsl((long double)f.det);
+    long double most = (t + f.t_err) / (d - f.det_err) * (1 + 0x1p-50L);
+    long double least = (t - f.t_err) / (d + f.det_err) * (1 - 0x1p-50L);
+    const bool positive = (f.t > 0) == (f.det > 0);
+    const long double hi = positive ? most : -least, lo = positive ? least : -most;
+    assert_true(fabsl((long double)pair->t_hi - hi) <= 0x5p-53L * fabsl(hi));
+    assert_true(fabsl((long double)pair->t_lo - lo) <= 0x5p-53L * fabsl(lo));
+}
+
 static void expect(const struct oracle *oracle, const struct ray *ray, uint32_t prim,
                    struct sufficient *tally)
 {
@@ -179,6 +195,8 @@ static void expect(const struct oracle *oracle, const struct ray *ray, uint32_t 
     scene_tri(oracle_scene(oracle), prim, v);
     oracle_pair(oracle, ray, prim, &pair);
     int want = suffices(ray, v);
+    if (pair.by_filter && oracle_is_hit(&pair))
+        expect_enclosure(ray, v, &pair);
     if (want >= 0 && pair.class != ORACLE_ZERO_AREA && pair.by_filter != (want > 0))
         fail_msg("o=(%a,%a,%a) d=(%a,%a,%a): by %s", (double)ray->org[0], (double)ray->org[1],
                  (double)ray->org[2], (double)ray->dir[0], (double)ray->dir[1], (double)ray->dir[2],

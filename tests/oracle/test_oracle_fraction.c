@@ -276,56 +276,6 @@ static float draw_float(struct rng *rng, int spread)
                         (int)((bits >> 16) % (unsigned)(2 * spread + 1)) - spread);
 }
 
-/* What is on the grid is the number, in the largest unit that all are multiples of. What is refused
- * takes more than 60 bits. */
-static void small_grid_is_exact(void **state)
-{
-    struct rng rng = {4};
-    unsigned taken = 0, refused = 0;
-    (void)state;
-    for (unsigned i = 0; i < CASES; i++) {
-        float place[12], v[3][3];
-        struct ray ray = {.tmax = 1};
-        struct small small;
-        int spread = (int)(i % 40);
-        for (int k = 0; k < 12; k++)
-            place[k] = draw_float(&rng, spread);
-        for (int k = 0; k < 3; k++) {
-            ray.org[k] = place[k];
-            ray.dir[k] = draw_float(&rng, spread);
-            for (int c = 0; c < 3; c++)
-                v[c][k] = place[3 + 3 * c + k];
-        }
-        int place_unit = unit_of(place, 12), way_unit = unit_of(ray.dir, 3);
-        double most = 0, way_most = 0;
-        for (int k = 0; k < 12; k++)
-            most = fmax(most, fabs((double)place[k]));
-        for (int k = 0; k < 3; k++)
-            way_most = fmax(way_most, fabs((double)ray.dir[k]));
-        bool fits = most < ldexp(1, 60 + place_unit) && way_most < ldexp(1, 60 + way_unit);
-        assert_int_equal(small_make(&ray, v, &small), fits);
-        taken += fits;
-        refused += !fits;
-        if (!fits)
-            continue;
-        assert_int_equal(small.scale, place_unit - way_unit);
-        uint64_t bits = 0, way_bits = 0;
-        for (int k = 0; k < 3; k++) {
-            assert_true((double)small.d[k] == ldexp((double)ray.dir[k], -way_unit));
-            way_bits |= (uint64_t)llabs(small.d[k]);
-            for (int c = 0; c < 3; c++) {
-                int64_t is = (int64_t)ldexp((double)v[c][k], -place_unit) -
-                             (int64_t)ldexp((double)ray.org[k], -place_unit);
-                assert_true(small.a[c][k] == is);
-                bits |= (uint64_t)llabs(is);
-            }
-        }
-        assert_int_equal(small.place_bits, bits ? 64 - __builtin_clzll(bits) : 0);
-        assert_int_equal(small.way_bits, way_bits ? 64 - __builtin_clzll(way_bits) : 0);
-    }
-    assert_true(taken > CASES / 4 && refused > CASES / 20);
-}
-
 /* A grid's unit is the largest that all numbers are multiples of, its bits are the fewest that hold
  * the largest of them, and a number on it is the number. */
 static void grids_are_the_least(void **state)
@@ -364,7 +314,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(orders_as_rationals),    cmocka_unit_test(encloses_between_doubles),
         cmocka_unit_test(encloses_beyond_double), cmocka_unit_test(is_written_in_any_room),
-        cmocka_unit_test(small_grid_is_exact),    cmocka_unit_test(grids_are_the_least),
+        cmocka_unit_test(grids_are_the_least),
     };
     return cmocka_run_group_tests_name("oracle_fraction", tests, NULL, NULL);
 }

@@ -1,8 +1,9 @@
 /* Ties of triangles that share vertices, edges or all three: found without arithmetic
  * (ref/oracle/nearest.c), so they are compared with the fractions here; and hits that are apart by
  * less than any enclosure tells. */
-#include "ref/oracle/pair.h"
+#include "ref/oracle/nearest.h"
 #include "ref/base/rng.h"
+#include "tests/exact/pair_fault.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -55,6 +56,70 @@ static bool is_hit(const struct oracle_pair *pair)
            pair->class == ORACLE_VERTEX;
 }
 
+/* All that an answer tells, from the pairs one by one: the set at the least t, what lies behind it,
+ * and what touches the ray in its plane. `first` is the smallest number of the set. */
+static void expect_answer(const struct oracle *oracle, const struct ray *ray, uint32_t first,
+                          const struct oracle_answer *answer)
+{
+    struct oracle_answer want = {
+        .prim = ABI_NO_PRIM, .t_lo = INFINITY, .t_hi = INFINITY, .t_next = INFINITY};
+    double margin = INFINITY, plane = INFINITY;
+    bool exact = false;
+    for (uint32_t prim = 0; prim < TRIANGLES; prim++) {
+        struct oracle_pair pair;
+        oracle_pair(oracle, ray, prim, &pair);
+        if (pair.class == ORACLE_IN_PLANE && pair.range == ORACLE_WITHIN)
+            plane = fmin(plane, pair.t_lo);
+        if (!is_hit(&pair))
+            continue;
+        if (oracle_compare(oracle, ray, prim, first) > 0) {
+            want.t_next = fmin(want.t_next, pair.t_lo);
+            continue;
+        }
+        margin = fmin(margin, pair.margin);
+        exact = exact || !pair.by_filter || want.tie_count > 0;
+        want.tie_count++;
+        if (prim == first) {
+            want.prim = prim;
+            want.t_lo = pair.t_lo;
+            want.t_hi = pair.t_hi;
+            want.class = (uint8_t)pair.class;
+        }
+    }
+    want.margin = want.tie_count ? (float)margin : 0;
+    want.flags = exact ? ORACLE_SAW_EXACT : 0;
+    want.flags |= plane <= want.t_hi && plane < INFINITY ? ORACLE_SAW_IN_PLANE : 0;
+    assert_true(answer_same(answer, &want));
+}
+
+/* The same answer of the triangles in any order; and how far the next hit lets the walk reach. */
+static void expect_any_order(const struct oracle *oracle, struct rng *rng, const struct ray *ray,
+                             const struct oracle_answer *answer)
+{
+    uint32_t order[TRIANGLES];
+    struct nearest nearest;
+    struct oracle_answer got;
+    for (uint32_t i = 0; i < TRIANGLES; i++) {
+        uint32_t k = rng_below(rng, i + 1);
+        order[i] = order[k];
+        order[k] = i;
+    }
+    nearest_start(&nearest);
+    for (uint32_t i = 0; i < TRIANGLES; i++) {
+        struct decided pair;
+        struct located at = pair_locate(oracle, order[i]);
+        pair_decide(&at, ray, order[i], PAIR_HITS, &pair, NULL);
+        nearest_add(&nearest, ray, ORACLE_CLOSED, &pair);
+    }
+    nearest_finish(&nearest, &got);
+    assert_true(answer_same(&got, answer));
+    const long double next = answer->t_next, reach = nearest_reach(&nearest);
+    if (isinf(answer->t_next))
+        assert_true(reach == next);
+    else
+        assert_true(fabsl(reach - next - fabsl(next) * 0x1p-38L) <= fabsl(next) * 0x1p-53L);
+}
+
 static void only_equal_fractions_tie(void **state)
 {
     (void)state;
@@ -94,6 +159,8 @@ static void only_equal_fractions_tie(void **state)
             }
             assert_int_equal(answer[i].prim, first);
             assert_int_equal(answer[i].tie_count, count);
+            expect_answer(oracle, &ray[i], first, &answer[i]);
+            expect_any_order(oracle, &rng, &ray[i], &answer[i]);
             ties += count > 1;
             near_ties += close;
         }

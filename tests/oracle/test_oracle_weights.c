@@ -25,12 +25,13 @@ static void weigh(const struct oracle *oracle, const struct ray *ray, uint32_t p
 {
     struct oracle_pair pair;
     struct located at = pair_locate(oracle, prim);
-    double lo[2], hi[2], exact[2][2];
+    struct enclosure weight[2];
+    double exact[2][2];
     oracle_pair(oracle, ray, prim, &pair);
     if (!oracle_is_hit(&pair))
         return;
     unsigned long saved = environment_enter();
-    bool known = pair_weights(ray, &at, lo, hi);
+    bool known = pair_weights(ray, &at, &weight[0], &weight[1]);
     environment_leave(saved);
     tally->open += !known;
     if (!known)
@@ -38,8 +39,8 @@ static void weigh(const struct oracle *oracle, const struct ray *ray, uint32_t p
     tally->known++;
     oracle_weights(oracle, ray, prim, exact[0], exact[1]);
     for (int i = 0; i < 2; i++) {
-        assert_true(lo[i] <= exact[i][1] && exact[i][0] <= hi[i]);
-        tally->tight += hi[i] - lo[i] < 0x1p-30;
+        assert_true(weight[i].lo <= exact[i][1] && exact[i][0] <= weight[i].hi);
+        tally->tight += weight[i].hi - weight[i].lo < 0x1p-30;
     }
 }
 

@@ -3,9 +3,11 @@
  * what an instance takes. */
 #include "tests/support/allocations.h"
 
+#include "ref/oracle/oracle_tree.h"
 #include "tests/exact/oracle_batch.h"
 #include "tests/exact/world_cases.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <setjmp.h>
@@ -47,6 +49,36 @@ static void a_world_is_made_or_not(void **state)
     world_case_free(&c);
 }
 
+/* What was in it before does not stay in a tree that is not made. */
+static void a_tree_is_made_or_zero(void **state)
+{
+    (void)state;
+    struct world_case c;
+    world_case_make(&world_turns[2], 3, &c);
+    bool done = false;
+    long n;
+    for (n = 0; n < TIMES_MOST && !done; n++) {
+        struct reason reason = {""};
+        struct tree tree;
+        memset(&tree, 0xAA, sizeof tree);
+        atomic_store(&held, 0);
+        atomic_store(&has_failed, false);
+        atomic_store(&until_failure, n);
+        enum status status = tree_make(c.world.mesh[0].scene, &tree, &reason);
+        atomic_store(&until_failure, -1);
+        done = !has_failed;
+        assert_int_equal(status, done ? STATUS_OK : STATUS_MEMORY);
+        if (done)
+            tree_free(&tree);
+        assert_null(tree.node);
+        assert_null(tree.order);
+        assert_int_equal(tree.node_count, 0);
+        assert_int_equal(held, 0);
+    }
+    assert_true(done && n > 3);
+    world_case_free(&c);
+}
+
 static void crossings_are_listed_or_not(void **state)
 {
     (void)state;
@@ -69,6 +101,52 @@ static void crossings_are_listed_or_not(void **state)
     }
     assert_true(failed > 2);
     world_case_free(&c);
+}
+
+/* Of a long list each allocation fails in turn: none of it is kept, in a scene nor in a world. */
+static void long_lists_are_whole_or_empty(void **state)
+{
+    (void)state;
+    enum { ROW = 300 };
+    struct scene scene;
+    struct world world;
+    struct oracle *oracle[2];
+    struct reason reason = {""};
+    assert_int_equal(scene_make(3 * ROW, ROW, &scene), STATUS_OK);
+    for (uint32_t i = 0; i < 3 * ROW; i++) {
+        scene.index[i] = i;
+        scene.vertex[3 * i] = (float)(i % 3) - 1;
+        scene.vertex[3 * i + 1] = i % 3 == 1 ? 2 : -1;
+        scene.vertex[3 * i + 2] = (float)(i / 3 + 1);
+    }
+    assert_int_equal(world_of_scene(&scene, &world, &reason), STATUS_OK);
+    assert_int_equal(oracle_make(&scene, &oracle[0], &reason), STATUS_OK);
+    assert_int_equal(oracle_make_world(&world, &oracle[1], &reason), STATUS_OK);
+    const struct ray ray = {{0, 0, 0}, 0, {0, 0, 1}, INFINITY};
+    for (int placed = 0; placed < 2; placed++) {
+        bool done = false;
+        long n;
+        for (n = 0; n < TIMES_MOST && !done; n++) {
+            struct oracle_crossing *list = NULL;
+            size_t capacity = 0, count = 7;
+            atomic_store(&has_failed, false);
+            atomic_store(&until_failure, n);
+            enum status status =
+                placed ? oracle_crossings_world(oracle[1], &ray, ray_mode_all(), INFINITY, &list,
+                                                &capacity, &count, &reason)
+                       : oracle_crossings(oracle[0], &ray, INFINITY, &list, &capacity, &count,
+                                          &reason);
+            atomic_store(&until_failure, -1);
+            done = !has_failed;
+            assert_int_equal(status, done ? STATUS_OK : STATUS_MEMORY);
+            assert_int_equal(count, done ? ROW : 0);
+            free(list);
+        }
+        assert_true(done && n > 2);
+        oracle_free(oracle[placed]);
+    }
+    world_free(&world);
+    scene_free(&scene);
 }
 
 /* Nothing is made per placed triangle. */
@@ -111,7 +189,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_world_is_made_or_not),
+        cmocka_unit_test(a_tree_is_made_or_zero),
         cmocka_unit_test(crossings_are_listed_or_not),
+        cmocka_unit_test(long_lists_are_whole_or_empty),
         cmocka_unit_test(an_instance_takes_little),
     };
     return cmocka_run_group_tests_name("oracle_world_memory", tests, NULL, NULL) ? 1 : 0;
