@@ -214,9 +214,13 @@ static RTCBuffer copy_of(const struct embree *embree, const void *data, size_t b
 {
     RTCBuffer buffer = rtcNewBuffer(embree->device, bytes + 16);
     void *to = buffer ? rtcGetBufferData(buffer) : NULL;
-    if (to)
+    if (to) {
         memcpy(to, data, bytes);
-    return to ? buffer : NULL;
+        return buffer;
+    }
+    if (buffer)
+        rtcReleaseBuffer(buffer);
+    return NULL;
 }
 
 static void add_geometry(const struct embree *embree, RTCScene to, const struct scene *scene,
