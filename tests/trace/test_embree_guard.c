@@ -232,7 +232,8 @@ static struct world drawn_world(struct rng *rng)
     for (uint32_t i = 0; i < world.instance_count; i++) {
         struct instance *at = &world.instance[i];
         float s = ldexpf(1, -(int)rng_below(rng, 38));
-        permute((const float[]){s, s, s}, (int)rng_below(rng, 6), 0, (int)rng_below(rng, 8), at);
+        const int rows = (int)rng_below(rng, 6);
+        permute((const float[]){s, s, s}, rows, 0, (int)rng_below(rng, 8), at);
         for (int k = 0; k < 9; k++)
             at->m[k / 3][k % 3] += s * 0.25f * (2 * rng_float(rng) - 1);
         for (int k = 0; k < 3; k++)
