@@ -97,7 +97,7 @@ static enum status do_engine(const char *name, const struct steps *steps, struct
     enum status status = engine->open(&options, &self, reason);
     if (status)
         assert_null(self);
-    else
+    for (int time = 0; time < 2 && !status; time++) /* what the first made is given back */
         status = engine->worlds->prepare_world(self, &job, reason);
     engine->close(self);
     return status;
@@ -148,9 +148,9 @@ static void each_allocation_may_fail(void **state)
     const long trees = fail_each(do_trees, &steps), pack = fail_each(do_pack, &steps);
     const long check = fail_each(do_check, &steps);
     assert_true(trees > 20 && pack > 10 && check > 10);
-    assert_true(fail_each(do_brute, &steps) == 2);
+    assert_true(fail_each(do_brute, &steps) == 3);
     if (can_be_opened("embree"))
-        assert_true(fail_each(do_embree, &steps) == 3);
+        assert_true(fail_each(do_embree, &steps) == 5);
     packed_world_free(&steps.packed);
     world_trees_free(&steps.trees);
     /* The same with instances that are opened. */
