@@ -1,0 +1,126 @@
+/* The order of work of ref/trace/trace.h once more, in another form: a tree is walked by functions
+ * that call themselves, without a stack of nodes. Include after cmocka.h. */
+#ifndef TESTS_WALK_BY_CALL_H
+#define TESTS_WALK_BY_CALL_H
+
+#include "ref/primitives/test_run.h"
+#include "ref/store.h"
+#include "ref/trace/trace.h"
+
+#define CALLED_ROOM 256 /* of a list */
+
+struct called {
+    const struct job *job;
+    bool again; /* without a stack: what waits is tested once more */
+    struct slab_ray slab;
+    struct tri_ray tri;
+    float tbest;
+    bool ended; /* a hit of QUERY_ANY */
+    struct hit best, list[CALLED_ROOM];
+    uint32_t found;
+    struct trace_counts counts;
+};
+
+static inline bool called_tri(struct called *w, const struct wide *leaf, uint32_t slot,
+                              uint32_t prim, struct hit *out)
+{
+    const struct packed *packed = w->job->packed;
+    const struct tri_store *store = packed->store;
+    float v[3][3];
+    if (store->test)
+        return store->test(packed, leaf->item_first, slot, w->job->tri->id, &w->tri, out);
+    if (!store->tri)
+        scene_tri(w->job->scene, prim, v);
+    else if (!store->tri(packed, leaf->item_first, slot, v))
+        return false;
+    return tri_test_run(w->job->tri->id, &w->tri, v, out);
+}
+
+static inline void called_leaf(struct called *w, const struct wide *leaf)
+{
+    for (uint32_t slot = 0; slot < leaf->item_count && !w->ended; slot++) {
+        struct hit hit;
+        uint32_t prim = packed_item(w->job->packed, leaf, slot);
+        if (prim >= w->job->scene->tri_count) /* what a layout as published lost */
+            continue;
+        w->counts.tris++;
+        if (!called_tri(w, leaf, slot, prim, &hit))
+            continue;
+        hit.prim = prim;
+        if (w->job->query == QUERY_ALL) {
+            assert_true(w->found < CALLED_ROOM);
+            w->list[w->found++] = hit;
+        } else if (w->best.prim == ABI_NO_PRIM || hit.t < w->best.t) {
+            w->best = hit;
+            w->tbest = hit.t;
+            w->ended = w->job->query == QUERY_ANY;
+        }
+    }
+}
+
+static inline bool called_box(struct called *w, const struct box *box, float *entry)
+{
+    w->counts.boxes++;
+    return box_test_run(w->job->box->id, &w->slab, box, w->tbest, entry);
+}
+
+/* A node whose box was entered at `entry`, unless there is something nearer by now. */
+static inline void called_node(struct called *w, uint32_t ref);
+
+static inline void called_later(struct called *w, uint32_t ref, const struct box *box, float entry)
+{
+    float now;
+    if (w->ended || (w->again && !called_box(w, box, &now)))
+        return;
+    if (w->again || w->job->box->id == ABI_BOX_RTRS || entry <= w->tbest)
+        called_node(w, ref);
+}
+
+static inline void called_node(struct called *w, uint32_t ref)
+{
+    const struct packed *packed = w->job->packed;
+    struct wide node;
+    float entry[WIDE_MAX];
+    uint32_t order[WIDE_MAX], hit = 0;
+    packed->layout->load(packed, ref, &node);
+    if (node.child_count == 0) {
+        called_leaf(w, &node);
+        return;
+    }
+    for (uint32_t i = 0; i < node.child_count; i++)
+        if (called_box(w, &node.box[i], &entry[i]))
+            order[hit++] = i;
+    const bool near = layout_is_wide(packed->layout) || packed->layout->order == VISIT_NEAR;
+    for (uint32_t i = 0; i < hit; i++) /* those of equal distance stay in order */
+        for (uint32_t k = i; near && k > 0 && entry[order[k]] < entry[order[k - 1]]; k--) {
+            uint32_t other = order[k];
+            order[k] = order[k - 1];
+            order[k - 1] = other;
+        }
+    if (packed->layout->order == VISIT_SND && !near && hit == 2)
+        order[0] = 1, order[1] = 0;
+    for (uint32_t i = 0; i < hit; i++)
+        if (i == 0 && !layout_is_wide(packed->layout))
+            called_node(w, node.child[order[0]]);
+        else
+            called_later(w, node.child[order[i]], &node.box[order[i]], entry[order[i]]);
+}
+
+/* Walks the whole tree of a job for one ray. */
+static inline void walk_by_call(const struct job *job, const struct ray *ray, struct called *w)
+{
+    const struct packed *packed = job->packed;
+    *w = (struct called){.job = job, .again = job->parent, .best = hit_none()};
+    if (packed->node_count == 0)
+        return;
+    struct box root = packed->layout->box(packed, packed->root);
+    float entry;
+    w->slab = slab_ray_make(ray);
+    w->tri = tri_ray_make(ray);
+    w->tbest = ray->tmax;
+    slab_ray_place(&w->slab, &root);
+    if (called_box(w, &root, &entry))
+        called_node(w, packed->root);
+}
+
+#endif
