@@ -249,44 +249,56 @@ static void an_empty_scene_is_missed_by_all(void **state)
     bvh_free(&none);
 }
 
-/* A stack that is too short: how many rays are not finished, of how many, and the last of them. */
+static void expect_unfinished(const struct engine *engine, enum query query, unsigned team_size,
+                              uint32_t rays, struct packed *poor)
+{
+    const struct packed whole = *poor;
+    struct reason reason = {""};
+    struct trace_report report;
+    struct hit hit[RAYS];
+    uint32_t found[RAYS], unfinished = 0, last = 0;
+    char text[200] = "";
+    struct job job = job_of(&scene, poor, query);
+    *poor = packed; /* the tree is whole when it is prepared */
+    void *self = prepared(engine, team_size, &job);
+    *poor = whole;
+    job.parent = engine->binary ? links : NULL;
+    for (uint32_t i = 0; i < rays; i++) {
+        enum status ended = query == QUERY_ALL
+                                ? trace_ray_all(&job, &ray[i], 0, NULL, &found[i], NULL)
+                                : trace_ray(&job, &ray[i], &hit[i], NULL);
+        unfinished += ended != STATUS_OK;
+        last = ended ? i : last;
+    }
+    enum status status = query == QUERY_ALL
+                             ? engine->trace_all(self, ray, rays, 0, NULL, found, &reason)
+                             : engine->trace(self, ray, rays, hit, &report, &reason);
+    if (unfinished)
+        snprintf(text, sizeof text,
+                 "%u of %u rays not finished: stack of %u or %u nodes exhausted, last ray %u",
+                 unfinished, rays, poor->stack_need, packed.node_count, last);
+    assert_int_equal(status, unfinished ? STATUS_DEVICE : STATUS_OK);
+    assert_string_equal(reason.text, text);
+    engine->close(self);
+}
+
+/* A stack that is too short, or fewer nodes than a ray visits: how many rays are not finished, of
+ * how many, and the last of them. */
 static void rays_that_are_not_finished_are_counted(void **state)
 {
     (void)state;
-    const struct engine *engine = engine_find("cpu");
-    for (uint32_t need = 0; need < packed.stack_need; need++)
+    for (size_t e = 1; e <= 2; e++)
         for (size_t t = 0; t < ARRAY_COUNT(threads); t++)
             for (size_t c = 0; c < ARRAY_COUNT(counts); c++)
-                for (int query = QUERY_CLOSEST; query <= QUERY_ALL; query += 2) {
+                for (uint32_t n = 0; n < 8; n++) {
                     struct packed poor = packed;
-                    struct reason reason = {""};
-                    struct trace_report report;
-                    struct hit hit[RAYS];
-                    uint32_t found[RAYS], unfinished = 0, last = 0;
-                    char text[200] = "";
-                    poor.stack_need = need;
-                    const struct job job = job_of(&scene, &poor, (enum query)query);
-                    void *self = prepared(engine, threads[t], &job);
-                    for (uint32_t i = 0; i < counts[c]; i++) {
-                        enum status ended =
-                            query == QUERY_ALL
-                                ? trace_ray_all(&job, &ray[i], 0, NULL, &found[i], NULL)
-                                : trace_ray(&job, &ray[i], &hit[i], NULL);
-                        unfinished += ended != STATUS_OK;
-                        last = ended ? i : last;
-                    }
-                    enum status status =
-                        query == QUERY_ALL
-                            ? engine->trace_all(self, ray, counts[c], 0, NULL, found, &reason)
-                            : engine->trace(self, ray, counts[c], hit, &report, &reason);
-                    if (unfinished)
-                        snprintf(text, sizeof text,
-                                 "%u of %u rays not finished: stack of %u or %u nodes exhausted, "
-                                 "last ray %u",
-                                 unfinished, counts[c], need, packed.node_count, last);
-                    assert_int_equal(status, unfinished ? STATUS_DEVICE : STATUS_OK);
-                    assert_string_equal(reason.text, text);
-                    engine->close(self);
+                    if (n < 4)
+                        poor.stack_need = n;
+                    else
+                        poor.ref_count = 5 * (n - 3);
+                    for (int query = QUERY_CLOSEST; query <= QUERY_ALL; query += 2)
+                        expect_unfinished(engine_find(names[e]), (enum query)query, threads[t],
+                                          counts[c], &poor);
                 }
 }
 
@@ -348,7 +360,7 @@ static void as_many_threads_trace_as_are_wanted(void **state)
         }
         cpu_rays_close(self);
         for (size_t e = 0; e < ARRAY_COUNT(names); e++) {
-            char text[200], begin[32];
+            char text[200] = "", begin[32];
             engine_find(names[e])->describe(&options, text, sizeof text);
             snprintf(begin, sizeof begin, "%d threads, ", want ? (int)want : omp_get_max_threads());
             assert_memory_equal(text, begin, strlen(begin));

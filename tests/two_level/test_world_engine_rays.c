@@ -89,7 +89,7 @@ static struct tagged one_ray(const struct engine *engine, void *self, enum query
     return out;
 }
 
-struct answers {
+struct answered {
     struct hit hit[RAYS + 1];
     uint32_t tag[RAYS + 1];
 };
@@ -107,7 +107,7 @@ static uint64_t bytes_of(const struct engine *engine)
 
 static void expect_rays(const struct engine *engine, enum query query, bool with)
 {
-    static struct answers want, got;
+    static struct answered want, got;
     struct trace_counts work[RAYS + 1] = {{0, 0}};
     uint32_t hits = 0;
     void *alone = prepared(engine, 1, &packed, query);
@@ -155,7 +155,7 @@ static void any_ends_at_the_first_that_is_found(void **state)
     (void)state;
     for (size_t e = 0; e < ARRAY_COUNT(names); e++) {
         const struct engine *engine = engine_find(names[e]);
-        static struct answers got[2];
+        static struct answered got[2];
         uint32_t farther = 0;
         for (int any = 0; any < 2; any++) {
             void *self = prepared(engine, 1, &packed, any ? QUERY_ANY : QUERY_CLOSEST);
@@ -230,7 +230,7 @@ static void rays_that_are_not_finished_are_counted(void **state)
                 const uint32_t need = level->stack_need;
                 struct reason reason = {""};
                 struct trace_report report;
-                static struct answers got;
+                static struct answered got;
                 uint32_t found[RAYS], unfinished = 0, last = 0;
                 char text[200] = "";
                 level->stack_need = n & 4 ? 1 : need - 1;
@@ -288,7 +288,7 @@ static void each_mesh_is_stored_for_the_test(void **state)
 
 /* --- fast ------------------------------------------------------------------------------------- */
 
-static uint64_t fast_told(const struct packed_world *of, struct answers *got)
+static uint64_t fast_told(const struct packed_world *of, struct answered *got)
 {
     const struct engine *engine = engine_find("fast");
     void *self = prepared(engine, 1, of, QUERY_CLOSEST);
@@ -305,7 +305,7 @@ static uint64_t fast_told(const struct packed_world *of, struct answers *got)
 static void fast_takes_the_top_of_the_world(void **state)
 {
     (void)state;
-    static struct answers whole, flat, parts;
+    static struct answered whole, flat, parts;
     struct world_trees trees = stand_trees(&world, "median", 15);
     struct packed_world wide = stand_packed(&world, &trees, "f32", "f32");
     struct packed_world again = stand_world(&world, "f32");
