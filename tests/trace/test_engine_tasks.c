@@ -1,5 +1,6 @@
 /* Tasks of engine cpu, each a job of its own, and what engines of the processor are judged by. */
 #include "ref/engine.h"
+#include "ref/engines/cpu_rays.h"
 #include "ref/store.h"
 #include "ref/trace/trace.h"
 #include "ref/twin/twin.h"
@@ -11,6 +12,7 @@
 #include <string.h>
 #include <cmocka.h>
 
+#include <omp.h>
 #include <stdio.h>
 
 #include "tests/support/built.h"
@@ -57,13 +59,13 @@ static int drop(void **state)
     return 0;
 }
 
-struct asked {
+struct tasked {
     struct hit hit[RAYS + 1];
     uint32_t flag[RAYS + 1], work[RAYS + 1];
 };
 
 /* Task i: what is wrong with it, how many rays, which query, and whether work is wanted. */
-static struct engine_task task_of(uint32_t i, struct asked *to)
+static struct engine_task task_of(uint32_t i, struct tasked *to)
 {
     memset(to, 0x5A, sizeof *to);
     return (struct engine_task){.job = {.scene = &scene,
@@ -80,9 +82,9 @@ static struct engine_task task_of(uint32_t i, struct asked *to)
                                 .work = i % 4 == 3 ? NULL : to->work};
 }
 
-static void expect_task(const struct engine_task *task, const struct asked *got)
+static void expect_task(const struct engine_task *task, const struct tasked *got)
 {
-    struct asked want;
+    struct tasked want;
     const struct job *job = &task->job;
     const uint32_t rays = (uint32_t)task->ray_count;
     char text[200] = "";
@@ -109,7 +111,7 @@ static void each_task_has_its_own_job_and_answers(void **state)
 {
     (void)state;
     const struct engine *engine = engine_find("cpu");
-    static struct asked got[TASKS];
+    static struct tasked got[TASKS];
     for (unsigned threads = 1; threads <= 3; threads += 2)
         for (uint32_t count = 0; count <= TASKS; count++) {
             const struct engine_options options = {.threads = threads, .device = -1};
@@ -128,6 +130,69 @@ static void each_task_has_its_own_job_and_answers(void **state)
             engine->close(self);
         }
 }
+
+/* --- threads ---------------------------------------------------------------------------------- */
+
+static int team; /* threads that a ray or a task was traced among */
+
+static enum status note_team(const struct job *job, const struct ray *one, struct hit *hit,
+                             struct trace_counts *work)
+{
+    (void)job, (void)one, (void)work;
+    team = omp_get_num_threads();
+    *hit = hit_none();
+    return STATUS_OK;
+}
+
+static enum status note_team_all(const struct job *job, const struct ray *one, uint32_t capacity,
+                                 struct hit *hit, uint32_t *count)
+{
+    (void)job, (void)one, (void)capacity, (void)hit;
+    team = omp_get_num_threads();
+    *count = 0;
+    return STATUS_OK;
+}
+
+static void note_team_of_task(struct engine_task *task)
+{
+    (void)task;
+    team = omp_get_num_threads();
+}
+
+/* Unless there are few rays, or one task. */
+static void as_many_threads_trace_as_are_wanted(void **state)
+{
+    (void)state;
+    omp_set_dynamic(0);
+    const int most = omp_get_thread_limit();
+    for (unsigned want = 0; want < 5; want++) {
+        const struct engine_options options = {.threads = want, .device = -1};
+        const struct job job = {.scene = &scene, .tri = tri_tests[0]};
+        int all = want ? (int)want : omp_get_max_threads();
+        all = all < most ? all : most;
+        struct trace_report report;
+        struct hit hit[100];
+        uint32_t found[100];
+        void *self;
+        assert_int_equal(cpu_rays_open(&options, note_team, note_team_all, &self, NULL), STATUS_OK);
+        assert_int_equal(cpu_rays_prepare(self, &job, NULL), STATUS_OK);
+        for (uint32_t rays = 64; rays < 67; rays++) {
+            assert_int_equal(cpu_rays_trace(self, ray[0], rays, hit, &report, NULL), STATUS_OK);
+            assert_int_equal(team, rays > 64 ? all : 1);
+            assert_int_equal(cpu_rays_trace_all(self, ray[0], rays, 0, NULL, found, NULL),
+                             STATUS_OK);
+            assert_int_equal(team, rays > 64 ? all : 1);
+        }
+        for (size_t tasks = 1; tasks < 4; tasks++) {
+            struct engine_task task[3] = {{.ray = NULL}};
+            cpu_rays_tasks(self, note_team_of_task, task, tasks);
+            assert_int_equal(team, tasks > 1 ? all : 1);
+        }
+        cpu_rays_close(self);
+    }
+}
+
+/* --- models ---------------------------------------------------------------------------------- */
 
 static void expect_model(const struct model *got, struct model want)
 {
@@ -185,13 +250,15 @@ static void engines_say_what_they_are(void **state)
         {"cpu", "7 threads, reference traversal over any layout"},
         {"cpu_stackless", "7 threads, reference traversal over binary layouts, no stack"},
     };
-    const struct engine_options options = {.threads = 7, .device = -1};
     for (size_t e = 0; e < ARRAY_COUNT(what); e++) {
+        const struct engine_options options = {.threads = 7, .device = -1}, all = {.device = -1};
         char text[200] = "", cut[6] = "";
         engine_find(what[e][0])->describe(&options, text, sizeof text);
         assert_string_equal(text, what[e][1]);
         engine_find(what[e][0])->describe(&options, cut, sizeof cut);
         assert_string_equal(cut, "7 thr");
+        engine_find(what[e][0])->describe(&all, text, sizeof text);
+        assert_int_equal(atoi(text), omp_get_max_threads());
     }
 }
 
@@ -199,6 +266,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_task_has_its_own_job_and_answers),
+        cmocka_unit_test(as_many_threads_trace_as_are_wanted),
         cmocka_unit_test(engines_are_judged_by_their_triangle_test),
         cmocka_unit_test(embree_is_judged_by_its_mode),
         cmocka_unit_test(engines_say_what_they_are),

@@ -176,11 +176,140 @@ static void each_storage_and_pair_of_tests_is_walked_in_order(void **state)
     assert_true(pairs > 30 && linked > 15 && hits > pairs * RAYS);
 }
 
+/* --- decoding --------------------------------------------------------------------------------- */
+
+static const struct layout *plain;
+static uint32_t loads;
+
+static void load_counted(const struct packed *packed, uint32_t ref, struct wide *out)
+{
+    loads++;
+    plain->load(packed, ref, out);
+}
+
+/* Of at least as many rays as there are nodes, all nodes are decoded, once; of fewer, each ray
+ * decodes what it visits. The answers are the same. */
+static void nodes_are_decoded_once_if_there_are_rays_enough(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"f32", "cwbvh80"};
+    for (size_t l = 0; l < ARRAY_COUNT(names); l++) {
+        struct packed packed;
+        plain = layout_find(names[l]);
+        struct layout counting = *plain;
+        counting.load = load_counted;
+        assert_int_equal(packed_make(plain, &bvh, &scene, &packed, NULL), STATUS_OK);
+        packed.layout = &counting;
+        const struct job job = {.scene = &scene,
+                                .packed = &packed,
+                                .box = box_test_find("robust"),
+                                .tri = tri_test_find("mt")};
+        for (uint32_t rays = packed.ref_count - 2; rays < packed.ref_count + 2; rays++) {
+            struct ray *many = calloc(rays, sizeof *many);
+            struct hit *got = calloc(rays, sizeof *got), want;
+            uint32_t *flag = calloc(rays, sizeof *flag), each = 0;
+            assert_true(many && got && flag);
+            for (uint32_t i = 0; i < rays; i++)
+                many[i] = ray[i % RAYS];
+            loads = 0;
+            assert_int_equal(trace_rays(&job, many, rays, got, flag, NULL), STATUS_OK);
+            const uint32_t taken = loads;
+            for (uint32_t i = 0; i < rays; i++) {
+                loads = 0;
+                assert_int_equal(trace_ray(&job, &many[i], &want, NULL), STATUS_OK);
+                assert_memory_equal(&got[i], &want, sizeof want);
+                each += loads;
+            }
+            assert_true(each != packed.ref_count);
+            assert_int_equal(taken, rays < packed.ref_count ? each : packed.ref_count);
+            free(many), free(got), free(flag);
+        }
+        packed_free(&packed);
+    }
+}
+
+/* --- stacks ----------------------------------------------------------------------------------- */
+
+/* A chain of copies of one triangle, all of whose boxes the ray meets: packed as it is, whatever a
+ * stack would have to hold, and `need` is believed. *deepest: what it truly needs, if it packs. */
+static struct packed chain(const char *layout, uint32_t count, uint32_t need, struct scene *of,
+                           uint32_t *deepest)
+{
+    static const float v[3][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+    *of = trees_copies(count, v);
+    struct bvh tree = trees_make(of, 1, TREES_LEFT);
+    struct packed out = {.store = tri_stores[0]}, whole;
+    const struct layout *as = layout_find(layout);
+    assert_int_equal(as->pack(as, &tree, of, &out, NULL), STATUS_OK);
+    out.layout = as;
+    out.store = tri_stores[0];
+    out.tri_count = count;
+    out.stack_need = need;
+    *deepest = 0;
+    if (packed_make(as, &tree, of, &whole, NULL) == STATUS_OK) {
+        *deepest = whole.stack_need;
+        packed_free(&whole);
+    }
+    bvh_free(&tree);
+    return out;
+}
+
+/* Every hit is found, or the ray is not finished. Returns which. */
+static bool finishes(const struct packed *tree, const struct scene *of, bool linked)
+{
+    const struct ray along = {{1, 1, -5}, 0, {0, 0, 1}, 100};
+    uint32_t *links = NULL, found;
+    if (linked)
+        assert_int_equal(packed_links(tree, &links, NULL), STATUS_OK);
+    const struct job job = {.scene = of,
+                            .packed = tree,
+                            .box = box_test_find("robust"),
+                            .tri = tri_test_find("mt"),
+                            .parent = links};
+    enum status status = trace_ray_all(&job, &along, 0, NULL, &found, NULL);
+    assert_int_equal(found, status ? 0 : of->tri_count);
+    free(links);
+    return status == STATUS_OK;
+}
+
+/* What the tree needs is enough and one less is not; and however much is allowed, there are no more
+ * entries than ABI_STACK_MAX, or ABI_STACK_WIDE, nor levels of a walk without a stack. */
+static void a_stack_holds_what_is_needed_and_no_more_than_there_is(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"f32", "rf16", "cwbvh80", "half4"};
+    for (size_t l = 0; l < ARRAY_COUNT(names); l++) {
+        const bool wide = layout_is_wide(layout_find(names[l]));
+        const uint32_t most = wide ? ABI_STACK_WIDE : ABI_STACK_MAX;
+        uint32_t last = 0, ends = 0;
+        for (uint32_t count = wide ? most / 2 : most - 9; count < 2 * most + 9; count++) {
+            struct scene of;
+            uint32_t need;
+            struct packed tree = chain(names[l], count, 4 * most, &of, &need);
+            assert_true(need <= most);
+            assert_int_equal(finishes(&tree, &of, false), need > 0);
+            if (!wide)
+                assert_int_equal(finishes(&tree, &of, true), count <= most + 1);
+            for (uint32_t less = 0; need && less < 2; less++) {
+                tree.stack_need = need - less;
+                assert_int_equal(finishes(&tree, &of, false), !less);
+            }
+            ends += last == most && need == 0;
+            last = need > 0 ? need : last;
+            packed_free(&tree);
+            scene_free(&of);
+        }
+        assert_true(last == most && ends > 0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_layout_is_walked_in_order),
         cmocka_unit_test(each_storage_and_pair_of_tests_is_walked_in_order),
+        cmocka_unit_test(nodes_are_decoded_once_if_there_are_rays_enough),
+        cmocka_unit_test(a_stack_holds_what_is_needed_and_no_more_than_there_is),
     };
     return cmocka_run_group_tests_name("trace_order", tests, make, drop);
 }
