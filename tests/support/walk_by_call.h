@@ -6,6 +6,7 @@
 #include "ref/primitives/test_run.h"
 #include "ref/store.h"
 #include "ref/trace/trace.h"
+#include "ref/world/candidate.h"
 
 #define CALLED_ROOM 256 /* of a list */
 
@@ -19,6 +20,12 @@ struct called {
     struct hit best, list[CALLED_ROOM];
     uint32_t found;
     struct trace_counts counts;
+    /* In worlds: the instance that a mesh is entered for, and tags of hits. */
+    const struct instance_at *at;
+    uint32_t tag, tags[CALLED_ROOM];
+    /* Of the top: goes through the instances of a leaf; NULL: a leaf has triangles. */
+    void (*enter)(struct called *top, const struct wide *leaf);
+    float wider; /* how much wider its boxes are */
 };
 
 static inline bool called_tri(struct called *w, const struct wide *leaf, uint32_t slot,
@@ -38,23 +45,32 @@ static inline bool called_tri(struct called *w, const struct wide *leaf, uint32_
 
 static inline void called_leaf(struct called *w, const struct wide *leaf)
 {
+    if (w->enter) {
+        w->enter(w, leaf);
+        return;
+    }
     for (uint32_t slot = 0; slot < leaf->item_count && !w->ended; slot++) {
         struct hit hit;
-        uint32_t prim = packed_item(w->job->packed, leaf, slot);
+        uint32_t tag = 0, prim = packed_item(w->job->packed, leaf, slot);
         if (prim >= w->job->scene->tri_count) /* what a layout as published lost */
             continue;
         w->counts.tris++;
         if (!called_tri(w, leaf, slot, prim, &hit))
             continue;
         hit.prim = prim;
+        bool nearer = w->best.prim == ABI_NO_PRIM || hit.t < w->best.t;
+        if (!nearer || (w->at && !candidate_counts(w->at, w->tri.d, &hit, &tag)))
+            continue;
         if (w->job->query == QUERY_ALL) {
             assert_true(w->found < CALLED_ROOM);
+            w->tags[w->found] = tag;
             w->list[w->found++] = hit;
-        } else if (w->best.prim == ABI_NO_PRIM || hit.t < w->best.t) {
-            w->best = hit;
-            w->tbest = hit.t;
-            w->ended = w->job->query == QUERY_ANY;
+            continue;
         }
+        w->best = hit;
+        w->tbest = hit.t;
+        w->tag = tag;
+        w->ended = w->job->query == QUERY_ANY;
     }
 }
 
@@ -106,21 +122,28 @@ static inline void called_node(struct called *w, uint32_t ref)
             called_later(w, node.child[order[i]], &node.box[order[i]], entry[order[i]]);
 }
 
-/* Walks the whole tree of a job for one ray. */
-static inline void walk_by_call(const struct job *job, const struct ray *ray, struct called *w)
+/* Walks a tree, with the hits that there are by now. */
+static inline void called_tree(struct called *w, const struct job *job, const struct ray *ray)
 {
     const struct packed *packed = job->packed;
-    *w = (struct called){.job = job, .again = job->parent, .best = hit_none()};
+    w->job = job;
+    w->slab = slab_ray_make(ray);
+    w->tri = tri_ray_make(ray);
     if (packed->node_count == 0)
         return;
     struct box root = packed->layout->box(packed, packed->root);
     float entry;
-    w->slab = slab_ray_make(ray);
-    w->tri = tri_ray_make(ray);
-    w->tbest = ray->tmax;
+    slab_ray_widen(&w->slab, w->wider);
     slab_ray_place(&w->slab, &root);
     if (called_box(w, &root, &entry))
         called_node(w, packed->root);
+}
+
+/* Walks the whole tree of a job for one ray. */
+static inline void walk_by_call(const struct job *job, const struct ray *ray, struct called *w)
+{
+    *w = (struct called){.again = job->parent, .best = hit_none(), .tbest = ray->tmax};
+    called_tree(w, job, ray);
 }
 
 #endif
