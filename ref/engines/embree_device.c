@@ -114,7 +114,7 @@ static enum status embree_add_mesh(struct embree *embree, const struct scene *sc
     if (embree->query == QUERY_ALL)
         rtcSetGeometryIntersectFilterFunction(mesh, embree_list_filter);
     rtcCommitGeometry(mesh);
-    rtcAttachGeometryByID(embree->scene, mesh, 0);
+    rtcAttachGeometry(embree->scene, mesh);
     rtcReleaseGeometry(mesh);
     return STATUS_OK;
 }

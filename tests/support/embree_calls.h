@@ -7,6 +7,7 @@
 #include "ref/engines/embree_inner.h"
 
 #include <dlfcn.h>
+#include <fenv.h>
 #include <stdio.h>
 
 #define CALLS_MASKS 64
@@ -27,10 +28,13 @@ static struct {
     struct RTCRay16 packet;
 
     bool no_device, no_ray_masks;
+    bool rude;          /* a build leaves another rounding mode */
     ssize_t version[3]; /* unless 0 */
     unsigned no_memory; /* counts down to the memory that is not there; 0: all is */
     enum RTCError error;
-    void (*answer)(embree_context *context, struct RTCRayHit *query); /* in place of Embree */
+    /* In place of Embree. */
+    void (*answer)(embree_context *context, struct RTCRayHit *query);
+    void (*answer16)(struct RTCRayHit16 *query);
 } calls;
 
 #define CALLS_REAL(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
@@ -184,6 +188,13 @@ void rtcSetGeometryMask(RTCGeometry geometry, unsigned mask)
     CALLS_REAL(rtcSetGeometryMask)(geometry, mask);
 }
 
+void rtcCommitScene(RTCScene scene)
+{
+    CALLS_REAL(rtcCommitScene)(scene);
+    if (calls.rude)
+        fesetround(FE_UPWARD);
+}
+
 /* --- rays ------------------------------------------------------------------------------------- */
 
 #if HAVE_EMBREE == 4
@@ -228,7 +239,10 @@ void rtcIntersect16(CALLS_CLOSEST16)
     calls.packets[0]++;
     memcpy(calls.valid, valid, sizeof calls.valid);
     calls.packet = query->ray;
-    CALLS_REAL(rtcIntersect16)(valid, CALLS_PASS(query));
+    if (calls.answer16)
+        calls.answer16(query);
+    else
+        CALLS_REAL(rtcIntersect16)(valid, CALLS_PASS(query));
 }
 
 void rtcOccluded16(CALLS_ANY16)

@@ -300,59 +300,6 @@ static void without_it_the_side_is_seen_from_the_world(void **state)
     drop();
 }
 
-/* --- any -------------------------------------------------------------------------------------- */
-
-/* A ray that Embree survives is traced, and its answer is named by no triangle. */
-static void rays_beside_the_contract_are_not_traced(void **state)
-{
-    (void)state;
-    const float most = 1e18f, under = nextafterf(most, 0);
-    struct scene *scene;
-    for (int query = QUERY_CLOSEST; query <= QUERY_ALL; query++) {
-        prepare(false, (enum query)query);
-        scene = world.mesh[0].scene;
-        const struct job job = {
-            .scene = scene, .box = box_tests[0], .tri = tri_tests[0], .query = (enum query)query};
-        assert_int_equal(engine->prepare(self, &job, NULL), STATUS_OK);
-        for (int word = 0; word < 8; word++)
-            for (int end = 0; end < 6; end++) {
-                const float range[6] = {0, nextafterf(0, -1), nextafterf(2, 1),
-                                        2, nextafterf(2, 3),  NAN};
-                const float wide[6] = {under, -under, most, -most, INFINITY, NAN};
-                bool ends = word == 3 || word == 7, taken = end < 2;
-                float words[8] = {0.25f, 0.25f, 1, 2, 0, 0, -1, 2};
-                struct ray ray;
-                struct hit hit;
-                uint32_t count = 7;
-                struct trace_report report;
-                words[word] = ends ? range[end] : wide[end];
-                if (word == 3)
-                    taken = end == 0 || end == 2 || end == 3; /* not negative, not over 2 */
-                if (word == 7)
-                    taken = end == 3 || end == 4; /* not under 2 */
-                memcpy(&ray, words, sizeof ray);
-                calls.closest = calls.any = 0;
-                enum status status = query == QUERY_ALL
-                                         ? engine->trace_all(self, &ray, 1, 1, &hit, &count, NULL)
-                                         : engine->trace(self, &ray, 1, &hit, &report, NULL);
-                assert_int_equal(status, STATUS_OK);
-                assert_int_equal(calls.closest, taken && query != QUERY_ANY);
-                assert_int_equal(calls.any, taken && query == QUERY_ANY);
-                if (!taken)
-                    assert_true(query == QUERY_ALL ? count == 0 : hit.prim == ABI_NO_PRIM);
-                if (taken) {
-                    const float got[8] = {calls.ray.org_x, calls.ray.org_y, calls.ray.org_z,
-                                          calls.ray.tnear, calls.ray.dir_x, calls.ray.dir_y,
-                                          calls.ray.dir_z, calls.ray.tfar};
-                    assert_memory_equal(got, words, sizeof got);
-                    assert_int_equal(calls.ray.mask, 0xFFFFFFFFu);
-                    assert_true(calls.ray.time == 0 && calls.ray.id + calls.ray.flags == 0);
-                }
-            }
-        drop();
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -362,7 +309,6 @@ int main(void)
         cmocka_unit_test(what_follows_it_is_rejected),
         cmocka_unit_test(the_filter_sees_the_side_in_the_mesh),
         cmocka_unit_test(without_it_the_side_is_seen_from_the_world),
-        cmocka_unit_test(rays_beside_the_contract_are_not_traced),
     };
     return calls_can_run() ? cmocka_run_group_tests_name("embree_answers", tests, NULL, NULL) : 0;
 }
