@@ -242,6 +242,35 @@ static void embree_is_judged_by_its_mode(void **state)
     }
 }
 
+/* Its boxes would keep hits that a layout as published loses. */
+static void fast_refuses_layouts_that_lose_hits(void **state)
+{
+    (void)state;
+    const struct engine_options options = {.threads = 1, .device = -1};
+    const struct engine *engine = engine_find("fast");
+    uint32_t refused = 0, taken = 0;
+    void *self;
+    assert_int_equal(engine->open(&options, &self, NULL), STATUS_OK);
+    for (size_t l = 0; layouts_all[l]; l++) {
+        struct packed packed;
+        struct reason reason = {""};
+        char text[120];
+        if (packed_make(layouts_all[l], &bvh, &scene, &packed, NULL))
+            continue;
+        const struct job job = {.scene = &scene, .packed = &packed};
+        snprintf(text, sizeof text, "fast has no layout that loses hits, as %s",
+                 layouts_all[l]->name);
+        enum status status = engine->prepare(self, &job, &reason);
+        assert_int_equal(status, layouts_all[l]->faithful ? STATUS_UNSUPPORTED : STATUS_OK);
+        assert_string_equal(reason.text, layouts_all[l]->faithful ? text : "");
+        refused += layouts_all[l]->faithful;
+        taken += !layouts_all[l]->faithful;
+        packed_free(&packed);
+    }
+    assert_true(refused > 0 && taken > 2);
+    engine->close(self);
+}
+
 static void engines_say_what_they_are(void **state)
 {
     (void)state;
@@ -269,6 +298,7 @@ int main(void)
         cmocka_unit_test(as_many_threads_trace_as_are_wanted),
         cmocka_unit_test(engines_are_judged_by_their_triangle_test),
         cmocka_unit_test(embree_is_judged_by_its_mode),
+        cmocka_unit_test(fast_refuses_layouts_that_lose_hits),
         cmocka_unit_test(engines_say_what_they_are),
     };
     return cmocka_run_group_tests_name("engine_tasks", tests, make, drop);

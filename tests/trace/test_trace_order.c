@@ -43,7 +43,7 @@ static int make(void **state)
             ray[i].dir[k] = along ? 0 : rng_range(&rng, -1, 1) - ray[i].org[k];
         }
     }
-    return bvh_build(builder_find("median"), &scene, &options, &bvh, NULL);
+    return bvh_build(builder_find("median"), &scene, &options, &bvh, NULL) ? 1 : 0;
 }
 
 static int drop(void **state)
