@@ -59,7 +59,7 @@ enum status cpu_rays_trace(void *self, const struct ray *ray, size_t ray_count, 
     struct cpu_rays *rays = self;
     const struct job *job = &rays->job;
     uint64_t boxes = 0, tris = 0, unfinished = 0;
-    long long worst = -1;
+    long long worst = 0;
     uint64_t start = time_ns();
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rays->threads) if (ray_count > 64)    \
     reduction(+ : boxes, tris, unfinished) reduction(max : worst)
@@ -94,7 +94,7 @@ enum status cpu_rays_trace_all(void *self, const struct ray *ray, size_t ray_cou
     struct cpu_rays *rays = self;
     const struct job *job = &rays->job;
     uint64_t unfinished = 0;
-    long long worst = -1;
+    long long worst = 0;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rays->threads) if (ray_count > 64)    \
     reduction(+ : unfinished) reduction(max : worst)
     for (long long i = 0; i < (long long)ray_count; i++)

@@ -49,7 +49,7 @@ static enum status trace_each(const struct cpu_rays *rays, world_ray_fn *answer,
                               struct reason *reason)
 {
     uint64_t boxes = 0, tris = 0, unfinished = 0;
-    long long worst = -1;
+    long long worst = 0;
     uint64_t start = time_ns();
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rays->threads) if (ray_count > 64)    \
     reduction(+ : boxes, tris, unfinished) reduction(max : worst)
@@ -73,7 +73,7 @@ static enum status trace_all_of_each(const struct cpu_rays *rays, world_ray_all_
                                      uint32_t *tag, uint32_t *hit_count, struct reason *reason)
 {
     uint64_t unfinished = 0;
-    long long worst = -1;
+    long long worst = 0;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rays->threads) if (ray_count > 64)    \
     reduction(+ : unfinished) reduction(max : worst)
     for (long long i = 0; i < (long long)ray_count; i++) {

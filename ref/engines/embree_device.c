@@ -59,7 +59,7 @@ enum status embree_open_mode(const struct engine_options *options, enum embree_m
     embree->compact = options->compact;
     embree->unguarded = options->unguarded;
     embree->threads = cpu_rays_threads(options);
-    char config[64];
+    char config[sizeof "threads=4294967295,frequency_level=simd512"];
     snprintf(config, sizeof config, "threads=%u%s", embree->threads,
              options->avx512 ? ",frequency_level=simd512" : "");
     embree->device = rtcNewDevice(config);
@@ -114,7 +114,7 @@ static enum status embree_add_mesh(struct embree *embree, const struct scene *sc
     if (embree->query == QUERY_ALL)
         rtcSetGeometryIntersectFilterFunction(mesh, embree_list_filter);
     rtcCommitGeometry(mesh);
-    rtcAttachGeometryByID(embree->scene, mesh, 0);
+    rtcAttachGeometry(embree->scene, mesh);
     rtcReleaseGeometry(mesh);
     return STATUS_OK;
 }

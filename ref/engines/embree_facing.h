@@ -5,6 +5,8 @@
 #include "ref/engines/embree_inner.h"
 #include "ref/world/world.h"
 
+#include <math.h>
+
 /* True if the front is seen: Ng is (v1 - v0) x (v2 - v0), and the direction that of the space of
  * the mesh. */
 static inline bool sees_front(const struct instance *instance, const struct RTCRay *ray,
@@ -15,6 +17,14 @@ static inline bool sees_front(const struct instance *instance, const struct RTCR
     return world_is_front(instance, side < 0.0 ? -1 : 1);
 }
 
+/* (a x b) . n */
+static inline double across(const float a[3], const float b[3], const double n[3])
+{
+    return ((double)a[1] * (double)b[2] - (double)a[2] * (double)b[1]) * n[0] +
+           ((double)a[2] * (double)b[0] - (double)a[0] * (double)b[2]) * n[1] +
+           ((double)a[0] * (double)b[1] - (double)a[1] * (double)b[0]) * n[2];
+}
+
 /* Leaves in Ng_x which side is seen, for the direction in the world: d' = M^-1 d, so d' . Ng has
  * the sign of det M times that of d . (cofactors of M) Ng. */
 static inline void face_from_world(const struct instance *instance, struct RTCRayHit *query)
@@ -23,17 +33,14 @@ static inline void face_from_world(const struct instance *instance, struct RTCRa
     const struct RTCHit *hit = &query->hit;
     const double d[3] = {(double)ray->dir_x, (double)ray->dir_y, (double)ray->dir_z};
     const double n[3] = {(double)hit->Ng_x, (double)hit->Ng_y, (double)hit->Ng_z};
-    double side = 0, det = 0;
-    for (int k = 0; k < 3; k++)
-        for (int j = 0; j < 3; j++) {
-            const float *a = instance->m[(k + 1) % 3], *b = instance->m[(k + 2) % 3];
-            double cofactor = (double)a[(j + 1) % 3] * (double)b[(j + 2) % 3] -
-                              (double)a[(j + 2) % 3] * (double)b[(j + 1) % 3];
-            side += d[k] * cofactor * n[j];
-            det += k == 0 ? (double)instance->m[0][j] * cofactor : 0;
-        }
-    bool front = world_is_front(instance, (side < 0.0) != (det < 0.0) ? -1 : 1);
-    query->hit.Ng_x = front ? 1.0f : -1.0f;
+    const double row[3] = {(double)instance->m[0][0], (double)instance->m[0][1],
+                           (double)instance->m[0][2]};
+    double side = across(instance->m[1], instance->m[2], n) * d[0] +
+                  across(instance->m[2], instance->m[0], n) * d[1] +
+                  across(instance->m[0], instance->m[1], n) * d[2];
+    double det = across(instance->m[1], instance->m[2], row);
+    side = signbit(det) ? -side : side; /* 0 counts as positive, as in sees_front */
+    query->hit.Ng_x = (float)world_is_front(instance, side < 0.0 ? -1 : 1);
 }
 
 #endif

@@ -56,6 +56,11 @@ void embree_world_free(struct embree_world *world)
 #define DET_LOST  0x1p-120
 #define DET_MOST  0x1p120
 
+static double largest_of(const float v[3])
+{
+    return fmax(fabs((double)v[0]), fmax(fabs((double)v[1]), fabs((double)v[2])));
+}
+
 /* The largest row sum that Embree's inverse of M can have; 0 if it may be infinite or NaN. */
 static double growth_of(const float m[3][4])
 {
@@ -85,40 +90,33 @@ static double growth_of(const float m[3][4])
 /* The class of an instance, to which it is added; CLASSES if Embree may abort on every ray. */
 static uint32_t add_to_class(struct embree_world *world, const struct instance *instance)
 {
-    double growth = growth_of(instance->m), far = 0.0;
+    const float to[3] = {instance->m[0][3], instance->m[1][3], instance->m[2][3]};
+    double growth = growth_of(instance->m);
     uint32_t at = 0;
     if (growth == 0.0)
         return CLASSES;
     while (growth > class_most[at])
         at++;
-    for (int k = 0; k < 3; k++)
-        far = fmax(far, fabs((double)instance->m[k][3]));
     world->class[at].growth = fmax(world->class[at].growth, growth);
-    world->class[at].far = fmax(world->class[at].far, far);
+    world->class[at].far = fmax(world->class[at].far, largest_of(to));
     return at;
-}
-
-static double largest_of(const float v[3])
-{
-    return fmax(fabs((double)v[0]), fmax(fabs((double)v[1]), fabs((double)v[2])));
 }
 
 /* Embree's mask for a ray; 0 if it meets nothing or is not given to Embree. */
 static uint32_t mask_for(const struct embree *embree, const struct ray *ray, struct ray_mode mode)
 {
-    uint32_t mask = 0, unsafe = 0;
+    uint32_t mask = 0;
     if (!embree_takes(embree, ray) || (mode.flags & ABI_RAY_SKIP_TRIANGLES))
         return 0;
     const double org = largest_of(ray->org), dir = largest_of(ray->dir);
     for (uint32_t i = 0; i < CLASSES; i++) {
         const struct embree_class *class = &embree->world->class[i];
-        bool safe = class->growth * (org + class->far) < (double)EMBREE_MOST &&
-                    class->growth * dir < (double)EMBREE_MOST;
-        unsafe += !safe && !embree->unguarded;
-        if (safe || embree->unguarded)
+        if (embree->unguarded || class->growth * fmax(org + class->far, dir) < (double)EMBREE_MOST)
             mask |= mode.mask << 8 * i;
+        else if (!embree->masks)
+            return 0;
     }
-    return !embree->masks && unsafe ? 0 : mask;
+    return mask;
 }
 
 /* --- what counts ------------------------------------------------------------------------------ */
@@ -152,7 +150,7 @@ static bool place_of(const struct world *world, const struct RTCHit *hit, struct
 
 #define PHANTOM 0xFFFFFFFEu /* a triangle that no world has */
 
-/* The hit in our terms. Ng_x says which side is seen: 1 the front, -1 the back. */
+/* The hit in our terms. Ng_x says which side is seen: 1 the front, 0 the back. */
 static void take_hit(const struct world *world, const struct RTCHit *from, float t, struct hit *hit,
                      uint32_t *tag)
 {
@@ -189,7 +187,7 @@ static void filter_candidate(const struct RTCFilterFunctionNArguments *args)
             args->valid[0] = 0;
             return;
         }
-        hit->Ng_x = front ? 1.0f : -1.0f;
+        hit->Ng_x = (float)front;
     }
     /* With a NaN for its length the ray would be invalid in the next instance, and Embree with its
      * assertions aborts. */
@@ -214,9 +212,9 @@ static RTCBuffer copy_of(const struct embree *embree, const void *data, size_t b
 {
     RTCBuffer buffer = rtcNewBuffer(embree->device, bytes + 16);
     void *to = buffer ? rtcGetBufferData(buffer) : NULL;
-    if (to)
-        memcpy(to, data, bytes);
-    return to ? buffer : NULL;
+    if (buffer && !to)
+        rtcReleaseBuffer(buffer);
+    return to ? memcpy(to, data, bytes), buffer : NULL;
 }
 
 static void add_geometry(const struct embree *embree, RTCScene to, const struct scene *scene,

@@ -62,9 +62,10 @@ enum status trace_ray(const struct job *job, const struct ray *ray, struct hit *
     return status;
 }
 
+/* 16 bits, or as many as they hold. */
 static uint32_t at_most(uint64_t count)
 {
-    return count < 0xFFFF ? (uint32_t)count : 0xFFFF;
+    return count >> 16 ? 0xFFFF : (uint32_t)count;
 }
 
 enum status trace_rays(const struct job *job, const struct ray *ray, size_t count, struct hit *out,
@@ -74,7 +75,7 @@ enum status trace_rays(const struct job *job, const struct ray *ray, size_t coun
     struct wide *decoded = NULL;
     enum status status = STATUS_OK;
     /* Without memory, or if it does not pay, each ray decodes what it visits. */
-    if (packed->node_count > 0 && packed->ref_count <= count)
+    if (packed->ref_count <= count)
         decoded = malloc(packed->ref_count * sizeof *decoded);
     for (uint32_t i = 0; i < packed->ref_count && decoded; i++)
         packed->layout->load(packed, i, &decoded[i]);

@@ -52,9 +52,8 @@ static inline void walk_set_tree(struct walk *w, const struct packed *packed,
 {
     w->packed = packed;
     w->store = packed->store;
-    w->stored = packed->node_count > 0 && !tri_store_reads_scene(packed->store);
-    w->listed =
-        packed->node_count > 0 && !packed->layout->item && packed->store->id == ABI_STORE_INDEXED;
+    w->stored = !tri_store_reads_scene(packed->store);
+    w->listed = !packed->layout->item && packed->store->id == ABI_STORE_INDEXED;
     w->scene = scene;
 }
 
@@ -91,11 +90,10 @@ WALK_INLINE bool walk_triangle(struct walk *w, enum walk_level level, uint32_t t
     struct hit hit;
     uint32_t tag = 0;
     w->counts.tris++;
-    if (!walk_test(w, tri_id, leaf, slot, prim, &hit))
+    if (!walk_test(w, tri_id, leaf, slot, prim, &hit) ||
+        (w->best.prim != ABI_NO_PRIM && !(hit.t < w->best.t)))
         return false;
     hit.prim = prim;
-    if (w->best.prim != ABI_NO_PRIM && !(hit.t < w->best.t))
-        return false;
     if (level == WALK_BOTTOM && !candidate_counts(w->at, w->tri.d, &hit, &tag))
         return false;
     if (w->query == QUERY_ALL) {

@@ -73,6 +73,15 @@ static bool enter_leaf(struct walk *top, const struct wide *leaf)
     return false;
 }
 
+static void start_level(struct walk *w, enum query query)
+{
+    w->parent = NULL;
+    w->decoded = NULL;
+    w->query = query;
+    w->counts = (struct trace_counts){0};
+    w->capacity = w->found = 0;
+}
+
 static void start(struct world_walk *both, const struct world_job *job, const struct ray *ray,
                   struct ray_mode mode, enum query query)
 {
@@ -87,14 +96,8 @@ static void start(struct world_walk *both, const struct world_job *job, const st
     top->enter = enter_leaf;
     bottom->at = &both->at;
     bottom->tag = 0;
-    for (int i = 0; i < 2; i++) {
-        struct walk *w = i ? bottom : top;
-        w->parent = NULL;
-        w->decoded = NULL;
-        w->query = query;
-        w->counts = (struct trace_counts){0};
-        w->capacity = w->found = 0;
-    }
+    start_level(top, query);
+    start_level(bottom, query);
 }
 
 static enum status walk_world(struct world_walk *both, struct trace_counts *counts)

@@ -157,6 +157,29 @@ static void lists_have_their_tags(void **state)
         }
 }
 
+/* Of few rays and many, also where an array is full to its last element. */
+static void arrays_have_room_for_what_is_listed(void **state)
+{
+    (void)state;
+    uint32_t full = 0;
+    for (size_t at = 0; at < 40; at++)
+        for (size_t count = 1; count <= 34; count++) {
+            struct all_hits all = {.once = false};
+            assert_int_equal(
+                all_hits_next_world(&engine, NULL, ray + at, mode + at, count, &all, NULL),
+                STATUS_OK);
+            const size_t hits = all.first[all.done];
+            assert_true(all.done == count && all.first_capacity > count);
+            assert_true(all.hit_capacity >= hits && all.tag_capacity >= hits);
+            assert_true(all.scratch_capacity >= 8 * count && all.scratch_tag_capacity >= 8 * count);
+            assert_true(all.retry_capacity >= count && all.retry_mode_capacity >= count);
+            assert_true(all.retry_of_capacity >= count && all.count_capacity >= 2 * ALL_HITS_RAYS);
+            full += hits > 16 && ((hits - 1) & (hits - 2)) == 0; /* one more than a power of 2 */
+            all_hits_free(&all);
+        }
+    assert_true(full > 10);
+}
+
 /* A sorted list is a permutation, hits with their tags, and does not depend on the order before. */
 static void sorting_moves_tags_with_hits(void **state)
 {
@@ -270,6 +293,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(lists_have_their_tags, make),
+        cmocka_unit_test_setup(arrays_have_room_for_what_is_listed, make),
         cmocka_unit_test_setup(sorting_moves_tags_with_hits, make),
         cmocka_unit_test_setup(without_tags_that_differ_it_is_the_order_of_scenes, make),
         cmocka_unit_test_setup(lists_without_memory_are_none, make),

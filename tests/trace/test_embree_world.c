@@ -1,6 +1,6 @@
 /* Worlds in Embree: instances, masks, flags and filters arrive, and answers are read rightly. How
- * exact its geometry is is for the judge. Skipped with the reason where Embree cannot run. */
-#include "tests/support/world_judged.h"
+ * exact its geometry is, test_embree_world_truth.c finds out. Skipped with the reason where Embree
+ * cannot run. */
 #include "tests/support/world_more_laws.h"
 
 #include "ref/base/rng.h"
@@ -224,23 +224,6 @@ static void near_singular_transforms_are_refused(void **state)
         }
 }
 
-/* --- against the exact truth ------------------------------------------------------------------ */
-
-/* Embree's default test compares the range before it divides, so that t may be just beyond tmax;
- * its default box test loses what lies on the side of a box. */
-static void no_generator_has_what_rounding_does_not_explain(void **state)
-{
-    (void)state;
-    for (size_t which = 0; which < ARRAY_COUNT(names); which++) {
-        struct laws laws = open_named(which);
-        laws.engine->close(laws.self);
-        struct judged_sum sum = judged_everywhere(laws.engine, &options, RAYS);
-        assert_true(sum.compared == sum.rows * RAYS && sum.refused <= 9); /* placed-thin */
-        assert_true(sum.hits > sum.compared / 8);
-        assert_int_equal(sum.wrong, 0);
-    }
-}
-
 /* Without filter functions the answers are the same; what needs them has them. */
 static void bare_worlds_have_the_same_answers(void **state)
 {
@@ -311,7 +294,6 @@ int main(void)
         cmocka_unit_test(a_hit_without_a_number_ends_the_ray),
         cmocka_unit_test(near_singular_transforms_are_refused),
         cmocka_unit_test(bare_worlds_have_the_same_answers),
-        cmocka_unit_test(no_generator_has_what_rounding_does_not_explain),
     };
     return cmocka_run_group_tests_name("embree_world", tests, NULL, NULL);
 }
