@@ -140,30 +140,18 @@ static int64_t near_rank(const struct number_format *format, const struct number
 }
 
 /* Finds the first rank whose number is at least `bound`, or above it unless `equal_too`; most_rank
- * + 1: none. Searches from a nearby rank in steps that double, then by bisection. */
+ * + 1: none. The search begins at a rank beside it. */
 static int64_t first_rank(const struct number_format *format, const struct number_frame *frame,
                           int axis, double bound, bool equal_too)
 {
-    int64_t least = least_rank(format), none = most_rank(format) + 1, low = least, high = none;
+    int64_t least = least_rank(format), none = most_rank(format) + 1;
     int64_t at = near_rank(format, frame, axis, bound);
-    at = at < least ? least : at > none - 1 ? none - 1 : at;
-    for (int64_t step = 1; low < high && at >= low && at < high; step *= 2) {
-        if (is_at_least(exact_at(format, frame, axis, at), bound, equal_too)) {
-            high = at;
-            at -= low < at ? step : 0;
-        } else {
-            low = at + 1;
-            at += step;
-        }
-    }
-    while (low < high) {
-        int64_t middle = low + (high - low) / 2;
-        if (is_at_least(exact_at(format, frame, axis, middle), bound, equal_too))
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return low;
+    at = at < least ? least : at > none ? none : at;
+    while (at < none && !is_at_least(exact_at(format, frame, axis, at), bound, equal_too))
+        at++;
+    while (at > least && is_at_least(exact_at(format, frame, axis, at - 1), bound, equal_too))
+        at--;
+    return at;
 }
 
 static bool is_subnormal(double x)
