@@ -14,7 +14,7 @@
 #include "tests/support/built.h"
 #include "tests/support/fence.h"
 
-/* Every node and item that can be reached. */
+/* Every node and item that can be reached, and every reference, whether one can reach it or not. */
 static void read_all(const struct packed *packed)
 {
     struct packed_walk walk;
@@ -30,6 +30,11 @@ static void read_all(const struct packed *packed)
         }
     }
     packed_walk_free(&walk);
+    for (uint32_t ref = 0; ref < packed->ref_count; ref++) {
+        struct wide node;
+        packed->layout->load(packed, ref, &node);
+        (void)packed->layout->box(packed, ref);
+    }
 }
 
 static void check(const struct packed *from, const struct scene *scene, struct rng *rng)
