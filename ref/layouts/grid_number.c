@@ -34,22 +34,20 @@ static float whole_number(uint32_t code)
 #define UNORM(n)                                                                                   \
     {                                                                                              \
         .name = "u" #n, .id = ABI_NUMBER_U##n, .bits = n, .first = 1, .last = (1u << n) - 1,       \
-        .top = n - 1, .scale_low = -126, .scale_high = 128 - n, .number = whole_number             \
+        .top = n - 1, .scale_low = -126, .number = whole_number                                    \
     }
 
-#define FLOATS(n, N, width, sign_bit, least, most, exponent, low, high)                            \
+#define FLOATS(n, N, width, sign_bit, least, most, exponent, low)                                  \
     {                                                                                              \
         .name = #n, .id = ABI_NUMBER_##N, .bits = width, .sign = sign_bit, .first = least,         \
-        .last = most, .top = exponent, .scale_low = low, .scale_high = high, .number = n##_number  \
+        .last = most, .top = exponent, .scale_low = low, .number = n##_number                      \
     }
 
 const struct number_format number_f32 =
-    FLOATS(f32, F32, 32, 0x80000000u, 0x00800000u, 0x7F7FFFFFu, 127, 0, 0);
-const struct number_format number_f16 =
-    FLOATS(f16, F16, 16, 0x8000u, 0x0400u, 0x7BFFu, 15, -112, 111);
+    FLOATS(f32, F32, 32, 0x80000000u, 0x00800000u, 0x7F7FFFFFu, 127, 0);
+const struct number_format number_f16 = FLOATS(f16, F16, 16, 0x8000u, 0x0400u, 0x7BFFu, 15, -112);
 /* The range is that of float32: a scale would only make numbers subnormal or infinite. */
-const struct number_format number_bf16 =
-    FLOATS(bf16, BF16, 16, 0x8000u, 0x0080u, 0x7F7Fu, 127, 0, 0);
+const struct number_format number_bf16 = FLOATS(bf16, BF16, 16, 0x8000u, 0x0080u, 0x7F7Fu, 127, 0);
 const struct number_format number_u8 = UNORM(8), number_u10 = UNORM(10);
 const struct number_format number_u12 = UNORM(12), number_u16 = UNORM(16);
 
@@ -194,7 +192,8 @@ static float normal_bound(float bound, bool up)
     return up ? FLT_MIN : -FLT_MIN;
 }
 
-static bool make_axis(const struct number_format *format, float lo, float hi, int axis,
+/* Bounds in a frame are finite twice over, so that every format has a scale that holds them. */
+static void make_axis(const struct number_format *format, float lo, float hi, int axis,
                       struct number_frame *out)
 {
     uint32_t code;
@@ -205,13 +204,12 @@ static bool make_axis(const struct number_format *format, float lo, float hi, in
     int scale = format->scale_low;
     if (extent > 0 && ilogb(extent) - format->top - 1 > scale)
         scale = ilogb(extent) - format->top - 1;
-    for (; scale <= format->scale_high; scale++) {
+    for (;; scale++) {
         out->scale[axis] = (uint32_t)(scale + BIAS);
         if (number_encode(format, out, axis, lo, false, &code) &&
             number_encode(format, out, axis, hi, true, &code))
-            return true;
+            return;
     }
-    return false;
 }
 
 bool number_frame_make(const struct number_format *format, const struct box *box,
@@ -221,8 +219,9 @@ bool number_frame_make(const struct number_format *format, const struct box *box
     *out = (struct number_frame){0};
     for (int k = 0; k < 3; k++) {
         float lo = normal_bound(box->lo[k], false), hi = normal_bound(box->hi[k], true);
-        if (!(lo >= -most && lo <= hi && hi <= most) || !make_axis(format, lo, hi, k, out))
+        if (!(lo >= -most && lo <= hi && hi <= most))
             return false;
+        make_axis(format, lo, hi, k, out);
     }
     return true;
 }

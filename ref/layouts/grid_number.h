@@ -16,8 +16,8 @@ struct number_format {
     uint32_t sign; /* the sign bit; 0: no negative numbers */
     uint32_t first, last;
     int top;                        /* the largest number is 2^top or more, and below 2^(top + 1) */
-    int scale_low;                  /* least exponent of a frame's scale: stored numbers */
-    int scale_high;                 /* are not subnormal when scaled; the largest */
+    int scale_low;                  /* least exponent of a frame's scale: stored numbers are not
+                                     * subnormal when scaled */
     float (*number)(uint32_t code); /* any code of `bits` bits; exact */
 };
 

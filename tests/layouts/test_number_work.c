@@ -89,10 +89,34 @@ static void searches_look_at_few_numbers(void **state)
     assert_int_equal(i, ARRAY_COUNT(wanted));
 }
 
+/* The ends of floats, and all between them by powers of two: every box within the limit has a frame. */
+static void every_box_has_a_frame(void **state)
+{
+    (void)state;
+    float place[4 * 276 + 1];
+    size_t count = 0;
+    for (int exponent = -149; exponent <= NUMBER_FRAME_MOST; exponent++)
+        for (int side = -1; side < 2; side += 2) {
+            float power = (float)side * ldexpf(1, exponent);
+            place[count++] = power;
+            place[count++] = nextafterf(power, 0);
+        }
+    place[count++] = 0;
+    for (size_t i = 0; number_formats[i]; i++)
+        for (size_t a = 0; a < count; a++)
+            for (size_t b = a % 13; b < count; b += 13) {
+                float lo = fminf(place[a], place[b]), hi = fmaxf(place[a], place[b]);
+                const struct box box = {{lo, lo, lo}, {hi, hi, hi}};
+                struct number_frame frame;
+                assert_true(number_frame_make(number_formats[i], &box, &frame));
+            }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(searches_look_at_few_numbers),
+        cmocka_unit_test(every_box_has_a_frame),
     };
     return cmocka_run_group_tests_name("number_work", tests, NULL, NULL) ? 1 : 0;
 }
