@@ -110,8 +110,8 @@ static struct wide_slot slot_of(enum slot_kind kind, uint32_t s)
                               .box = {{at, at, at}, {at + 1, at + 1, at + 1}}};
 }
 
-/* Every record of three slots under a layout of three: the children, their boxes one for one, the union
- * of what is there; a fourth slot counts for nothing. */
+/* Every record of three slots under a layout of three: the children, their boxes one for one, the
+ * union of what is there; a fourth slot counts for nothing. */
 static void slots_that_refer_to_no_node_are_no_children(void **state)
 {
     (void)state;
