@@ -1,5 +1,5 @@
-/* How many numbers of a format are looked at to encode bounds and to find frames, by value: a search
- * that begins elsewhere ends at the same code, later. */
+/* How many numbers of a format are looked at to encode bounds and to find frames, by value: a
+ * search that begins elsewhere ends at the same code, later. */
 #include "ref/base/rng.h"
 #include "ref/layouts/grid_number.h"
 
@@ -22,8 +22,8 @@ static float counted_number(uint32_t code)
     return counted_of->number(code);
 }
 
-/* Numbers looked at by: frames of boxes; bounds in these frames; bounds without a frame, and how many of
- * these have a code. */
+/* Numbers looked at by: frames of boxes; bounds in these frames; bounds without a frame, and how
+ * many of these have a code. */
 struct number_work {
     const char *format;
     uint64_t frames, within, plain, found;
@@ -89,7 +89,8 @@ static void searches_look_at_few_numbers(void **state)
     assert_int_equal(i, ARRAY_COUNT(wanted));
 }
 
-/* The ends of floats, and all between them by powers of two: every box within the limit has a frame. */
+/* The ends of floats, and all between them by powers of two: every box within the limit has a
+ * frame. */
 static void every_box_has_a_frame(void **state)
 {
     (void)state;

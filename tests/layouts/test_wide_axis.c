@@ -1,5 +1,5 @@
-/* The parts of wide layouts by definition: the planes of an axis, which axis is the finest, and which
- * slots of a record are children, whatever its words are. */
+/* The parts of wide layouts by definition: the planes of an axis, which axis is the finest, and
+ * which slots of a record are children, whatever its words are. */
 #include "ref/layouts/wide_nodes.h"
 
 #include <math.h>
@@ -21,8 +21,8 @@ static float signed_power(float sign, float part, int exponent)
     return sign * ldexpf(part, exponent);
 }
 
-/* The axis of an exponent, if its origin is an integer of at most 2^23 steps and its last plane is at
- * least hi. All is exact in the 64 bits of a long double. */
+/* The axis of an exponent, if its origin is an integer of at most 2^23 steps and its last plane is
+ * at least hi. All is exact in the 64 bits of a long double. */
 static bool axis_fits(float lo, float hi, uint32_t most, int exponent, long double *origin)
 {
     long double step = ldexpl(1, exponent), first = floorl((long double)lo / step);

@@ -42,10 +42,10 @@ warns() { # unit
     healthy "$1.c" "$dir/strict.o" -Werror
 }
 source_of() { [ -e "$dir/tree/$1" ] && echo "$dir/tree/$1" || echo "$1"; }
-# Without the mutation, made once for all.
+# Without the mutation, made once for all of a build.
 healthy_object() { # unit
     kept=$out/healthy/$(echo "$1" | tr / .).o
-    [ -e "$kept" ] || { healthy "$1.c" "$dir/healthy.o" -w && mv "$dir/healthy.o" "$kept"; } || exit 4
+    [ "$kept" -nt "$build/obj/$1.o" ] || { healthy "$1.c" "$dir/healthy.o" -w && mv "$dir/healthy.o" "$kept"; } || exit 4
     echo "$kept"
 }
 compile_units() { # the library's and the commands'
