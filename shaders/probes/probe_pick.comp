@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-/* The conditions without branches. Invocation i has the condition a in bit 0, b in bit 1 and c in bit 2;
- * tests/base/test_vulkan_pick.c compares what is picked with C. */
+/* The conditions without branches. Invocation i has the condition a in bit 0, b in bit 1 and c in
+ * bit 2; tests/base/test_vulkan_pick.c compares what is picked with C. */
 #include "ref/abi.h"
 #include "pick.glsl"
 

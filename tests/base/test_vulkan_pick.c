@@ -1,5 +1,5 @@
-/* The conditions without branches of shaders (shaders/pick.glsl) under every condition: of conjunctions
- * all operands count, in any order. */
+/* The conditions without branches of shaders (shaders/pick.glsl) under every condition: of
+ * conjunctions all operands count, in any order. */
 #include "gpu/card/probe_once.h"
 
 #include "tests/support/gpu.h"
