@@ -142,6 +142,9 @@ static void every_ray_is_answered_in_its_place(void **state)
                     assert_memory_equal(&got[counts[c]], &behind, sizeof behind);
                     assert_int_equal(report.boxes, work[counts[c]].boxes);
                     assert_int_equal(report.tris, work[counts[c]].tris);
+                    assert_int_equal(report.node_bytes > 0, engine->own_tree);
+                    assert_int_equal(report.node_bytes + report.item_bytes,
+                                     engine->own_tree ? report.memory_bytes : 0);
                 }
                 engine->close(self);
             }
