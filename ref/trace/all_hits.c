@@ -273,7 +273,7 @@ static void sink(struct hit *hit, uint32_t *tag, size_t at, size_t count)
 /* A heap sort, since qsort moves one array alone. */
 void all_hits_sort_tagged(struct hit *hit, uint32_t *tag, size_t count)
 {
-    for (size_t i = count; i > 0; i--)
+    for (size_t i = count / 2; i > 0; i--) /* those behind have nothing below them */
         sink(hit, tag, i - 1, count);
     for (size_t end = count; end > 1; end--) {
         exchange(hit, tag, 0, end - 1);
