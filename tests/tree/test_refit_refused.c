@@ -184,6 +184,39 @@ static void refusals_count_the_words_of_a_leaf(void **state)
 }
 
 /* A node that is another's child, too, or its own, and one that is not there. */
+/* Eight triangles on one another that move apart have more vertices than a leaf can hold, and are
+ * beyond the scene's grid. */
+static void refusals_of_a_storage_are_those_of_packing(void **state)
+{
+    (void)state;
+    static const char *const store[] = {"compact", "quantised"};
+    static const char *const text[] = {
+        "rebuild: storage compact: a leaf's triangles have at most 16 vertices, those of triangle "
+        "%u and the 7 beside it have more; use --leaf 5 or less",
+        "rebuild: storage quantised is of one scene's grid"};
+    for (uint32_t s = 0; s < ARRAY_COUNT(store); s++)
+        for (uint32_t leaf = 0; leaf < 3; leaf++) {
+            struct scene scene = trees_grid(24);
+            struct packed packed;
+            struct reason reason = {""};
+            for (uint32_t i = 0; i < 216; i++)
+                scene.vertex[i] = (i % 9 == 3 || i % 9 == 7) ? 64.0f : 0.0f;
+            struct bvh bvh = trees_make(&scene, 8, TREES_BALANCED);
+            if (packed_make_stored(layout_find("f32"), tri_store_find(store[s]), &bvh, &scene,
+                                   &packed, &reason))
+                fail_msg("%s", reason.text);
+            for (uint32_t i = 0; i < 24; i++)
+                scene.vertex[72 * leaf + 3 * i] = (float)(1 + i);
+            if (s == 0)
+                must_say(&packed, &scene, STATUS_LIMIT, text[0], 8 * leaf);
+            else
+                must_say(&packed, &scene, STATUS_LIMIT, "%s", text[1]);
+            packed_free(&packed);
+            bvh_free(&bvh);
+            scene_free(&scene);
+        }
+}
+
 static void what_is_no_tree_is_said(void **state)
 {
     (void)state;
@@ -244,6 +277,7 @@ int main(void)
         cmocka_unit_test(refusals_give_numbers_of_the_scene),
         cmocka_unit_test(refusals_name_the_record),
         cmocka_unit_test(refusals_count_the_words_of_a_leaf),
+        cmocka_unit_test(refusals_of_a_storage_are_those_of_packing),
         cmocka_unit_test(what_is_no_tree_is_said),
         cmocka_unit_test(hostile_words_are_safe),
     };
