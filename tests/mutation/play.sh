@@ -65,9 +65,11 @@ compile_shaders() {
     mkdir -p "$shaders" "$dir/raw" && sh tests/planted/shaders.sh "$dir/tree" "$shaders" || exit 4
     for module in $modules; do
         shader=$(basename "$module" .spv)
+        grep -qF " $file" "$build/spv/plain/$shader.d" || continue
+        case $shader in query_*) target=vulkan1.2 ;; *) target=vulkan1.1 ;; esac # as in shaders/shaders.mk
         source=$shaders/$shader.comp
         [ -e "$source" ] || source=$build/gen/$shader.comp
-        ${GLSLANG:-glslangValidator} --quiet -V --target-env vulkan1.1 -g0 -I. "-I$shaders" -o "$dir/raw/$shader.spv" "$source" \
+        ${GLSLANG:-glslangValidator} --quiet -V --target-env $target -g0 -I. "-I$shaders" -o "$dir/raw/$shader.spv" "$source" \
             >>"$dir/compile.log" 2>&1 && "$build/spirv_tool" fix "$dir/raw/$shader.spv" "$dir/$shader.spv" || tell broken glslang
         cmp -s "$dir/$shader.spv" "$module" && continue
         changed="$changed $shader"
