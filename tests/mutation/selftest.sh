@@ -155,7 +155,7 @@ files=$(git ls-files 'ref/*.c' 'ref/*.h' 'gpu/*.c' 'fuzz/*.c' 'scenes/*.c' 'benc
     grep -v '^fuzz/templates')
 # The product's own table fits, and each invariant's suite is one of `make check`.
 perl tests/mutation/order.pl "$build/mutate" tests/mutation/equivalent.txt check \
-    $({ git ls-files 'ref/judge/*.c' 'ref/tree/*.c' 'shaders/w*.glsl' 'ref/oracle/placed_filter.c'; sed -n 's/^[^#]* ;; \([a-z][^ ;]*\.[a-z]*\) ;; .*/\1/p' tests/mutation/equivalent.txt; } | sort -u) >"$dir/invariants" ||
+    $({ git ls-files 'ref/judge/*.c' 'ref/tree/*.c' 'shaders/w*.glsl' 'shaders/slab.glsl' 'ref/oracle/placed_filter.c'; sed -n 's/^[^#]* ;; \([a-z][^ ;]*\.[a-z]*\) ;; .*/\1/p' tests/mutation/equivalent.txt; } | sort -u) >"$dir/invariants" ||
     bad "tests/mutation/equivalent.txt"
 while read -r name suite; do
     [ -x "$build/tests/$suite" ] || grep -qE "^ *(suite|alone) $suite " tests/run.sh || bad "invariant $name: no suite $suite"
