@@ -156,9 +156,10 @@ if [ -e "$map" ]; then
 fi
 touch "$dir/covering"
 # Of suites those that the awk condition takes, the quick ones first; and the more mutations one has killed, of this
-# file above all, the sooner it comes.
+# file above all, and of its folder, the sooner it comes.
 find "$out/done" -type f -exec cat {} + 2>/dev/null |
-    awk -v file="$file" '$1 == "killed" { sub(/:$/, "", $3); by[$3] += $4 == file ? 20 : 1 }
+    awk -v file="$file" 'function room(path) { sub(/[^\/]*$/, "", path); return path }
+        $1 == "killed" { sub(/:$/, "", $3); by[$3] += $4 == file ? 20 : room($4) == room(file) ? 2 : 0.01 }
         END { for (suite in by) print suite, by[suite] }' >"$dir/history"
 ranked() {
     awk 'FILENAME == ARGV[1] { covers[$1]; next } FILENAME == ARGV[2] { by[$1] = $2; next }
