@@ -57,8 +57,7 @@ static long fail_each(const struct engine *engine, const struct job *job, bool o
         assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
         assert_int_equal(engine->prepare(self, job, &reason), STATUS_OK);
         long before = atomic_load(&held);
-        atomic_store(&has_failed, false);
-        atomic_store(&until_failure, n);
+        fail_after(n);
         enum status status = all_hits_next(engine, self, ray, RAYS, &all, &reason);
         atomic_store(&until_failure, -1);
         bool failed = has_failed;
@@ -115,8 +114,7 @@ static void an_engine_that_does_not_open_is_none(void **state)
             struct reason reason = {""};
             void *self = &reason;
             long before = atomic_load(&held);
-            atomic_store(&has_failed, false);
-            atomic_store(&until_failure, n);
+            fail_after(n);
             enum status status = engine->open(&options, &self, &reason);
             atomic_store(&until_failure, -1);
             assert_int_equal(status, has_failed ? STATUS_MEMORY : STATUS_OK);

@@ -257,8 +257,7 @@ static void lists_without_memory_are_none(void **state)
             struct all_hits all = {.once = once};
             struct reason reason = {""};
             const long before = atomic_load(&held);
-            atomic_store(&has_failed, false);
-            atomic_store(&until_failure, n);
+            fail_after(n);
             enum status status = all_hits_next_world(&engine, NULL, ray, mode, RAYS, &all, &reason);
             atomic_store(&until_failure, -1);
             failed = has_failed;

@@ -52,8 +52,7 @@ static long fail_each(work_fn *fn, const struct memory_work *work, long step)
     for (long n = 0; n < TIMES_MOST; n += step) {
         struct reason reason = {""};
         atomic_store(&held, 0);
-        atomic_store(&has_failed, false);
-        atomic_store(&until_failure, n);
+        fail_after(n);
         enum status status = fn(work, &reason);
         atomic_store(&until_failure, -1);
         if (held != 0)

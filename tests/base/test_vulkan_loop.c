@@ -1,8 +1,6 @@
 /* The loops of shaders/probes/probe_loop.comp, which measure drivers that end loops early, take the
  * steps that C takes, to the state in which they end. */
-#include "gpu/card/probe_once.h"
-
-#include "tests/support/gpu.h"
+#include "tests/support/probe_must.h"
 
 static uint32_t advanced(uint32_t state)
 {
@@ -37,17 +35,17 @@ static void loops_take_the_steps_that_they_are_told(void **state)
         for (uint32_t n = 0; n < ARRAY_COUNT(nested); n++) {
             const uint32_t push[2] = {steps[s], nested[n]}, seed[4] = {12345 + 77 * s + n};
             uint32_t got[16], want[3];
-            struct reason reason = {""};
-            const struct probe_job job = {.shader = shader_find("probe_loop"),
-                                          .group = 4,
-                                          .groups = 1,
-                                          .push = push,
-                                          .push_bytes = sizeof push,
-                                          .in = seed,
-                                          .in_bytes = sizeof seed,
-                                          .out = got,
-                                          .out_bytes = sizeof got};
-            gpu_must(probe_once(vk, &job, &reason), &reason);
+            probe_must(vk, "probe_loop",
+                       (struct probe_job){
+                           .group = 4,
+                           .groups = 1,
+                           .push = push,
+                           .push_bytes = sizeof push,
+                           .in = seed,
+                           .in_bytes = sizeof seed,
+                           .out = got,
+                           .out_bytes = sizeof got,
+                       });
             for (uint32_t kind = 0; kind < 3; kind++) {
                 by_c(kind, steps[s], nested[n], seed[0], want);
                 assert_memory_equal(&got[3 * kind], want, sizeof want);

@@ -1,8 +1,6 @@
 /* The conditions without branches of shaders (shaders/pick.glsl) under every condition: of
  * conjunctions all operands count, in any order. */
-#include "gpu/card/probe_once.h"
-
-#include "tests/support/gpu.h"
+#include "tests/support/probe_must.h"
 
 #define CASES   8u
 #define RESULTS 13u
@@ -10,21 +8,21 @@
 static void conditions_choose_as_in_c(void **state)
 {
     (void)state;
-    struct reason reason = {""};
     struct vk_options options = gpu_options();
     struct vk *vk = gpu_open(&options);
     const uint32_t unread[4] = {0};
     float got[CASES * RESULTS];
-    const struct probe_job job = {.shader = shader_find("probe_pick"),
-                                  .group = CASES,
-                                  .groups = 1,
-                                  .push = unread,
-                                  .push_bytes = sizeof unread,
-                                  .in = unread,
-                                  .in_bytes = sizeof unread,
-                                  .out = got,
-                                  .out_bytes = sizeof got};
-    gpu_must(probe_once(vk, &job, &reason), &reason);
+    probe_must(vk, "probe_pick",
+               (struct probe_job){
+                   .group = CASES,
+                   .groups = 1,
+                   .push = unread,
+                   .push_bytes = sizeof unread,
+                   .in = unread,
+                   .in_bytes = sizeof unread,
+                   .out = got,
+                   .out_bytes = sizeof got,
+               });
     gpu_close(vk);
     for (uint32_t i = 0; i < CASES; i++) {
         const bool a = i & 1, b = i & 2, c = i & 4;

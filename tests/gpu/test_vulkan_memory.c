@@ -32,8 +32,7 @@ static void fail_each(const struct memory_play *what)
         fake_reset();
         fake.run = what->engine ? all_done : all_drawn;
         atomic_store(&held, 0);
-        atomic_store(&has_failed, false);
-        atomic_store(&until_failure, n);
+        fail_after(n);
         enum status status = play(what, &reason);
         atomic_store(&until_failure, -1);
         must_be_clean(what->name);

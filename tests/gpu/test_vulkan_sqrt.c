@@ -1,9 +1,7 @@
 /* The square root of the rendering shaders is C's on every driver, to the bit: all floats with
  * exponents 126 and 127, which have every mantissa with both parities, and the ends of the range.
  */
-#include "gpu/card/probe_once.h"
-
-#include "tests/support/gpu.h"
+#include "tests/support/probe_must.h"
 
 #include <math.h>
 
@@ -29,18 +27,18 @@ static float float_of(uint32_t bits)
 static void compare(struct vk *vk, const char *driver, uint32_t *root, uint32_t first,
                     uint32_t stride, int32_t worse)
 {
-    struct reason reason = {""};
     const uint32_t push[3] = {first, stride, (uint32_t)worse}, unread[4] = {0};
-    const struct probe_job job = {.shader = shader_find("probe_sqrt"),
-                                  .group = GROUP,
-                                  .groups = GROUPS,
-                                  .push = push,
-                                  .push_bytes = sizeof push,
-                                  .in = unread,
-                                  .in_bytes = sizeof unread,
-                                  .out = root,
-                                  .out_bytes = COUNT * sizeof *root};
-    gpu_must(probe_once(vk, &job, &reason), &reason);
+    probe_must(vk, "probe_sqrt",
+               (struct probe_job){
+                   .group = GROUP,
+                   .groups = GROUPS,
+                   .push = push,
+                   .push_bytes = sizeof push,
+                   .in = unread,
+                   .in_bytes = sizeof unread,
+                   .out = root,
+                   .out_bytes = COUNT * sizeof *root,
+               });
     for (uint32_t i = 0; i < COUNT; i++) {
         const float x = float_of(first + i * stride), right = sqrtf(x);
         if (isnan(right) ? !isnan(float_of(root[i])) : root[i] != bits_of(right))

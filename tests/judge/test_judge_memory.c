@@ -83,8 +83,7 @@ static long fail_each(call play, const struct trial_call *t)
         union result out, again;
         memset(&out, 0, sizeof out);
         memset(&again, 0, sizeof again);
-        atomic_store(&has_failed, false);
-        atomic_store(&until_failure, n);
+        fail_after(n);
         long before = held;
         enum status status = play(t, &out);
         atomic_store(&until_failure, -1);
@@ -179,8 +178,7 @@ static void a_judge_is_made_or_not(void **state)
                 struct reason reason = {""};
                 struct judge *judge = c->judge;
                 long before = held;
-                atomic_store(&has_failed, false);
-                atomic_store(&until_failure, n);
+                fail_after(n);
                 enum status status =
                     judge_make(oracle, &subjects[s].model, QUERY_CLOSEST, &judge, &reason);
                 atomic_store(&until_failure, -1);
@@ -237,8 +235,7 @@ static void leaks_are_counted_or_not(void **state)
         assert_true(n < TIMES_MOST);
         assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
         long before = held;
-        atomic_store(&has_failed, false);
-        atomic_store(&until_failure, n);
+        fail_after(n);
         enum status status = leaks_count(&rays, engine, self, &job, &leaks, digest, &reason);
         atomic_store(&until_failure, -1);
         assert_int_equal(status, has_failed ? STATUS_MEMORY : STATUS_OK);

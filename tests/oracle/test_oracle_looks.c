@@ -6,6 +6,7 @@
 #include "ref/oracle/internal.h"
 #include "ref/oracle/oracle_world.h"
 #include "tests/exact/pair_fault.h"
+#include "tests/support/tree_fixture.h"
 
 #include <math.h>
 #include <omp.h>
@@ -243,20 +244,6 @@ static void a_thread_has_rays(void **state)
 
 #define ROW 200
 
-/* Triangle i of a row lies across the z axis at z = i + 1. */
-static struct scene row_of_triangles(void)
-{
-    struct scene scene;
-    assert_int_equal(scene_make(3 * ROW, ROW, &scene), STATUS_OK);
-    for (uint32_t i = 0; i < 3 * ROW; i++) {
-        scene.index[i] = i;
-        scene.vertex[3 * i] = (float)(i % 3) - 1;
-        scene.vertex[3 * i + 1] = i % 3 == 1 ? 2 : -1;
-        scene.vertex[3 * i + 2] = (float)(i / 3 + 1);
-    }
-    return scene;
-}
-
 /* Of a row whose triangle i is met at t = at + i each, exactly the leaves are looked at that reach
  * into `least` to `most`; `twice`: those at 0 forth and back. */
 static void expect_reached(const struct oracle *mesh, double at, double each, double least,
@@ -282,7 +269,7 @@ static void expect_reached(const struct oracle *mesh, double at, double each, do
 static void crossings_are_looked_for_within_reach(void **state)
 {
     (void)state;
-    struct scene scene = row_of_triangles();
+    struct scene scene = trees_row(ROW);
     struct oracle_crossing *list = NULL;
     size_t capacity = 0, count;
     for (int kind = 0; kind < 3; kind++) {

@@ -6,6 +6,7 @@
 #include "ref/oracle/oracle_tree.h"
 #include "tests/exact/oracle_batch.h"
 #include "tests/exact/world_cases.h"
+#include "tests/support/tree_fixture.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -30,8 +31,7 @@ static void a_world_is_made_or_not(void **state)
         struct reason reason = {""};
         struct oracle *oracle = c.oracle;
         atomic_store(&held, 0);
-        atomic_store(&has_failed, false);
-        atomic_store(&until_failure, n);
+        fail_after(n);
         enum status status = oracle_make_world(&c.world, &oracle, &reason);
         atomic_store(&until_failure, -1);
         done = !has_failed;
@@ -62,8 +62,7 @@ static void a_tree_is_made_or_zero(void **state)
         struct tree tree;
         memset(&tree, 0xAA, sizeof tree);
         atomic_store(&held, 0);
-        atomic_store(&has_failed, false);
-        atomic_store(&until_failure, n);
+        fail_after(n);
         enum status status = tree_make(c.world.mesh[0].scene, &tree, &reason);
         atomic_store(&until_failure, -1);
         done = !has_failed;
@@ -108,17 +107,10 @@ static void long_lists_are_whole_or_empty(void **state)
 {
     (void)state;
     enum { ROW = 300 };
-    struct scene scene;
+    struct scene scene = trees_row(ROW);
     struct world world;
     struct oracle *oracle[2];
     struct reason reason = {""};
-    assert_int_equal(scene_make(3 * ROW, ROW, &scene), STATUS_OK);
-    for (uint32_t i = 0; i < 3 * ROW; i++) {
-        scene.index[i] = i;
-        scene.vertex[3 * i] = (float)(i % 3) - 1;
-        scene.vertex[3 * i + 1] = i % 3 == 1 ? 2 : -1;
-        scene.vertex[3 * i + 2] = (float)(i / 3 + 1);
-    }
     assert_int_equal(world_of_scene(&scene, &world, &reason), STATUS_OK);
     assert_int_equal(oracle_make(&scene, &oracle[0], &reason), STATUS_OK);
     assert_int_equal(oracle_make_world(&world, &oracle[1], &reason), STATUS_OK);
@@ -129,8 +121,7 @@ static void long_lists_are_whole_or_empty(void **state)
         for (n = 0; n < TIMES_MOST && !done; n++) {
             struct oracle_crossing *list = NULL;
             size_t capacity = 0, count = 7;
-            atomic_store(&has_failed, false);
-            atomic_store(&until_failure, n);
+            fail_after(n);
             enum status status =
                 placed ? oracle_crossings_world(oracle[1], &ray, ray_mode_all(), INFINITY, &list,
                                                 &capacity, &count, &reason)

@@ -28,6 +28,13 @@ void *__wrap_realloc(void *old, size_t bytes);
 void *__wrap_aligned_alloc(size_t align, size_t bytes);
 void __wrap_free(void *old);
 
+/* After n more allocations one fails; negative: none does. */
+static inline void fail_after(long n)
+{
+    atomic_store(&has_failed, false);
+    atomic_store(&until_failure, n);
+}
+
 static bool fails_now(void)
 {
     if (atomic_load(&until_failure) < 0 || atomic_fetch_sub(&until_failure, 1) != 0)

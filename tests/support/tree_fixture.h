@@ -23,6 +23,21 @@ static inline struct scene trees_grid(uint32_t count)
     return scene;
 }
 
+/* A row of triangles: triangle i lies across the z axis at z = i + 1. Aborts without memory. */
+static inline struct scene trees_row(uint32_t count)
+{
+    struct scene scene;
+    if (scene_make(3 * count, count, &scene))
+        abort();
+    for (uint32_t i = 0; i < 3 * count; i++) {
+        scene.index[i] = i;
+        scene.vertex[3 * i] = (float)(i % 3) - 1;
+        scene.vertex[3 * i + 1] = i % 3 == 1 ? 2 : -1;
+        scene.vertex[3 * i + 2] = (float)(i / 3 + 1);
+    }
+    return scene;
+}
+
 /* `count` copies of one triangle. */
 static inline struct scene trees_copies(uint32_t count, const float v[3][3])
 {

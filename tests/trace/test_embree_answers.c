@@ -75,7 +75,7 @@ static void filtered(embree_context *context, struct RTCHit *hit)
     calls.filter(&with);
 }
 
-/* Answers with what is said, without the filter. */
+/* Writes the answer of `said`; no filter is called. */
 static void answer_plainly(embree_context *context, struct RTCRayHit *query)
 {
     (void)context;

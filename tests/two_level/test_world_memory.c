@@ -37,8 +37,7 @@ static long fail_each(step_fn *step, const struct steps *steps)
     for (long n = 0; n < TIMES_MOST; n++) {
         struct reason reason = {""};
         atomic_store(&held, 0);
-        atomic_store(&has_failed, false);
-        atomic_store(&until_failure, n);
+        fail_after(n);
         enum status status = step(steps, &reason);
         atomic_store(&until_failure, -1);
         assert_int_equal(held, 0);

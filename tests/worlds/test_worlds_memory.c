@@ -23,8 +23,7 @@ static long fail_each(failing_step *step, const struct world *world)
     for (long n = 0; n < TIMES_MOST; n++) {
         struct reason reason = {""};
         atomic_store(&held, 0);
-        atomic_store(&has_failed, false);
-        atomic_store(&until_failure, n);
+        fail_after(n);
         enum status status = step(world, &reason);
         atomic_store(&until_failure, -1);
         if (held != 0)
