@@ -45,6 +45,16 @@ grep -q '^FAILED   1 suites were not played to their end' "$dir/out" || bad 'a k
 rm "$dir/tests/test_wrong"
 made_up pipe 'exit 3'
 expect 1 '1 passed, 1 failed, 1 skipped'
+# Ten failures of a program end a suite, red: what is left is not played.
+for with in tests/scripts/expect.sh tests/values/compare.sh; do
+    for count in 1 9 10 12; do
+        (. "$with"; : >"$dir/out" >"$dir/err"; for i in $(seq "$count"); do bad "it is"; done; exit "$((failed + 10))") >"$dir/ten"
+        ended=$?
+        [ "$count" -lt 10 ] && wanted=$((count + 10)) || wanted=1
+        [ "$ended" -eq "$wanted" ] && [ "$(grep -c '^FAILED  it is$' "$dir/ten")" -eq "$((count < 10 ? count : 10))" ] ||
+            bad "$with: $count failures end with $ended"
+    done
+done
 
 [ "$failed" -eq 0 ] && echo 'runner: each suite counts'
 exit "$failed"
