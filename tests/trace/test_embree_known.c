@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static void need_embree(void)
@@ -28,11 +29,12 @@ static void need_embree(void)
 }
 
 struct known_question {
-    float vertex[5][3][3];
+    float vertex[9][3][3];
     uint32_t triangles;
     struct ray ray;
     enum query query;
-    bool in_world;             /* in one instance at the identity */
+    bool in_world;             /* in one instance at the identity, but: */
+    float wide;                /* x and z are scaled by this, if not 0 */
     struct filter_rule filter; /* then; not all: no triangle is opaque */
 };
 
@@ -49,6 +51,8 @@ static struct fuzz_trial trial_of(const struct known_question *q)
     trial.query = q->query;
     if (q->in_world && trial_world_make(q->triangles, 1, 1, 1, &trial.world, &reason))
         fail_msg("%s", reason.text);
+    if (q->wide > 0)
+        trial.world.instance[0].m[0][0] = trial.world.instance[0].m[2][2] = q->wide;
     if (q->in_world) {
         trial.world.filter = q->filter;
         trial.world.geometry[0].opaque = q->filter.kind == FILTER_ALL;
@@ -149,6 +153,37 @@ static void the_sign_of_a_small_direction_is_lost(void **state)
     q.ray.dir[0] = -0x1p-59f; /* -1.7e-18 is taken as it is */
     play("embree_robust", &q, text);
     assert_string_equal(text, "");
+}
+
+/* Found by a campaign of worlds: so do both box tests where the component is not 0. In the space of
+ * the mesh a ray leans by -2^-60 a step and meets the plane y = 0 after 2^46 of them, at x = -1 -
+ * 2^-14, where the second and all later triangles are; moved the other way it is at x = -1 + 2^-14,
+ * beside their boxes. */
+static void both_box_tests_move_rays_that_lean_by_less(void **state)
+{
+    (void)state;
+    need_embree();
+    static const char *const engine[] = {"embree", "embree_robust"};
+    struct known_question q = {
+        .triangles = 9,
+        .in_world = true,
+        .wide = 512,
+        .ray = {.org = {-512, 1, 0}, .dir = {-0x1p-51f, -0x1p-46f, 0x1p-40f}, .tmax = INFINITY}};
+    const float first[3][3] = {{0, 0, 0}, {-1, 0, 1}, {-1, 0, 0}};
+    const float other[3][3] = {{-1, 0, 1}, {-2, 0, 0}, {-1, 0, 0}};
+    for (int i = 0; i < 9; i++)
+        memcpy(q.vertex[i], i == 0 ? first : other, sizeof first);
+    for (size_t e = 0; e < ARRAY_COUNT(engine); e++) {
+        char text[FUZZ_SIGNATURE_MOST], lost[64];
+        struct known_question quick = q;
+        snprintf(lost, sizeof lost, "%s.-.missed.scale", engine[e]);
+        play(engine[e], &q, text);
+        assert_string_equal(text, lost);
+        for (int k = 0; k < 3; k++) /* the same line in a sixteenth of the steps */
+            quick.ray.dir[k] *= 16.0f;
+        play(engine[e], &quick, text);
+        assert_string_equal(text, "");
+    }
 }
 
 /* The determinant is a^2 d of a right angle of sides a, seen along d. */
@@ -312,6 +347,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_direction_of_0_moves_the_ray_by_1e_18_t),
         cmocka_unit_test(the_sign_of_a_small_direction_is_lost),
+        cmocka_unit_test(both_box_tests_move_rays_that_lean_by_less),
         cmocka_unit_test(an_axis_of_tiny_numbers_is_scaled_by_itself),
         cmocka_unit_test(a_subnormal_determinant_gives_nan),
         cmocka_unit_test(what_cures_need_not_be_the_nearest_hit),
