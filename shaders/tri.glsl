@@ -6,12 +6,10 @@
 #include "slab.glsl"
 
 #define TRI_RTRS_EPS 1e-7
-#define TRI_LONG 1099511627776.0 /* 2^40 */
 
 struct tri_ray {
     vec3 o;
-    vec3 d;        /* the direction times `shrink` */
-    float shrink;
+    vec3 d;
     float tmin;
     float tmax;
     uvec3 axis;    /* woop: kx, ky, kz */
@@ -27,6 +25,7 @@ tri_ray tri_ray_make(vec3 o, vec3 d, float tmin, float tmax)
 {
     tri_ray r;
     r.o = o;
+    r.d = d;
     r.tmin = tmin;
     r.tmax = tmax;
     precise vec3 minus = -d;
@@ -39,11 +38,6 @@ tri_ray tri_ray_make(vec3 o, vec3 d, float tmin, float tmax)
     r.axis = uvec3(pick(dz < 0.0, ky, kx), pick(dz < 0.0, kx, ky), kz);
     precise vec3 shear = vec3(tri_pick(d, r.axis.x), tri_pick(d, r.axis.y), 1.0) / dz;
     r.shear = shear;
-    float largest = tri_pick(a, kz);
-    uint inverse = 0x7F800000u - (floatBitsToUint(largest) & 0x7F800000u);
-    r.shrink = pick(largest > TRI_LONG, uintBitsToFloat(inverse), 1.0);
-    precise vec3 shortened = d * r.shrink;
-    r.d = shortened;
     return r;
 }
 
@@ -74,10 +68,8 @@ bool tri_moeller_trumbore_edges(tri_ray r, vec3 v0, vec3 e1, vec3 e2, float eps,
     precise float ws = pick(det < 0.0, -w, w);
     precise float sum = us + ws;
     precise vec3 quotient = vec3(t, u, w) / det;
-    precise float t_long = quotient.x * r.shrink;
-    precise float least = eps * r.shrink;
-    tuv = vec3(t_long, quotient.yz);
-    return both(size > least, both(us >= 0.0, us <= size), both(ws >= 0.0, sum <= size));
+    tuv = quotient;
+    return both(size > eps, both(us >= 0.0, us <= size), both(ws >= 0.0, sum <= size));
 }
 
 bool tri_moeller_trumbore(tri_ray r, vec3 v0, vec3 v1, vec3 v2, float eps, out vec3 tuv)

@@ -46,8 +46,7 @@ bool baldwin_webber_hit(tri_ray r, vec3 u, vec3 w, vec3 h, uint c, out vec3 tuv)
     precise float at_w = (w.x * p.x + w.y * p.y) + w.z;
     precise float sum = at_u + at_w;
     bool within = sum <= 1.0;
-    precise float t_long = t * r.shrink;
-    tuv = vec3(t_long, at_u, at_w);
+    tuv = vec3(t, at_u, at_w);
     return both(any(bvec2(climb < 0.0, climb > 0.0)), both(at_u >= 0.0, at_w >= 0.0), within);
 }
 

@@ -27,8 +27,7 @@ bool tri_pluecker(tri_ray r, vec3 v0, vec3 v1, vec3 v2, out vec3 tuv)
     bool front = both(det > 0.0, all(greaterThanEqual(w, vec3(0.0))), all_sides > 0.0);
     float height = tri_sum(a, n);
     precise vec3 quotient = vec3(height, w.y, w.z) / vec3(det, all_sides, all_sides);
-    precise float t_long = quotient.x * r.shrink;
-    tuv = vec3(t_long, quotient.yz);
+    tuv = quotient;
     return any(bvec2(front, back));
 }
 

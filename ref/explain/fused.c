@@ -40,12 +40,12 @@ static bool moeller_trumbore(const struct tri_ray *r, float v[3][3], float eps, 
     cross(s, e1, q);
     float det = product(e1, p), u = product(s, p), w = product(r->d, q), t = product(e2, q);
     float size = fabsf(det);
-    if (!(size > eps * r->shrink))
+    if (!(size > eps))
         return false;
     float us = det < 0.0f ? -u : u, ws = det < 0.0f ? -w : w;
     if (!(us >= 0.0f && us <= size && ws >= 0.0f && us + ws <= size))
         return false;
-    *out = (struct hit){t / det * r->shrink, u / det, w / det, 0};
+    *out = (struct hit){t / det, u / det, w / det, 0};
     return true;
 }
 
@@ -91,7 +91,7 @@ static bool pluecker(const struct tri_ray *r, float v[3][3], struct hit *out)
         return false;
     if (!(sign * w[0] >= 0.0f && sign * w[1] >= 0.0f && sign * w[2] >= 0.0f))
         return false;
-    *out = (struct hit){product(a[0], n) / det * r->shrink, w[1] / sum, w[2] / sum, 0};
+    *out = (struct hit){product(a[0], n) / det, w[1] / sum, w[2] / sum, 0};
     return true;
 }
 
@@ -132,7 +132,7 @@ static bool baldwin_webber(const struct tri_ray *r, float v[3][3], struct hit *o
     float u = fmaf(m[0], pa, m[1] * pb) + m[2], w = fmaf(m[3], pa, m[4] * pb) + m[5];
     if (!(u >= 0.0f && w >= 0.0f && u + w <= 1.0f))
         return false;
-    *out = (struct hit){t * r->shrink, u, w, 0};
+    *out = (struct hit){t, u, w, 0};
     return true;
 }
 

@@ -4,40 +4,20 @@
 #define TRI_H
 
 #include "ref/abi.h"
-#include "ref/base/base.h"
 
 #include <stdbool.h>
 
 /* mt_rtrs: |determinant| at or below this is a miss, whatever the scale (F16). */
 #define TRI_RTRS_EPS 1e-7f
 
-/* A direction with a component above this is shortened. Instances make such rays: a transform that
- * is nearly singular. Tests that multiply a direction, an edge and a vertex would overflow. Rays in
- * contract have none (ray_in_contract). */
-#define TRI_LONG 0x1p40f
-
 /* Ray data for the triangle tests, computed once per ray. Only woop uses the shear. */
 struct tri_ray {
     float o[3];
-    float d[3];   /* the direction times `shrink` */
-    float shrink; /* 1; of a long direction the power of two that brings its largest into [2, 4) */
+    float d[3];
     float tmin, tmax;
     int kx, ky, kz;   /* woop: kz is the largest axis of |d|, kx and ky swapped if d[kz] < 0 */
     float sx, sy, sz; /* woop: shear */
 };
-
-/* Shortens a long direction: exactly, but for what falls below the normal range. t of the short one
- * times `shrink` is t. `largest` is its largest component; an infinite one makes it NaN, which
- * misses. */
-static inline void tri_ray_shorten(struct tri_ray *r, float largest)
-{
-    r->shrink = 1.0f;
-    if (!(largest > TRI_LONG))
-        return;
-    r->shrink = float_from_bits(0x7F800000u - (float_bits(largest) & 0x7F800000u));
-    for (int k = 0; k < 3; k++)
-        r->d[k] *= r->shrink;
-}
 
 static inline struct tri_ray tri_ray_make(const struct ray *ray)
 {
@@ -60,7 +40,6 @@ static inline struct tri_ray tri_ray_make(const struct ray *ray)
     r.sx = r.d[r.kx] / r.d[r.kz];
     r.sy = r.d[r.ky] / r.d[r.kz];
     r.sz = 1.0f / r.d[r.kz];
-    tri_ray_shorten(&r, a[r.kz]);
     return r;
 }
 
@@ -85,13 +64,13 @@ static inline bool tri_moeller_trumbore_edges(const struct tri_ray *r, const flo
     float w = (r->d[0] * q[0] + r->d[1] * q[1]) + r->d[2] * q[2];
     float t = (e2[0] * q[0] + e2[1] * q[1]) + e2[2] * q[2];
     float size = det < 0.0f ? -det : det;
-    if (!(size > eps * r->shrink))
+    if (!(size > eps))
         return false;
     float us = det < 0.0f ? -u : u;
     float ws = det < 0.0f ? -w : w;
     if (!(us >= 0.0f && us <= size && ws >= 0.0f && us + ws <= size))
         return false;
-    out->t = t / det * r->shrink;
+    out->t = t / det;
     out->u = u / det;
     out->v = w / det;
     return true;

@@ -66,7 +66,7 @@ static inline bool baldwin_webber_hit(const struct tri_ray *r, const float m[9],
         return false;
     if (!(u >= 0.0f && w >= 0.0f && u + w <= 1.0f))
         return false;
-    out->t = t * r->shrink;
+    out->t = t;
     out->u = u;
     out->v = w;
     return true;

@@ -56,7 +56,7 @@ static inline bool tri_pluecker(const struct tri_ray *r, float v[3][3], struct h
     bool front = det > 0.0f && w[0] >= 0.0f && w[1] >= 0.0f && w[2] >= 0.0f && all > 0.0f;
     if (!(front || back))
         return false;
-    out->t = tri_dot(a[0], n) / det * r->shrink;
+    out->t = tri_dot(a[0], n) / det;
     out->u = w[1] / all;
     out->v = w[2] / all;
     return true;

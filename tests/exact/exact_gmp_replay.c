@@ -137,21 +137,12 @@ static void divide(struct exact_gmp_replay_replay *r, double t, double u, double
     out->v = (float)quotient(r, v, by);
 }
 
-/* The direction as all tests but woop take it; returns what it was shrunk by. */
-static double shortened(struct exact_gmp_replay_replay *r, const struct ray *ray, double d[3])
-{
-    float largest = fmaxf(fmaxf(fabsf(ray->dir[0]), fabsf(ray->dir[1])), fabsf(ray->dir[2]));
-    double shrink = largest > TRI_LONG ? ldexp(1, 1 - ilogbf(largest)) : 1.0;
-    for (int k = 0; k < 3; k++)
-        d[k] = product(r, (double)ray->dir[k], shrink);
-    return shrink;
-}
-
 static void moeller_trumbore(struct exact_gmp_replay_replay *r, const struct ray *ray,
                              float v[3][3], double eps, struct gmp_replay *out)
 {
-    double d[3], e1[3], e2[3], s[3], p[3], q[3], shrink = shortened(r, ray, d);
+    double d[3], e1[3], e2[3], s[3], p[3], q[3];
     for (int k = 0; k < 3; k++) {
+        d[k] = (double)ray->dir[k];
         e1[k] = difference(r, (double)v[1][k], (double)v[0][k]);
         e2[k] = difference(r, (double)v[2][k], (double)v[0][k]);
         s[k] = difference(r, (double)ray->org[k], (double)v[0][k]);
@@ -160,11 +151,9 @@ static void moeller_trumbore(struct exact_gmp_replay_replay *r, const struct ray
     cross(r, s, e1, q);
     double det = dot(r, e1, p), u = dot(r, s, p), w = dot(r, d, q), t = dot(r, e2, q);
     double side = det < 0 ? -1 : 1, size = side * det;
-    if (size > eps * shrink && side * u >= 0 && side * u <= size && side * w >= 0 &&
-        sum(r, side * u, side * w) <= size) {
+    if (size > eps && side * u >= 0 && side * u <= size && side * w >= 0 &&
+        sum(r, side * u, side * w) <= size)
         divide(r, t, u, w, det, out);
-        out->t = (float)product(r, (double)out->t, shrink);
-    }
 }
 
 static void woop(struct exact_gmp_replay_replay *r, const struct ray *ray, float v[3][3],
@@ -200,10 +189,12 @@ static void woop(struct exact_gmp_replay_replay *r, const struct ray *ray, float
 static void pluecker(struct exact_gmp_replay_replay *r, const struct ray *ray, float v[3][3],
                      struct gmp_replay *out)
 {
-    double a[3][3], e[3][3], w[3], n[3], d[3], shrink = shortened(r, ray, d);
-    for (int k = 0; k < 3; k++)
+    double a[3][3], e[3][3], w[3], n[3], d[3];
+    for (int k = 0; k < 3; k++) {
+        d[k] = (double)ray->dir[k];
         for (int c = 0; c < 3; c++)
             a[c][k] = difference(r, (double)v[c][k], (double)ray->org[k]);
+    }
     bool positive = false, negative = false;
     for (int c = 0; c < 3; c++) {
         int p = (c + 1) % 3, q = (c + 2) % 3;
@@ -222,7 +213,7 @@ static void pluecker(struct exact_gmp_replay_replay *r, const struct ray *ray, f
     if (!(det > 0 && positive && !negative) && !(det < 0 && negative && !positive))
         return;
     out->accepted = true;
-    out->t = (float)product(r, quotient(r, dot(r, a[0], n), det), shrink);
+    out->t = (float)quotient(r, dot(r, a[0], n), det);
     out->u = (float)quotient(r, w[1], all);
     out->v = (float)quotient(r, w[2], all);
 }
@@ -245,9 +236,10 @@ static double climb_of(struct exact_gmp_replay_replay *r, const double m[3], dou
 static void baldwin_webber(struct exact_gmp_replay_replay *r, const struct ray *ray, float v[3][3],
                            struct gmp_replay *out)
 {
-    double e1[3], e2[3], n[3], v0[3], o[3], d[3], row[3][3], shrink = shortened(r, ray, d);
+    double e1[3], e2[3], n[3], v0[3], o[3], d[3], row[3][3];
     for (int k = 0; k < 3; k++) {
         o[k] = (double)ray->org[k];
+        d[k] = (double)ray->dir[k];
         v0[k] = (double)v[0][k];
         e1[k] = difference(r, (double)v[1][k], v0[k]);
         e2[k] = difference(r, (double)v[2][k], v0[k]);
@@ -273,7 +265,7 @@ static void baldwin_webber(struct exact_gmp_replay_replay *r, const struct ray *
     double x = sum(r, o[a], product(r, t, d[a])), y = sum(r, o[b], product(r, t, d[b]));
     double u = row_at(r, row[0], x, y), w = row_at(r, row[1], x, y);
     out->accepted = u >= 0 && w >= 0 && sum(r, u, w) <= 1;
-    out->t = (float)product(r, t, shrink);
+    out->t = (float)t;
     out->u = (float)u;
     out->v = (float)w;
 }

@@ -34,10 +34,9 @@ static struct evaluation moeller_trumbore(struct legal *l, const struct ray *ray
 void legal_woop_shear(struct legal *l, const struct tri_ray *r, float v[3][3], float x[3],
                       float y[3], float z[3])
 {
-    float depth = r->d[r->kz] / r->shrink; /* of the direction as given */
-    float sx = legal_div(l, r->d[r->kx] / r->shrink, depth);
-    float sy = legal_div(l, r->d[r->ky] / r->shrink, depth);
-    float sz = legal_div(l, 1, depth);
+    float sx = legal_div(l, r->d[r->kx], r->d[r->kz]);
+    float sy = legal_div(l, r->d[r->ky], r->d[r->kz]);
+    float sz = legal_div(l, 1, r->d[r->kz]);
     for (int c = 0; c < 3; c++) {
         float az = legal_sub(l, v[c][r->kz], r->o[r->kz]);
         x[c] = legal_sub(l, legal_sub(l, v[c][r->kx], r->o[r->kx]), legal_mul(l, sx, az));
