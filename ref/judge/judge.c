@@ -264,8 +264,11 @@ enum status judge_knowing(const struct judge *judge, const struct ray *ray, bool
         out->verdict = VERDICT_OUT_OF_CONTRACT;
         return STATUS_OK;
     }
-    if (!float_is_finite(answer->t) || !float_is_finite(answer->u) || !float_is_finite(answer->v))
+    enum verdict finite = judge_finite(judge, ray, answer);
+    if (finite == VERDICT_WRONG)
         judge_set_wrong(out, WRONG_NOT_FINITE);
+    else if (finite == VERDICT_OUT_OF_CONTRACT)
+        out->verdict = finite;
     else if (unnamed && hit)
         judge_unnamed_hit(judge, ray, truth, out);
     else if (judge->model.formula == TWIN_UNKNOWN)

@@ -80,9 +80,11 @@ static enum status judge_listed(struct listing *l)
     for (size_t i = 0; i < l->count && !is_wrong(l) && !status; i++) {
         bool anothers = false;
         struct judgement one = {.verdict = VERDICT_RIGHT};
-        enum verdict verdict =
-            unknown ? judge_named_by_distance(l->judge, l->ray, &nothing, &l->hit[i], &one)
-                    : judge_named(l->judge, l->ray, &nothing, &l->hit[i], NULL, &one);
+        enum verdict verdict = judge_finite(l->judge, l->ray, &l->hit[i]);
+        if (verdict == VERDICT_RIGHT)
+            verdict = unknown
+                          ? judge_named_by_distance(l->judge, l->ray, &nothing, &l->hit[i], &one)
+                          : judge_named(l->judge, l->ray, &nothing, &l->hit[i], NULL, &one);
         sum->over = fmax(sum->over, one.over);
         sum->displacement = fmax(sum->displacement, one.displacement);
         sum->share = fmax(sum->share, one.share);
@@ -223,13 +225,11 @@ static bool settled(struct listing *l)
         l->out->judgement.verdict = VERDICT_OUT_OF_CONTRACT;
         return true;
     }
-    for (size_t i = 0; i < l->count; i++) {
-        const struct hit *hit = &l->hit[i];
-        if (!float_is_finite(hit->t) || !float_is_finite(hit->u) || !float_is_finite(hit->v)) {
+    for (size_t i = 0; i < l->count; i++)
+        if (judge_finite(judge, l->ray, &l->hit[i]) == VERDICT_WRONG) {
             wrong(l, WRONG_NOT_FINITE, i);
             return true;
         }
-    }
     return false;
 }
 

@@ -32,15 +32,29 @@ void judge_take_along(const struct judge *judge, const struct ray *ray, uint32_t
     take_to(judge, ray, world_instance_of(judge->world, prim), out);
 }
 
+static bool in_contract_there(const struct judge *judge, const struct ray *ray, uint32_t prim)
+{
+    struct twin_ray placed;
+    judge_take_along(judge, ray, prim, &placed);
+    return placed.in_contract;
+}
+
 bool judge_takes(const struct judge *judge, const struct ray *ray, uint32_t prim)
 {
     if (!judge->world)
         return true;
     if (judge->model.formula == TWIN_UNKNOWN)
         return judge->place[world_instance_of(judge->world, prim)].kappa <= JUDGE_KAPPA_MOST;
-    struct twin_ray placed;
-    judge_take_along(judge, ray, prim, &placed);
-    return placed.in_contract;
+    return in_contract_there(judge, ray, prim);
+}
+
+enum verdict judge_finite(const struct judge *judge, const struct ray *ray, const struct hit *hit)
+{
+    if (float_is_finite(hit->t) && float_is_finite(hit->u) && float_is_finite(hit->v))
+        return VERDICT_RIGHT;
+    bool excused =
+        judge->world && hit->prim < judge->tri_count && !in_contract_there(judge, ray, hit->prim);
+    return excused ? VERDICT_OUT_OF_CONTRACT : VERDICT_WRONG;
 }
 
 struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_t prim,

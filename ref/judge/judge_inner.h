@@ -87,6 +87,11 @@ void judge_take_along(const struct judge *judge, const struct ray *ray, uint32_t
  * mesh is out of contract, or, for an unknown formula, its transform is ill-conditioned. */
 bool judge_takes(const struct judge *judge, const struct ray *ray, uint32_t prim);
 
+/* RIGHT of finite numbers. Of others WRONG, or OUT_OF_CONTRACT: where the ray is out of contract in
+ * the space of the triangle's mesh products overflow, whatever the formula (A8). An any-hit without
+ * a name, prim ABI_NO_PRIM, has no such space. The ray is in contract. */
+enum verdict judge_finite(const struct judge *judge, const struct ray *ray, const struct hit *hit);
+
 /* The twin of a triangle; `known` may be NULL. */
 struct twin judge_twin(const struct judge *judge, const struct ray *ray, uint32_t prim,
                        const struct judge_known *known);

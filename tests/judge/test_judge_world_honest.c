@@ -3,6 +3,7 @@
  * And of tracers with transforms of their own, judged as unknown formulas. */
 #include "tests/judge/honest_world.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -179,11 +180,88 @@ static void nor_are_those_of_a_black_box(void **state)
     assert_true(ill > 0 && ill < all / 3);
 }
 
+/* --- numbers that are not finite -------------------------------------------------------------- */
+
+/* A triangle of size 4, placed 2^-k times as large. */
+static void tiny_triangle(int k, struct judged_world *out)
+{
+    static const float corner[9] = {0, 0, 0, 4, 0, 0, 0, 4, 0};
+    struct world world = {.mesh_count = 1, .instance_count = 1};
+    world.mesh = calloc(1, sizeof *world.mesh);
+    world.instance = calloc(1, sizeof *world.instance);
+    assert_true(world.mesh && world.instance);
+    world.mesh[0] =
+        (struct world_mesh){calloc(1, sizeof(struct scene)), calloc(1, sizeof(struct geometry)), 1};
+    assert_true(world.mesh[0].scene && world.mesh[0].geometry);
+    assert_int_equal(scene_make(3, 1, world.mesh[0].scene), STATUS_OK);
+    memcpy(world.mesh[0].scene->vertex, corner, sizeof corner);
+    for (uint32_t i = 0; i < 3; i++)
+        world.mesh[0].scene->index[i] = i;
+    world.mesh[0].geometry[0] = (struct geometry){0, 1, true};
+    world.instance[0] = (struct instance){.mask = 0xFF};
+    for (int i = 0; i < 3; i++)
+        world.instance[0].m[i][i] = ldexpf(1, -k);
+    assert_int_equal(world_finish(&world, NULL), STATUS_OK);
+    judged_world_of(world, out);
+}
+
+/* A hit of it with a number of a kind that overflow gives, as a closest one, an any-hit and a list;
+ * `wrong`: it must be WRONG, else not judged. */
+static void play_not_finite(const struct judged_world *w, const struct ray *ray,
+                            const struct model *model, bool wrong)
+{
+    static const float bad[] = {NAN, INFINITY, -INFINITY};
+    const struct ray_mode mode = {.mask = 0xFF};
+    struct oracle_answer truth = judged_world_truth(w, ray, mode);
+    assert_int_equal(truth.prim, 0);
+    for (enum query query = 0; query < QUERY_COUNT; query++) {
+        struct judge *judge;
+        assert_int_equal(judge_make(w->oracle, model, query, &judge, NULL), STATUS_OK);
+        for (int i = 0; i < 3 * 3; i++) {
+            struct hit hit = {(float)truth.t_lo, 0.25f, 0.25f, 0};
+            struct list_judgement list;
+            struct judgement *j = &list.judgement;
+            uint32_t tag = 0; /* the back: d . N > 0 */
+            *(i / 3 == 0 ? &hit.t : i / 3 == 1 ? &hit.u : &hit.v) = bad[i % 3];
+            if (query == QUERY_ALL)
+                assert_int_equal(judge_world_list(judge, ray, mode, &hit, &tag, 1, &list), 0);
+            else
+                assert_int_equal(judge_world_answer(judge, ray, mode, &truth, &hit, tag, j), 0);
+            assert_int_equal(j->verdict, wrong ? VERDICT_WRONG : VERDICT_OUT_OF_CONTRACT);
+            assert_true(!wrong || j->wrong == WRONG_NOT_FINITE);
+        }
+        judge_free(judge);
+    }
+}
+
+/* Products of a direction of 2^k, an origin of 2^j and edges overflow, sooner or later; where the
+ * contract ends in the space of the mesh nothing is promised, by an unknown formula either. */
+static void numbers_are_finite_in_contract(void **state)
+{
+    (void)state;
+    for (int k = 0; k <= 60; k += 5)
+        for (int j = 0; j <= 60; j += 5) {
+            struct judged_world w;
+            const float side = ldexpf(1, -k);
+            const struct ray ray = {{side, side, -ldexpf(1, j - k)}, 0, {0, 0, 1}, INFINITY};
+            bool in_contract = k <= 40 && j <= 40;
+            tiny_triangle(k, &w);
+            for (size_t f = 0; f < OWN; f++)
+                for (size_t r = 0; r < 2 * ROUNDINGS; r++) {
+                    struct model model = model_of(f, r % ROUNDINGS, r >= ROUNDINGS);
+                    if (model.bits || (k != 40 && j != 40)) /* else roundings pass the end */
+                        play_not_finite(&w, &ray, &model, in_contract);
+                }
+            judged_world_free(&w);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(honest_answers_are_never_wrong),
         cmocka_unit_test(nor_are_those_of_a_black_box),
+        cmocka_unit_test(numbers_are_finite_in_contract),
     };
     return cmocka_run_group_tests_name("judge_world_honest", tests, NULL, NULL) ? 1 : 0;
 }
