@@ -23,7 +23,7 @@ struct refit {
     const struct packed *from;
     struct packed to;
     const struct scene *scene;
-    uint8_t *seen;     /* one bit for each reference that was visited */
+    bool *seen;        /* of each reference: it was visited */
     struct open *open; /* stack, from the root down */
     size_t open_count, open_room;
     struct items *leaf; /* leaves for the storage to write */
@@ -66,7 +66,7 @@ static enum status leaf_bounds(struct refit *refit, uint32_t ref, struct items l
                                struct box *box)
 {
     const char *name = refit->from->layout->name;
-    uint32_t found = 0;
+    bool found = false;
     if (leaf.count > refit->scene->tri_count)
         return fail(refit->reason, STATUS_INPUT, "%s: %s: a leaf of %u items for %u triangles",
                     name, packed_name(refit->from, ref).text, leaf.count, refit->scene->tri_count);
@@ -74,12 +74,14 @@ static enum status leaf_bounds(struct refit *refit, uint32_t ref, struct items l
     refit->named.item_first = leaf.first;
     for (uint32_t s = 0; s < leaf.count; s++) {
         uint32_t prim = packed_item(refit->from, &refit->named, s);
-        enum status status = prim == ABI_NO_PRIM ? STATUS_OK : add_triangle(refit, ref, prim, box);
+        if (prim == ABI_NO_PRIM)
+            continue;
+        enum status status = add_triangle(refit, ref, prim, box);
         if (status)
             return status;
-        found += prim != ABI_NO_PRIM;
+        found = true;
     }
-    if (found == 0)
+    if (!found)
         return fail(refit->reason, STATUS_INPUT, "%s: %s is a leaf without triangles", name,
                     packed_name(refit->from, ref).text);
     if (!stores_vertices(refit->from))
@@ -118,9 +120,9 @@ static enum status enter(struct refit *refit, uint32_t ref, struct box *box, boo
     const struct layout *layout = refit->from->layout;
     struct wide node;
     *opened = false;
-    if (!packed_ref_valid(refit->from, ref) || refit->seen[ref / 8] >> ref % 8 & 1)
+    if (!packed_ref_valid(refit->from, ref) || refit->seen[ref])
         return no_tree(refit, ref);
-    refit->seen[ref / 8] |= (uint8_t)(1u << ref % 8);
+    refit->seen[ref] = true;
     layout->load(refit->from, ref, &node);
     if (node.child_count == 0 && node.item_count > 0 && !layout_is_wide(layout)) {
         enum status status =
@@ -252,12 +254,13 @@ static enum status make(struct refit *refit)
 {
     const struct packed *from = refit->from;
     bool vertices = stores_vertices(from);
-    refit->seen = alloc_zeroed((size_t)from->ref_count / 8 + 1, 1);
-    refit->prim = alloc_zeroed(vertices ? refit->scene->tri_count : 0, sizeof *refit->prim);
+    refit->seen = alloc_zeroed(from->ref_count, sizeof *refit->seen);
     refit->to.word = alloc_copy(from->word, from->word_count, sizeof *from->word);
-    if (vertices)
+    if (vertices) {
+        refit->prim = alloc_zeroed(refit->scene->tri_count, sizeof *refit->prim);
         refit->to.item = alloc_copy(from->item, from->item_count, sizeof *from->item);
-    if (!refit->seen || !refit->prim || !refit->to.word || (vertices && !refit->to.item))
+    }
+    if (!refit->seen || !refit->to.word || (vertices && !(refit->prim && refit->to.item)))
         return STATUS_MEMORY;
     enum status status = write_bounds(refit);
     return status || !vertices ? status : write_leaves(refit);

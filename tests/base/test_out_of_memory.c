@@ -354,6 +354,14 @@ static void what_looks_at_packed_trees(void **state)
         }
         packed_free(&packed);
     }
+    struct packed stored;
+    assert_int_equal(packed_make_stored(layout_find("f32"), tri_store_find("gathered"), &bvh,
+                                        &scene, &stored, NULL),
+                     STATUS_OK);
+    struct memory_work leaves = {
+        .name = "gathered", .scene = &scene, .moved = &moved, .packed = &stored};
+    assert_true(fail_each(do_refit, &leaves, 1) > 1);
+    packed_free(&stored);
     bvh_free(&bvh);
     scene_free(&moved);
     scene_free(&scene);

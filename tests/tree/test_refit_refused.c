@@ -12,6 +12,7 @@
 #include "ref/store.h"
 
 #include <stdio.h>
+#include <string.h>
 
 static struct bvh build(const char *builder, const struct scene *scene, uint32_t leaf)
 {
@@ -244,6 +245,37 @@ static void what_is_no_tree_is_said(void **state)
     scene_free(&scene);
 }
 
+/* Wide nodes may have one child, but not none. */
+static void a_node_without_children_is_no_tree(void **state)
+{
+    (void)state;
+    struct scene scene = trees_grid(32);
+    struct bvh bvh = build("median", &scene, 2);
+    uint32_t refused = 0, wide = 0;
+    for (size_t l = 0; layouts_all[l]; l++) {
+        struct packed packed;
+        struct reason reason = {""};
+        struct wide root;
+        if (!layout_is_wide(layouts_all[l]) || !layouts_all[l]->rebound)
+            continue;
+        wide++;
+        assert_int_equal(packed_make(layouts_all[l], &bvh, &scene, &packed, NULL), STATUS_OK);
+        memset(packed.word, 0, packed.word_count * sizeof *packed.word);
+        packed.layout->load(&packed, packed.root, &root);
+        enum status status = packed_refit(&packed, &scene, &reason);
+        if (root.child_count == 0) {
+            refused++;
+            assert_int_equal(status, STATUS_INPUT);
+            assert_non_null(strstr(reason.text, "the words are not a tree"));
+        }
+        packed_free(&packed);
+    }
+    printf("%u of %u wide layouts read zeros as a node without children\n", refused, wide);
+    assert_true(refused > 0);
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
 /* Words that are no tree: said, or refitted to something; nothing outside is touched (sanitize). */
 static void hostile_words_are_safe(void **state)
 {
@@ -279,6 +311,7 @@ int main(void)
         cmocka_unit_test(refusals_count_the_words_of_a_leaf),
         cmocka_unit_test(refusals_of_a_storage_are_those_of_packing),
         cmocka_unit_test(what_is_no_tree_is_said),
+        cmocka_unit_test(a_node_without_children_is_no_tree),
         cmocka_unit_test(hostile_words_are_safe),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
