@@ -30,7 +30,7 @@ void main()
         bool hit = tri_test_run(id, r, v0, v1, v2, tuv);
         hit_quad[at + 4u + id] = told(hit, tuv);
     }
-    hit_quad[at] = floatBitsToUint(vec4(r.o, r.shrink));
+    hit_quad[at] = floatBitsToUint(vec4(r.o, 0.0));
     hit_quad[at + 1u] = floatBitsToUint(vec4(r.d, r.tmin));
     hit_quad[at + 2u] = floatBitsToUint(vec4(r.shear, r.tmax));
     hit_quad[at + 3u] = uvec4(r.axis, in_range);

@@ -4,6 +4,7 @@
 #include "ref/twin/twin.h"
 #include "scenes/scenes.h"
 #include "ref/primitives/test_run.h"
+#include "tests/support/triangle_drawn.h"
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,38 +15,7 @@
 #include <math.h>
 #include <string.h>
 
-#define TMAX 1e30f
-
-/* On a miss *hit is one. */
-static bool run(uint32_t id, const struct ray *ray, float v[3][3], struct hit *hit)
-{
-    struct tri_ray r = tri_ray_make(ray);
-    *hit = (struct hit){.prim = ABI_NO_PRIM};
-    return tri_test_run(id, &r, v, hit);
-}
-
-static float unit(struct rng *rng)
-{
-    return 2 * rng_float(rng) - 1;
-}
-
-/* A random triangle, and a ray whose line passes through it: most weights are away from 0. */
-static void draw(struct rng *rng, struct ray *ray, float v[3][3])
-{
-    float w[3], sum = 0;
-    *ray = (struct ray){.tmax = TMAX};
-    for (int c = 0; c < 3; c++) {
-        w[c] = rng_float(rng) - 0.1f;
-        sum += w[c];
-        for (int k = 0; k < 3; k++)
-            v[c][k] = unit(rng);
-    }
-    for (int k = 0; k < 3; k++) {
-        float at = (w[0] * v[0][k] + w[1] * v[1][k] + w[2] * v[2][k]) / (sum + 0.01f);
-        ray->org[k] = 3 * unit(rng);
-        ray->dir[k] = at - ray->org[k];
-    }
-}
+#define TMAX TRIANGLE_TMAX
 
 /* Corners (0,0,z), (4,0,z), (0,4,z) seen along z: everything is exact. */
 static bool on_lattice(uint32_t id, float x, float y, int axis, float sign, struct hit *hit)
@@ -58,7 +28,7 @@ static bool on_lattice(uint32_t id, float x, float y, int axis, float sign, stru
     ray.org[b] = y;
     ray.org[axis] = -8 * sign;
     ray.dir[axis] = 2 * sign;
-    return run(id, &ray, v, hit);
+    return triangle_run(id, &ray, v, hit);
 }
 
 static void every_test_is_closed_at_edges_and_vertices(void **state)
@@ -88,7 +58,7 @@ static bool in_range(const struct tri_test *test, float tmin, float tmax)
     float v[3][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
     struct ray ray = {{1, 1, -8}, tmin, {0, 0, 2}, tmax};
     struct hit hit;
-    return run(test->id, &ray, v, &hit);
+    return triangle_run(test->id, &ray, v, &hit);
 }
 
 static void only_mt_rtrs_is_open_at_the_ends_of_the_range(void **state)
@@ -116,7 +86,7 @@ static bool of_determinant(const char *name, float a)
     float v[3][3] = {{0, 0, 0}, {a, 0, 0}, {0, 1, 0}};
     struct ray ray = {{0, 0, -1}, 0, {0, 0, 1}, TMAX};
     struct hit hit;
-    return run(tri_test_find(name)->id, &ray, v, &hit);
+    return triangle_run(tri_test_find(name)->id, &ray, v, &hit);
 }
 
 static void only_mt_rtrs_has_a_threshold(void **state)
@@ -144,9 +114,9 @@ static void u_and_v_weigh_vertices_1_and_2(void **state)
             struct ray ray;
             struct hit hit;
             float v[3][3];
-            draw(&rng, &ray, v);
+            triangle_drawn(&rng, &ray, v);
             struct twin twin = twin_eval(twin_of_tri(tri_tests[i]->id), ROUNDING_IEEE, &ray, v);
-            if (!run(tri_tests[i]->id, &ray, v, &hit) || twin.t_err > 1e-5)
+            if (!triangle_run(tri_tests[i]->id, &ray, v, &hit) || twin.t_err > 1e-5)
                 continue;
             hits++;
             for (int k = 0; k < 3; k++) {
@@ -178,15 +148,15 @@ static void vertex_order_and_winding_change_nothing_that_is_certain(void **state
             struct ray ray;
             struct hit hit, other;
             float v[3][3], turned[3][3];
-            draw(&rng, &ray, v);
+            triangle_drawn(&rng, &ray, v);
             if (n % 2) /* at an edge */
                 for (int k = 0; k < 3; k++)
                     ray.dir[k] = 0.5f * (v[0][k] + v[1][k]) - ray.org[k];
             struct twin twin = twin_eval(twin_of_tri(id), ROUNDING_IEEE, &ray, v);
-            bool first = run(id, &ray, v, &hit);
+            bool first = triangle_run(id, &ray, v, &hit);
             for (int which = 1; which < 6; which++) {
                 permute(v, which, turned);
-                bool second = run(id, &ray, turned, &other);
+                bool second = triangle_run(id, &ray, turned, &other);
                 if (id == ABI_TRI_WOOP || twin.certain || !twin.possible)
                     assert_int_equal(first, second);
                 if (first && second && isfinite(twin.t_err))
@@ -209,14 +179,14 @@ static void nan_anywhere_is_a_miss(void **state)
             float v[3][3] = {{0, 0, 0.1f}, {4, 0, 0.2f}, {0, 4, 0.3f}}, w[8];
             struct ray ray = {{1, 1, -8}, 0, {0.01f, 0.02f, 2}, TMAX};
             struct hit hit;
-            assert_true(run(tri_tests[i]->id, &ray, v, &hit));
+            assert_true(triangle_run(tri_tests[i]->id, &ray, v, &hit));
             memcpy(w, &ray, sizeof w);
             if (word < 8)
                 w[word] = NAN;
             else
                 v[(word - 8) / 3][(word - 8) % 3] = NAN;
             memcpy(&ray, w, sizeof ray);
-            assert_false(run(tri_tests[i]->id, &ray, v, &hit));
+            assert_false(triangle_run(tri_tests[i]->id, &ray, v, &hit));
         }
 }
 
@@ -227,7 +197,7 @@ static void a_direction_of_zero_is_a_miss(void **state)
     struct ray ray = {{1, 1, 0}, 0, {0, -0.0f, 0}, TMAX};
     struct hit hit;
     for (size_t i = 0; tri_tests[i]; i++)
-        assert_false(run(tri_tests[i]->id, &ray, v, &hit));
+        assert_false(triangle_run(tri_tests[i]->id, &ray, v, &hit));
 }
 
 static void minus_zero_is_zero(void **state)
@@ -253,8 +223,8 @@ static void minus_zero_is_zero(void **state)
                     negated.org[a] = -0.0f;
                 if (signs & 8)
                     negated.org[b] = -0.0f;
-                bool hits = run(tri_tests[i]->id, &ray, v, &hit);
-                assert_int_equal(run(tri_tests[i]->id, &negated, v, &other), hits);
+                bool hits = triangle_run(tri_tests[i]->id, &ray, v, &hit);
+                assert_int_equal(triangle_run(tri_tests[i]->id, &negated, v, &other), hits);
                 if (hits)
                     assert_true(hit.t == other.t && hit.u == other.u && hit.v == other.v);
             }
@@ -274,15 +244,15 @@ static void powers_of_two_scale_t_exactly(void **state)
             struct hit hit, other;
             float v[3][3], large[3][3];
             int k = (int)rng_below(&rng, 41) - 20, j = (int)rng_below(&rng, 41) - 20;
-            draw(&rng, &ray, v);
+            triangle_drawn(&rng, &ray, v);
             for (int x = 0; x < 3; x++) {
                 scaled.org[x] = ldexpf(ray.org[x], k);
                 scaled.dir[x] = ldexpf(ray.dir[x], j);
                 for (int c = 0; c < 3; c++)
                     large[c][x] = ldexpf(v[c][x], k);
             }
-            bool first = run(scale_free[i], &ray, v, &hit);
-            assert_int_equal(run(scale_free[i], &scaled, large, &other), first);
+            bool first = triangle_run(scale_free[i], &ray, v, &hit);
+            assert_int_equal(triangle_run(scale_free[i], &scaled, large, &other), first);
             if (!first)
                 continue;
             hits++;
@@ -306,7 +276,7 @@ static uint32_t leaks(const struct scene *scene, const char *test, bool vertices
         uint32_t c = rng_below(&rng, 3), d = (c + 1) % 3;
         scene_tri(scene, rng_below(&rng, scene->tri_count), v);
         for (int k = 0; k < 3; k++) {
-            ray.org[k] = 0.3f * unit(&rng);
+            ray.org[k] = 0.3f * triangle_unit(&rng);
             ray.dir[k] = v[c][k] + s * (v[d][k] - v[c][k]) - ray.org[k];
         }
         struct tri_ray r = tri_ray_make(&ray);

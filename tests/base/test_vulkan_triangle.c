@@ -16,8 +16,7 @@ enum triangle_kind {
     TRIANGLE_PLAIN,
     TRIANGLE_COMPONENTS, /* of the direction: adverse ones */
     TRIANGLE_SCALED,     /* the coordinates, up to 2^39 */
-    TRIANGLE_LONG,       /* the direction, up to 2^100 */
-    TRIANGLE_LONGEST,    /* that is not shortened, or beside it */
+    TRIANGLE_LONG,       /* the direction, up to 2^40 */
     TRIANGLE_THRESHOLD,  /* the determinant is that of mt_rtrs, or beside it */
     TRIANGLE_TOUCHED,    /* the range begins or ends with t, or beside it */
     TRIANGLE_ABSORBED,   /* the origin is so far that all corners are at one place from there */
@@ -129,12 +128,7 @@ static void alter(struct rng *rng, enum triangle_kind kind, struct triangle_case
             adverse_scale(c->v[corner], e);
     }
     if (kind == TRIANGLE_LONG)
-        adverse_scale(c->ray.dir, (int)rng_below(rng, 99));
-    if (kind == TRIANGLE_LONGEST && adverse_largest(c->ray.dir) > 0) {
-        uint32_t k = rng_below(rng, 3);
-        adverse_scale(c->ray.dir, 40 - ilogbf(adverse_largest(c->ray.dir)));
-        c->ray.dir[k] = adverse_beside(rng, adverse_sign(rng) * 0x1p40f);
-    }
+        adverse_scale(c->ray.dir, (int)rng_below(rng, 38));
     if (kind == TRIANGLE_THRESHOLD)
         at_threshold(rng, c);
     if (kind == TRIANGLE_NO_AREA)
@@ -165,7 +159,7 @@ static struct triangle_case triangle_case_draw(struct rng *rng, uint32_t i)
 
 /* --- what C has ------------------------------------------------------------------------------ */
 
-static const char *const quad_names[WORDS / 4] = {"o, shrink",
+static const char *const quad_names[WORDS / 4] = {"o, -",
                                                   "d, tmin",
                                                   "shear, tmax",
                                                   "axes, ids whose range has t",
@@ -189,7 +183,7 @@ static void ray_in_c(const struct tri_ray *r, uint32_t want[WORDS])
         want[4 + k] = float_bits(r->d[k]);
         want[8 + k] = float_bits(shear[k]);
     }
-    want[3] = float_bits(r->shrink);
+    want[3] = 0;
     want[7] = float_bits(r->tmin);
     want[11] = float_bits(r->tmax);
     want[12] = (uint32_t)r->kx;
