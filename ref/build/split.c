@@ -208,13 +208,11 @@ static void chop(const struct split_node *node, const struct part *part, int axi
                  const float *plane, uint32_t bins, struct bin *bin)
 {
     float v[3][3], lo = part->box.lo[axis], hi = part->box.hi[axis];
-    double scale = (double)bins / ((double)plane[bins] - (double)plane[0]);
-    double place = ((double)lo - (double)plane[0]) * scale;
-    uint32_t from = place < (double)(bins - 1) ? (uint32_t)place : bins - 1;
-    while (from > 0 && plane[from] > lo)
-        from--;
-    while (from + 1 < bins && plane[from + 1] <= lo)
-        from++;
+    uint32_t from = 0, behind = bins;
+    while (behind - from > 1) {
+        uint32_t middle = (from + behind) / 2;
+        *(plane[middle] <= lo ? &from : &behind) = middle;
+    }
     uint32_t to = from;
     while (to + 1 < bins && plane[to + 1] < hi)
         to++;

@@ -1,4 +1,6 @@
 /* The simulated cache: what patterns whose misses are known by hand read from beyond each level. */
+#include "tests/support/allocations.h"
+
 #include "bench/measure/cache_sim.h"
 
 #include <setjmp.h>
@@ -135,6 +137,24 @@ static void sizes_that_are_none_are_refused(void **state)
     }
 }
 
+static void what_was_made_is_given_back(void **state)
+{
+    (void)state;
+    long before = atomic_load(&held);
+    struct cache_sim cache = made(8, 3, 16, 2);
+    assert_true(atomic_load(&held) > before);
+    cache_sim_free(&cache);
+    assert_int_equal(atomic_load(&held), before);
+    for (long n = 0; n < CACHE_SIM_LEVELS; n++) {
+        const struct cache_size size[CACHE_SIM_LEVELS] = {{8, 3}, {16, 2}};
+        struct reason reason;
+        fail_after(n);
+        assert_int_equal(cache_sim_make(size, &cache, &reason), STATUS_MEMORY);
+        fail_after(-1);
+        assert_int_equal(atomic_load(&held), before);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -144,6 +164,7 @@ int main(void)
         cmocka_unit_test(the_least_recently_used_goes),
         cmocka_unit_test(random_reads_are_as_defined),
         cmocka_unit_test(sizes_that_are_none_are_refused),
+        cmocka_unit_test(what_was_made_is_given_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

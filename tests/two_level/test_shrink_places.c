@@ -65,6 +65,19 @@ static float below(float x)
     return x == 0 ? 0 : copysignf(ldexpf(1, ilogbf(x)), x);
 }
 
+/* Its mesh where it was placed; false: it has none. */
+static bool baked_by_hand(struct scene *scene, const struct instance *old)
+{
+    for (uint32_t v = 3 * old->mesh; v < 3 * old->mesh + 3 && old->mesh != WORLD_NO_MESH; v++) {
+        float p[3];
+        memcpy(p, scene->vertex + 3 * v, sizeof p);
+        for (int k = 0; k < 3; k++)
+            scene->vertex[3 * v + (uint32_t)k] =
+                old->m[k][0] * p[0] + old->m[k][1] * p[1] + old->m[k][2] * p[2] + old->m[k][3];
+    }
+    return old->mesh != WORLD_NO_MESH;
+}
+
 /* What a change makes of instance `at`, from the names of the changes; false: there is none. */
 static bool placed_by_hand(struct fuzz_trial *trial, uint32_t at, uint32_t how)
 {
@@ -84,14 +97,7 @@ static bool placed_by_hand(struct fuzz_trial *trial, uint32_t at, uint32_t how)
         return true;
     case 2: /* the mesh where it was placed */
         put(one, 1, 1, 1, none);
-        for (uint32_t v = 3 * old.mesh; v < 3 * old.mesh + 3 && old.mesh != WORLD_NO_MESH; v++) {
-            float p[3];
-            memcpy(p, trial->scene.vertex + 3 * v, sizeof p);
-            for (int k = 0; k < 3; k++)
-                trial->scene.vertex[3 * v + (uint32_t)k] =
-                    old.m[k][0] * p[0] + old.m[k][1] * p[1] + old.m[k][2] * p[2] + old.m[k][3];
-        }
-        return old.mesh != WORLD_NO_MESH;
+        return baked_by_hand(&trial->scene, &old);
     case 3: /* translated only */
         put(one, 1, 1, 1, t);
         return true;

@@ -67,6 +67,10 @@ verdicts() {
             expect 0 . check $world --engine "pipe:$honest" $how $few --json "$dir/pipe.json"
             expect 0 . gen $world $how --count 150 --out "$dir/rays"
             [ "$(head -n 1 "$dir/rays")" = 'raydiff 2' ] || bad "gen $world: the first line"
+            query=closest
+            case $how in *any*) query=any ;; esac
+            grep -qx "query $query" "$dir/rays" || bad "gen $world $how: the query is not $query"
+            grep -q '^r .*0x' "$dir/rays" || bad "gen $world $how: rays are not exact"
             $honest --text <"$dir/rays" >"$dir/hits"
             "$raydiff" verify --json "$dir/text.json" <"$dir/hits" >"$dir/out" 2>"$dir/err" || bad "verify $world $how"
             expect 0 . judge $world "$dir/rays" "$dir/hits" --json "$dir/files.json"
@@ -74,6 +78,8 @@ verdicts() {
                 [ "$(counts "$dir/pipe.json")" = "$(counts "$dir/$form.json")" ] || bad "$world $how: $form is judged otherwise"
             done
             "$raydiff" gen $world $how --count 150 --decimal >"$dir/decimal"
+            ! grep -q 0x "$dir/decimal" || bad "gen $world --decimal: a number is hexadecimal"
+            grep -qx "query $query" "$dir/decimal" || bad "gen $world $how --decimal: the query is not $query"
             $honest --text <"$dir/decimal" | cmp -s - "$dir/hits" || bad "gen $world --decimal: other numbers"
         done
     done
