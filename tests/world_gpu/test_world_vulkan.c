@@ -22,8 +22,8 @@ static void parts_are_filtered_as_their_instances(void **state)
     world_free(&world);
 }
 
-/* Boxes of the top shrunk to points: whether a ray meets one depends on how much wider it is tested,
- * which depends on the largest coordinate of the origin, on each axis and side. */
+/* Boxes of the top shrunk to points: whether a ray meets one depends on how much wider it is
+ * tested, which depends on the largest coordinate of the origin, on each axis and side. */
 static void parts_are_tested_as_wide_as_the_ray_is_far(void **state)
 {
     (void)state;

@@ -19,7 +19,7 @@ struct both_worlds {
 /* Both with one stack, so that one pipeline traces both. */
 static struct both_worlds both_worlds(size_t i)
 {
-    struct both_worlds b = {.world = mixed_world((enum filter_kind)(i % 4))};
+    struct both_worlds b = {.world = mixed_world((enum filter_kind)((i + 2) % 4))};
     struct world_build build = stand_build("sah_sweep", 1 + (uint32_t)i % 3);
     struct world_trees whole = stand_trees(&b.world, "median", 3), parts;
     const struct layout *layout = layouts_all[i];
