@@ -1,14 +1,15 @@
 # SPIR-V of every shader, checked and decorated by $(TOOL), and embedded into C.
 SHADERS  := $(wildcard shaders/*.comp shaders/probes/*.comp)
-# Shaders generated for each layout: its tracer, its renderer, a tracer of worlds and, for binary
-# layouts, a tracer without a stack.
+# Shaders generated for each layout: its tracer, its renderer, a tracer of worlds, a probe of its nodes and, for
+# binary layouts, a tracer without a stack.
 LAYOUTS  := $(patsubst shaders/layouts/layout_%.glsl,%,$(wildcard shaders/layouts/layout_*.glsl))
 BINARY   := $(patsubst shaders/layouts/layout_%.glsl,%,$(shell grep -L 'define WIDE' shaders/layouts/layout_*.glsl))
 TRACED   := $(LAYOUTS:%=trace_%)
 RENDERED := $(LAYOUTS:%=render_%)
 STACKLESS := $(BINARY:%=stackless_%)
 WORLDS   := $(LAYOUTS:%=world_%)
-MADE     := $(TRACED) $(RENDERED) $(STACKLESS) $(WORLDS)
+NODES    := $(LAYOUTS:%=nodes_%)
+MADE     := $(TRACED) $(RENDERED) $(STACKLESS) $(WORLDS) $(NODES)
 SPV      := $(patsubst %,$(B)/spv/%.spv,$(basename $(notdir $(SHADERS))) $(MADE))
 
 GLSLANG ?= glslangValidator
@@ -34,6 +35,8 @@ $(STACKLESS:%=$(B)/gen/%.comp): $(B)/gen/stackless_%.comp: shaders/shaders.mk
 
 $(WORLDS:%=$(B)/gen/%.comp): $(B)/gen/world_%.comp: shaders/shaders.mk
 	$(call made,$*,WORLDS,world)
+$(NODES:%=$(B)/gen/%.comp): $(B)/gen/nodes_%.comp: shaders/shaders.mk
+	$(call made,$*,,nodes)
 
 # -g0: names are not needed at run time. The depfile lists the includes and abi.h.
 # Ray queries need SPIR-V 1.4 and so Vulkan 1.2.

@@ -1,4 +1,4 @@
-/* The SPIR-V modules that the build embeds: one for each shader and two or three for each layout,
+/* The SPIR-V modules that the build embeds: one for each shader and several for each layout,
  * checked and decorated by shaders/spirv_tool.c. Modules of plugin layouts are added at run time by
  * the same rules. */
 #ifndef SHADERS_H

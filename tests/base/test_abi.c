@@ -4,21 +4,22 @@
 
 #include "tests/support/gpu.h"
 
-/* What the probe wrote; the structs' own offsets decide where C looks. */
+/* What the probe wrote; the structs' own offsets decide where C looks. It writes two elements. */
 struct abi_seen {
-    struct ray ray[2];
-    struct hit hit[2];
-    struct node_f32 f32[2];
-    struct node_rf rf[2];
-    struct node_rtrs_direct direct[2];
-    struct push push[2];
+    struct ray ray[3];
+    struct hit hit[3];
+    struct node_f32 f32[3];
+    struct node_rf rf[3];
+    struct node_rtrs_direct direct[3];
+    struct push push[3];
 };
 
 static const struct push told = {.ray_count = 60000,
                                  .root = 60100,
                                  .node_count = 60200,
                                  .item_count = 60300,
-                                 .tri_count = 60400};
+                                 .tri_count = 60400,
+                                 .capacity = 60500};
 
 static struct abi_seen *seen_on_device(void)
 {
@@ -98,6 +99,20 @@ static void abi_push_constants_arrive_in_order(void **state)
     free(seen);
 }
 
+static void nothing_is_written_behind_the_last(void **state)
+{
+    (void)state;
+    static const struct abi_seen none;
+    struct abi_seen *seen = seen_on_device();
+    assert_memory_equal(&seen->ray[2], &none.ray[2], sizeof none.ray[2]);
+    assert_memory_equal(&seen->hit[2], &none.hit[2], sizeof none.hit[2]);
+    assert_memory_equal(&seen->f32[2], &none.f32[2], sizeof none.f32[2]);
+    assert_memory_equal(&seen->rf[2], &none.rf[2], sizeof none.rf[2]);
+    assert_memory_equal(&seen->direct[2], &none.direct[2], sizeof none.direct[2]);
+    assert_memory_equal(&seen->push[2], &none.push[2], sizeof none.push[2]);
+    free(seen);
+}
+
 /* --- frames ----------------------------------------------------------------------------------- */
 
 struct frame_seen {
@@ -174,6 +189,7 @@ int main(void)
         cmocka_unit_test(abi_ray_and_hit_lie_where_c_has_them),
         cmocka_unit_test(abi_nodes_lie_where_c_has_them),
         cmocka_unit_test(abi_push_constants_arrive_in_order),
+        cmocka_unit_test(nothing_is_written_behind_the_last),
         cmocka_unit_test(abi_of_frames_lies_where_c_has_it),
         cmocka_unit_test(abi_push_constants_of_frames_arrive_in_order),
     };

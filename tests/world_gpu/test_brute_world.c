@@ -133,6 +133,37 @@ static void it_has_the_bits_of_brute(void **state)
     cpu.engine->close(cpu.self);
 }
 
+/* A part ends within an instance: its last triangle and the next one are listed once each. */
+static void triangles_where_parts_meet_are_tested_once(void **state)
+{
+    (void)state;
+    static struct brute_answers_of a, b;
+    static struct ray ray[RAYS];
+    static struct ray_mode mode[RAYS];
+    const struct laws gpu = open_device();
+    struct laws cpu = {.engine = engine_find("brute")};
+    const struct engine_options options = {.threads = 2, .device = -1};
+    struct world world = laws_room(1, 2);
+    assert_int_equal(cpu.engine->open(&options, &cpu.self, NULL), STATUS_OK);
+    laws_mesh(&world.mesh[0], (const uint32_t[]){DISPATCH_PART + 8}, 1);
+    laws_finish(&world);
+    for (uint32_t i = 0; i < RAYS; i++) {
+        const uint32_t prim = DISPATCH_PART - 4 + i % 8;
+        ray[i] = laws_aim(&world, 0, prim, 0.25f, 0.25f, true, ray_mode_all()).ray;
+        mode[i] = ray_mode_all();
+    }
+    const struct world_job job = {
+        .world = &world, .box = box_tests[0], .tri = tri_tests[0], .query = QUERY_ALL};
+    answer(&gpu, &job, ray, mode, &a);
+    answer(&cpu, &job, ray, mode, &b);
+    assert_memory_equal(&a, &b, sizeof a);
+    for (uint32_t i = 0; i < RAYS; i++)
+        assert_true(a.found[i] > 0);
+    world_free(&world);
+    gpu.engine->close(gpu.self);
+    cpu.engine->close(cpu.self);
+}
+
 /* Those of mask 0 have numbers, at the end as in between. */
 static void instances_that_are_not_active_keep_their_triangles(void **state)
 {
@@ -212,6 +243,7 @@ int main(void)
         cmocka_unit_test(it_obeys_the_laws),
         cmocka_unit_test(inactive_instances_keep_their_numbers),
         cmocka_unit_test(it_has_the_bits_of_brute),
+        cmocka_unit_test(triangles_where_parts_meet_are_tested_once),
         cmocka_unit_test(instances_that_are_not_active_keep_their_triangles),
         cmocka_unit_test(parts_cover_a_world_once),
     };
