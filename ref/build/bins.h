@@ -28,10 +28,13 @@ struct bin_split {
 
 struct bin_map bin_map_of(const struct lane_box *centres, uint32_t bins);
 
+/* 0 .. count - 1, whatever the reference: a centre that is NaN may have spoilt the bounds of those
+ * before it, so that they lie below `base`. */
 static inline lanes_int bin_of(const struct bin_map *map, const struct ref *ref)
 {
     lanes at = (ref_centre(ref) - map->base) * map->scale;
-    return lanes_to_int(lanes_min(at, lanes_all((float)map->count - 1)));
+    lanes below = lanes_min(at, lanes_all((float)map->count - 1));
+    return lanes_to_int(lanes_max(below, lanes_all(0)));
 }
 
 void bins_clear(struct bins *bins, uint32_t count);
