@@ -102,11 +102,14 @@ static uint64_t hash_of(uint64_t hash, const struct bvh *bvh)
     return hash;
 }
 
-static const struct {
+struct row {
     const char *builder;
     struct build_options options;
-    uint64_t hash; /* of the trees of all scenes */
-} rows[] = {
+    uint64_t hash;
+};
+
+/* Of the trees of all scenes above. */
+static const struct row rows[] = {
     {"median", {.leaf = 1}, 0xc6edb35af467cafd},
     {"median", {.leaf = 4}, 0x9d582ab29fa8f515},
     {"rtrs", {.leaf = 2, .eps = 0.02f}, 0x49b82d0f29a9e0c4},
@@ -132,30 +135,66 @@ static const struct {
     {"sbvh", {.leaf = 4, .passes = 3}, 0x599f70097f68a841},
 };
 
+/* Of one tree of a soup so large that it is divided and sorted in parts. */
+static const struct {
+    struct row row;
+    uint32_t count;
+} large[] = {
+    {{"median", {.leaf = 4}, 0x37720e95cb1f7353}, 70000},
+    {{"sah_binned", {.leaf = 4}, 0x4b517688afda48ea}, 70000},
+    {{"sah_sweep", {.leaf = 4}, 0x93632222330de051}, 70000},
+    {{"lbvh", {.leaf = 4}, 0xf01b51459af52033}, 70000},
+    {{"ploc", {.leaf = 4}, 0x2a0d842e99fcb1a6}, 9000},
+    {{"sbvh", {.leaf = 4, .split_budget = 0.25f}, 0x77005c9bf3048fa6}, 9000},
+    {{"sah_binned", {.leaf = 4, .passes = 1}, 0x7b014cfd8ae205ad}, 9000},
+};
+
+#define HASH 0xcbf29ce484222325u
+
+static uint64_t hash_with(uint64_t hash, const struct row *row, draw_fn *draw, uint32_t count)
+{
+    struct scene scene = drawn(draw, count);
+    struct bvh bvh;
+    struct reason reason = {""};
+    enum status status =
+        bvh_build(builder_find(row->builder), &scene, &row->options, &bvh, &reason);
+    if (status && status != STATUS_LIMIT)
+        fail_msg("%s: %s", row->builder, reason.text);
+    mix(&hash, (uint32_t)status);
+    hash = hash_of(hash, &bvh);
+    bvh_free(&bvh);
+    scene_free(&scene);
+    return hash;
+}
+
+/* Returns whether the row has another hash, and prints it. */
+static bool differs(const struct row *row, uint64_t hash)
+{
+    if (hash != row->hash)
+        print_error("%s, leaf %u: now 0x%016llx\n", row->builder, row->options.leaf,
+                    (unsigned long long)hash);
+    return hash != row->hash;
+}
+
 static void trees_are_what_they_were(void **state)
 {
     (void)state;
     uint32_t others = 0;
     for (size_t r = 0; r < ARRAY_COUNT(rows); r++) {
-        uint64_t hash = 0xcbf29ce484222325u;
-        for (size_t s = 0; s < ARRAY_COUNT(scenes); s++) {
-            struct scene scene = drawn(scenes[s].draw, scenes[s].count);
-            struct bvh bvh;
-            struct reason reason = {""};
-            enum status status =
-                bvh_build(builder_find(rows[r].builder), &scene, &rows[r].options, &bvh, &reason);
-            mix(&hash, (uint32_t)status);
-            if (status && status != STATUS_LIMIT)
-                fail_msg("%s: %s", rows[r].builder, reason.text);
-            hash = hash_of(hash, &bvh);
-            bvh_free(&bvh);
-            scene_free(&scene);
-        }
-        if (hash != rows[r].hash)
-            print_error("row %zu, %s: now 0x%016llx\n", r, rows[r].builder,
-                        (unsigned long long)hash);
-        others += hash != rows[r].hash;
+        uint64_t hash = HASH;
+        for (size_t s = 0; s < ARRAY_COUNT(scenes); s++)
+            hash = hash_with(hash, &rows[r], scenes[s].draw, scenes[s].count);
+        others += differs(&rows[r], hash);
     }
+    assert_int_equal(others, 0);
+}
+
+static void large_trees_are_what_they_were(void **state)
+{
+    (void)state;
+    uint32_t others = 0;
+    for (size_t r = 0; r < ARRAY_COUNT(large); r++)
+        others += differs(&large[r].row, hash_with(HASH, &large[r].row, draw_soup, large[r].count));
     assert_int_equal(others, 0);
 }
 
@@ -163,6 +202,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(trees_are_what_they_were),
+        cmocka_unit_test(large_trees_are_what_they_were),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
