@@ -1,6 +1,7 @@
-/* Trees by value: every builder makes of drawn scenes the trees that it made, node by node. What is sound is
- * tested elsewhere; here each box, each place and each order is held, since a tree that is only worse is no
- * error. Whatever changes a tree changes a line of the table, and the test prints the new one. */
+/* Trees by value: every builder makes of drawn scenes the trees that it made, node by node. What is
+ * sound is tested elsewhere; here each box, each place and each order is held, since a tree that is
+ * only worse is no error. Whatever changes a tree changes a line of the table, and the test prints
+ * the new one. */
 #include "ref/base/rng.h"
 #include "ref/tree/bvh.h"
 #include "tests/support/tree_fixture.h"
@@ -37,7 +38,7 @@ static void draw_long(struct rng *rng, float v[3][3], uint32_t i)
         v[2][k] = v[0][k] + rng_range(rng, -0.03f, 0.03f);
 }
 
-/* Few coordinates: equal centres, flat boxes, sides on planes between bins, triangles without area. */
+/* Few coordinates: equal centres, flat boxes, sides on planes between bins, no area. */
 static void draw_ties(struct rng *rng, float v[3][3], uint32_t i)
 {
     for (int c = 0; c < 3; c++)
@@ -102,14 +103,14 @@ static uint64_t hash_of(uint64_t hash, const struct bvh *bvh)
     return hash;
 }
 
-struct row {
+struct valued_builder {
     const char *builder;
     struct build_options options;
     uint64_t hash;
 };
 
 /* Of the trees of all scenes above. */
-static const struct row rows[] = {
+static const struct valued_builder rows[] = {
     {"median", {.leaf = 1}, 0xc6edb35af467cafd},
     {"median", {.leaf = 4}, 0x9d582ab29fa8f515},
     {"rtrs", {.leaf = 2, .eps = 0.02f}, 0x49b82d0f29a9e0c4},
@@ -137,7 +138,7 @@ static const struct row rows[] = {
 
 /* Of one tree of a soup so large that it is divided and sorted in parts. */
 static const struct {
-    struct row row;
+    struct valued_builder row;
     uint32_t count;
 } large[] = {
     {{"median", {.leaf = 4}, 0x37720e95cb1f7353}, 70000},
@@ -151,7 +152,8 @@ static const struct {
 
 #define HASH 0xcbf29ce484222325u
 
-static uint64_t hash_with(uint64_t hash, const struct row *row, draw_fn *draw, uint32_t count)
+static uint64_t hash_with(uint64_t hash, const struct valued_builder *row, draw_fn *draw,
+                          uint32_t count)
 {
     struct scene scene = drawn(draw, count);
     struct bvh bvh;
@@ -168,7 +170,7 @@ static uint64_t hash_with(uint64_t hash, const struct row *row, draw_fn *draw, u
 }
 
 /* Returns whether the row has another hash, and prints it. */
-static bool differs(const struct row *row, uint64_t hash)
+static bool differs(const struct valued_builder *row, uint64_t hash)
 {
     if (hash != row->hash)
         print_error("%s, leaf %u: now 0x%016llx\n", row->builder, row->options.leaf,
