@@ -12,8 +12,6 @@
 #include "ref/files/file.h"
 #include "ref/outside/pipe_text.h"
 #include "ref/store.h"
-#include "ref/tree/bvh_json.h"
-#include "tests/support/tree_fixture.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
