@@ -65,8 +65,8 @@ static enum status make(const struct trial_world *world, const struct scene *sce
                                            .borrows = true},
                                  .scene = alloc_zeroed(meshes, sizeof *out->scene)};
     struct geometry *geometry =
-        meshes ? alloc_zeroed(world->geometry_count, sizeof *geometry) : NULL;
-    if (out->world.mesh && meshes)
+        meshes && out->world.mesh ? alloc_zeroed(world->geometry_count, sizeof *geometry) : NULL;
+    if (geometry)
         out->world.mesh[0].geometry = geometry;
     out->world.instance =
         lent ? world->instance : alloc_zeroed(world->instance_count, sizeof *out->world.instance);

@@ -80,11 +80,14 @@ enum status decoded_tree(const struct packed *packed, const struct scene *scene,
     while (d.depth > 0 && sound)
         sound = add_node(&d);
     struct reason why = {""};
-    if (sound && bvh_check_form(&d.bvh, scene, &why) == STATUS_OK) {
+    enum status status = sound ? bvh_check_form(&d.bvh, scene, &why) : STATUS_INPUT;
+    if (!status) {
         *out = d.bvh;
         return STATUS_OK;
     }
     bvh_free(&d.bvh);
+    if (status == STATUS_MEMORY)
+        return fail(reason, status, "%s", why.text);
     return fail(reason, STATUS_INPUT,
                 "%s: the packed bytes do not decode to a tree of the scene%s%s",
                 packed->layout->name, why.text[0] ? ": " : "", why.text);

@@ -99,11 +99,15 @@ static void a_shrunk_trial_replaces_the_smallest_and_counts_nothing(void **state
     struct findings *findings;
     struct findings_news news;
     struct finding_file file = made(3);
+    char text[40];
     assert_int_equal(findings_open(in_root("shrunk"), &findings, &reason), STATUS_OK);
     assert_int_equal(findings_offer(findings, &file, &news, &reason), STATUS_INPUT);
     assert_int_equal(findings_add(findings, &file, 0, "", &news, &reason), STATUS_OK);
     assert_true(news.signature && news.first && news.smallest);
     assert_int_equal(findings_add(findings, &file, 2, "", &news, &reason), STATUS_INPUT);
+    assert_int_equal(findings_add(findings, &file, 5, "", &news, &reason), STATUS_INPUT);
+    snprintf(text, sizeof text, ": ray 5 of %u", file.trial.ray_count);
+    assert_non_null(strstr(reason.text, text));
     assert_int_equal(findings_offer(findings, &file, &news, &reason), STATUS_OK);
     assert_false(news.smallest);
     file.trial.ray_count = 1;

@@ -124,6 +124,34 @@ static void copies_and_bytes_are_deep(void **state)
     free(bytes);
 }
 
+/* Bytes hold each array, however long it is beside the others. */
+static void bytes_of_any_counts(void **state)
+{
+    (void)state;
+    struct reason reason;
+    for (uint32_t n = 0; n < 4 * 4 * 4; n++) {
+        const uint32_t geometries = 1 + n % 4, instances = 1 + n / 4 % 4 * 3, rays = 1 + n / 16 * 5;
+        struct finding_file file = {0}, again;
+        assert_int_equal(fuzz_trial_make(3, 2, rays, &file.trial, &reason), STATUS_OK);
+        struct trial_world *world = &file.trial.world;
+        assert_int_equal(trial_world_make(2, geometries, instances, rays, world, &reason),
+                         STATUS_OK);
+        world->geometry[geometries - 1].opaque = false;
+        world->instance[instances - 1].custom = 7;
+        world->mode[rays - 1].mask = 9;
+        file.trial.ray[rays - 1].dir[1] = 3;
+        size_t size = worker_base_bytes(&file);
+        char *bytes = malloc(size);
+        assert_non_null(bytes);
+        worker_base_put(&file, bytes);
+        assert_int_equal(worker_base_get(bytes, size, &again, &reason), STATUS_OK);
+        assert_int_equal(fuzz_trial_hash(&again.trial), fuzz_trial_hash(&file.trial));
+        finding_file_free(&again);
+        finding_file_free(&file);
+        free(bytes);
+    }
+}
+
 /* The view of the rays from one on has their modes. */
 static void rays_keep_their_modes(void **state)
 {
@@ -348,15 +376,11 @@ static void what_is_plainer_is_smaller(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_new_world_is_plain),
-        cmocka_unit_test(the_hash_has_all_of_a_world),
-        cmocka_unit_test(copies_and_bytes_are_deep),
-        cmocka_unit_test(rays_keep_their_modes),
-        cmocka_unit_test(what_is_no_world_is_refused),
-        cmocka_unit_test(text_comes_back_to_the_bit),
-        cmocka_unit_test(every_broken_line_is_named),
-        cmocka_unit_test(scenes_keep_version_1),
-        cmocka_unit_test(a_finding_has_its_place),
+        cmocka_unit_test(a_new_world_is_plain),       cmocka_unit_test(the_hash_has_all_of_a_world),
+        cmocka_unit_test(copies_and_bytes_are_deep),  cmocka_unit_test(bytes_of_any_counts),
+        cmocka_unit_test(rays_keep_their_modes),      cmocka_unit_test(what_is_no_world_is_refused),
+        cmocka_unit_test(text_comes_back_to_the_bit), cmocka_unit_test(every_broken_line_is_named),
+        cmocka_unit_test(scenes_keep_version_1),      cmocka_unit_test(a_finding_has_its_place),
         cmocka_unit_test(what_is_plainer_is_smaller),
     };
     return cmocka_run_group_tests_name("fuzz_world_trials", tests, NULL, NULL);
