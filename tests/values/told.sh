@@ -38,6 +38,11 @@ told() {
     masked <"$dir/err" | sed 's/^/! /' >>"$dir/told"
     [ "$code" -eq 0 ] || echo "exit $code" >>"$dir/told"
 }
+# set: the rays at the end of what gen writes
+rays() {
+    echo "$ rays $1" >>"$dir/told"
+    "$raydiff" gen "$2" --rays "$1" --count 12 2>"$dir/err" | tail -n 13 >>"$dir/told"
+}
 # file: a page that was written
 page() {
     echo "$ page" >>"$dir/told"
@@ -78,6 +83,9 @@ pictures() {
     told diff sphere:n=8 --layout rtrs_rf_paper --tri woop --engine cpu,brute $size
     told diff sphere:n=8 --layout rtrs_rf_paper --tri woop --engine cpu,brute $size --pixel 3,4
     told diff cornell --engine cpu,brute $size --pixel 8,6
+    told diff cornell --engine cpu,brute $size --pixel 8,6 --builder sah_binned --leaf 2 --bins 8
+    told diff cornell --engine cpu,brute $size --pixel 8,6 --builder ploc --radius 8 --optimize reinsert=2
+    told diff cornell --engine cpu,brute $size --pixel 8,6 --builder sbvh --split-budget 0.5 --split-alpha 0.25
     for what in t prim boxes triangles depth class; do
         told render cornell --engine cpu --show $what --out s.png --csv s.csv --width 6 --height 4
         file s.csv
@@ -95,6 +103,9 @@ scenes() {
     file tree.json
     told precompute --scene soup:n=3 --verify tree.json
     told precompute --scene soup:n=3,seed=2 --verify tree.json
+    "$raydiff" list 'ray sets' | sed -n 's/^ *\([a-z_]*\)  .*/\1/p' >"$dir/sets"
+    while read -r set; do rays "$set" sphere:n=4; done <"$dir/sets"
+    rays edges mixed
     told gen cornell --count 3
     told gen mixed --count 2 --decimal
     told construct -- --out made.json --camera-pos 0.0 0.0 10.0 0.0 0.0 0.0 --camera-orbit --light 20.0 20.0 20.0 1.5 \
@@ -106,6 +117,8 @@ judged() {
     told conform 'hard.01*.closest.cpu.f32.median.robust.mt' --markdown hard.md --html hard.html
     file hard.md
     page hard.html
+    told conform --hard 'hard.*.closest.cpu.rtrs_rf.median.robust.mt' --markdown hard.md
+    file hard.md
     told conform 'closest.cpu.f32.*.robust.mt.soup.random.1' --count 50
     told check mixed --engine cpu,brute --layout f32,rf16 --query closest,all --count 200 --repeat 1
     told check sphere:n=6 --engine cpu --layout f32,rtrs_rf_paper --tri woop --count 400 --repeat 1
