@@ -83,6 +83,11 @@ pictures() {
     told diff sphere:n=8 --layout rtrs_rf_paper --tri woop --engine cpu,brute $size
     told diff sphere:n=8 --layout rtrs_rf_paper --tri woop --engine cpu,brute $size --pixel 3,4
     told diff cornell --engine cpu,brute $size --pixel 8,6
+    for pixel in 12,1 13,0 4,2; do told diff cornell --engine cpu,fast $size --pixel $pixel; done
+    told diff cornell --engine cpu,brute $size --pixel 4,2 --profile rtrs --bounces 2 --ambience 0.25
+    told render cornell --engine cpu --out p.png $size --profile rtrs --paths p.csv
+    tail -n 12 p.csv >p.tail
+    file p.tail
     told diff cornell --engine cpu,brute $size --pixel 8,6 --builder sah_binned --leaf 2 --bins 8
     told diff cornell --engine cpu,brute $size --pixel 8,6 --builder ploc --radius 8 --optimize reinsert=2
     told diff cornell --engine cpu,brute $size --pixel 8,6 --builder sbvh --split-budget 0.5 --split-alpha 0.25
