@@ -22,9 +22,9 @@ no_speeds() {
     case $1 in
     check)
         awk '/^    / { sub(/^ */, " "); line = line $0; next } NR > 1 { print line } { line = $0 } END { print line }' |
-            sed -E '/^(agrees|WRONG|FAILS|counted) /s/ [0-9]+\.[0-9]{3}( [0-9.-]+)?$/ #/; /node bytes/d; /^conclusion: /s/;.*//'
+            sed -E '/^(agrees|WRONG|FAILS|counted) /s/ +[0-9]+\.[0-9]{3}( +[0-9.-]+)?$/ #/; s/ +Mray\/s( +least-most)?$/ Mray\/s/; /node bytes/d; /^conclusion: /s/;.*//'
         ;;
-    bench) sed -E 's/[0-9]+\.[0-9]{3}$/#/' ;;
+    bench) sed -E 's/ +[0-9]+\.[0-9]{3}( +[0-9.-]+)?$/ #/; s/^(verdict .*[^ ]) +[^ ]+$/\1/' ;;
     fuzz) sed -E 's|[0-9]+/s|#/s|; s/harness [0-9]+ %/harness #/' ;;
     *) cat ;;
     esac
@@ -99,7 +99,7 @@ pictures() {
 scenes() {
     told scene info soup:n=10
     told scene info cornell
-    told scene info mixed
+    for world in crowd:n=20 wall nest twins mixed room; do told scene info $world; done
     told scene convert cornell cornell.obj
     told scene info cornell.obj
     told scene convert platonic platonic.stl
@@ -127,6 +127,7 @@ judged() {
     told conform 'closest.cpu.f32.*.robust.mt.soup.random.1' --count 50
     told check mixed --engine cpu,brute --layout f32,rf16 --query closest,all --count 200 --repeat 1
     told check sphere:n=6 --engine cpu --layout f32,rtrs_rf_paper --tri woop --count 400 --repeat 1
+    told check soup:n=30 platonic --engine cpu,fast --layout f32,half4 --tri woop --count 60 --repeat 1
     told leaks sphere:n=6 --engine cpu --layout f32,rtrs_rf_paper --tri mt,woop --box watertight --count 1000
     told leaks crowd --engine cpu --layout f32 --count 1000
     told replay fuzz/corpus/wrong-item.trial fuzz/corpus/cut-box.trial --engine cpu
