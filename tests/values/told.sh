@@ -98,6 +98,7 @@ pictures() {
 }
 scenes() {
     told scene info soup:n=10
+    told scene info cornell room --json
     told scene info cornell
     for world in crowd:n=20 wall nest twins mixed room; do told scene info $world; done
     told scene convert cornell cornell.obj
