@@ -65,6 +65,7 @@ plain)
     suite values_paper sh tests/values/values_paper.sh "$build/raydiff" paper
     suite values_special sh tests/values/values_paper.sh "$build/raydiff" special
     suite values_pictures sh tests/values/values_pictures.sh "$build/raydiff" render paths images engines faults
+    suite told sh tests/values/told.sh "$build/raydiff"
     suite values_limits sh tests/values/values_limits.sh "$build/raydiff"
     suite values_show sh tests/values/values_pictures.sh "$build/raydiff" show
     suite values_scenes sh tests/values/values_scenes.sh "$build/raydiff"

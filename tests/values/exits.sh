@@ -1,6 +1,7 @@
 #!/bin/sh
 # The exit codes of every command, each in the situations that its help tells: all is well, something is wrong, bad
-# input, an engine that fails, a driver that is not there, nothing that was run though it was wanted.
+# input, an engine that fails, a driver that is not there, nothing that was run though it was wanted. Where gcc has its
+# LeakSanitizer, whatever way a command ends, it has given its memory back.
 #   sh tests/values/exits.sh RAYDIFF [PART...]     PART: judging, findings, files, unwritable
 set -u
 raydiff=$1
@@ -8,13 +9,32 @@ shift
 . tests/values/compare.sh
 tried=0
 
+# Variables under which raydiff ends with 23 if it keeps memory, and lists what on standard error; not the tracers that
+# it starts, which have a limit of addresses. A sanitized build looks for itself.
+freed=
+lsan=$(cc -print-file-name=liblsan.so)
+echo '#include <stdlib.h>
+__attribute__((constructor)) static void alone(void) { unsetenv("LD_PRELOAD"); }' >"$dir/alone.c"
+cc -shared -fPIC -o "$dir/alone.so" "$dir/alone.c" || bad 'alone.c is not compiled'
+watched="LD_PRELOAD=$lsan:$dir/alone.so LSAN_OPTIONS=exitcode=23:print_suppressions=0:suppressions=tests/lsan.supp"
+if [ -e "$lsan" ] && env $watched "$raydiff" list layouts >"$dir/text" 2>&1; then
+    freed=$watched
+else
+    echo 'SKIP memory that is not given back: no LeakSanitizer that can be loaded'
+fi
+# What the sanitizer tells of itself is no word of raydiff.
+own_words() { sed -i '/^Warning: REAL(/d' "$dir/err"; }
+kept() { sed -n 's/^ *#[1-9][0-9]* 0x[0-9a-f]* in //p' "$dir/err" | head -n 2 | tr '\n' ' '; }
+
 # exit code, arguments of raydiff. 2 has its reason on standard error.
 ends() {
     wanted=$1
     shift
     tried=$((tried + 1))
-    timeout 20 "$raydiff" "$@" >"$dir/text" 2>"$dir/err" </dev/null
+    timeout 20 env $freed "$raydiff" "$@" >"$dir/text" 2>"$dir/err" </dev/null
     code=$?
+    own_words
+    [ "$code" -ne 23 ] || bad "raydiff $*: memory is kept: $(kept)"
     [ "$code" -eq "$wanted" ] || bad "raydiff $*: exit $code, not $wanted: $(tail -n 1 "$dir/err")"
     [ "$code" -ne 2 ] || [ -s "$dir/err" ] || bad "raydiff $*: no reason on standard error"
 }
@@ -42,8 +62,9 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$dir/one.obj"
 # exit code, file of answers
 verified() {
     tried=$((tried + 1))
-    "$raydiff" verify <"$dir/$2" >"$dir/text" 2>"$dir/err"
+    env $freed "$raydiff" verify <"$dir/$2" >"$dir/text" 2>"$dir/err"
     code=$?
+    [ "$code" -ne 23 ] || bad "raydiff verify <$2: memory is kept: $(kept)"
     [ "$code" -eq "$1" ] || bad "raydiff verify <$2: exit $code, not $1"
 }
 judging() {
@@ -220,8 +241,9 @@ unwritten() {
         told=$(echo "$*" | sed "s|TO|$target|")
         find "$dir" | sort >"$lists/before"
         # shellcheck disable=SC2086 # words of a command
-        $as timeout 20 "$program" $told >"$lists/text" 2>"$dir/err" </dev/null
+        $as timeout 20 env $freed "$program" $told >"$lists/text" 2>"$dir/err" </dev/null
         code=$?
+        own_words
         find "$dir" | sort >"$lists/after"
         tried=$((tried + 1))
         [ "$code" -eq 2 ] || bad "raydiff $told: exit $code, not 2"

@@ -103,6 +103,7 @@ rows {
 }
 END {
     equal("handlers", r, v["handlers.count"])
+    truth("versions of raydiff and of what it uses", v["notes.versions"] ~ /^raydiff [0-9.]+/)
     equal("handlers in CSV", csv, v["handlers.count"])
     if (w["rows.count"] > 0) truth("bytes of check", compared > 0)
     print "bench frames: " checked " values, " wrong + 0 " wrong"
