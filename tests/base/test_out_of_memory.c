@@ -25,7 +25,7 @@
 #include <stdio.h>
 #include <cmocka.h>
 
-#define TIMES_MOST 4000
+#include "tests/support/each_fails.h"
 
 /* --- work that is done without one of its allocations ----------------------------------------- */
 
@@ -46,30 +46,24 @@ struct memory_work {
 
 typedef enum status work_fn(const struct memory_work *work, struct reason *reason);
 
-/* Fails allocations 0, step, 2 step ... until there is none to fail; returns how many there are. */
+struct work_of {
+    work_fn *fn;
+    const struct memory_work *work;
+};
+
+static enum status do_work(const void *of, struct reason *reason)
+{
+    const struct work_of *w = of;
+    enum status status = w->fn(w->work, reason);
+    if (status == STATUS_MEMORY && w->work->silent)
+        (void)(fail)(reason, status, "no memory");
+    return status;
+}
+
+/* As each_fails. */
 static long fail_each(work_fn *fn, const struct memory_work *work, long step)
 {
-    for (long n = 0; n < TIMES_MOST; n += step) {
-        struct reason reason = {""};
-        atomic_store(&held, 0);
-        fail_after(n);
-        enum status status = fn(work, &reason);
-        atomic_store(&until_failure, -1);
-        if (held != 0)
-            fail_msg("%s: without allocation %ld %ld others are kept", work->name, n, held);
-        if (!has_failed) {
-            if (status)
-                fail_msg("%s: status %d, %s", work->name, status, reason.text);
-            return n;
-        }
-        if (status != STATUS_MEMORY)
-            fail_msg("%s: without allocation %ld: status %d, %s", work->name, n, status,
-                     reason.text);
-        if (!work->silent && !strstr(reason.text, "no memory"))
-            fail_msg("%s: without allocation %ld: says \"%s\"", work->name, n, reason.text);
-    }
-    fail_msg("%s: never ends", work->name);
-    return 0;
+    return each_fails(work->name, do_work, &(struct work_of){fn, work}, step);
 }
 
 static enum status do_build(const struct memory_work *work, struct reason *reason)

@@ -15,13 +15,11 @@
 #include <math.h>
 #include <string.h>
 
-#define TMAX TRIANGLE_TMAX
-
 /* Corners (0,0,z), (4,0,z), (0,4,z) seen along z: everything is exact. */
 static bool on_lattice(uint32_t id, float x, float y, int axis, float sign, struct hit *hit)
 {
     float v[3][3] = {{0}};
-    struct ray ray = {.tmax = TMAX};
+    struct ray ray = {.tmax = TRIANGLE_TMAX};
     int a = (axis + 1) % 3, b = (axis + 2) % 3;
     v[1][a] = v[2][b] = 4;
     ray.org[a] = x;
@@ -68,15 +66,15 @@ static void only_mt_rtrs_is_open_at_the_ends_of_the_range(void **state)
     for (size_t i = 0; tri_tests[i]; i++) {
         bool closed = strcmp(tri_tests[i]->name, "mt_rtrs") != 0;
         assert_int_equal(tri_tests[i]->open, !closed);
-        assert_int_equal(in_range(tri_tests[i], 4, TMAX), closed);
+        assert_int_equal(in_range(tri_tests[i], 4, TRIANGLE_TMAX), closed);
         assert_int_equal(in_range(tri_tests[i], 0, 4), closed);
         assert_int_equal(in_range(tri_tests[i], 4, 4), closed);
         assert_true(in_range(tri_tests[i], below, above));
         assert_true(in_range(tri_tests[i], 0, INFINITY));
-        assert_false(in_range(tri_tests[i], above, TMAX));
+        assert_false(in_range(tri_tests[i], above, TRIANGLE_TMAX));
         assert_false(in_range(tri_tests[i], 0, below));
         assert_false(in_range(tri_tests[i], 5, 3));
-        assert_false(in_range(tri_tests[i], NAN, TMAX) || in_range(tri_tests[i], 0, NAN));
+        assert_false(in_range(tri_tests[i], NAN, TRIANGLE_TMAX) || in_range(tri_tests[i], 0, NAN));
     }
 }
 
@@ -84,7 +82,7 @@ static void only_mt_rtrs_is_open_at_the_ends_of_the_range(void **state)
 static bool of_determinant(const char *name, float a)
 {
     float v[3][3] = {{0, 0, 0}, {a, 0, 0}, {0, 1, 0}};
-    struct ray ray = {{0, 0, -1}, 0, {0, 0, 1}, TMAX};
+    struct ray ray = {{0, 0, -1}, 0, {0, 0, 1}, TRIANGLE_TMAX};
     struct hit hit;
     return triangle_run(tri_test_find(name)->id, &ray, v, &hit);
 }
@@ -177,7 +175,7 @@ static void nan_anywhere_is_a_miss(void **state)
     for (size_t i = 0; tri_tests[i]; i++)
         for (int word = 0; word < 17; word++) {
             float v[3][3] = {{0, 0, 0.1f}, {4, 0, 0.2f}, {0, 4, 0.3f}}, w[8];
-            struct ray ray = {{1, 1, -8}, 0, {0.01f, 0.02f, 2}, TMAX};
+            struct ray ray = {{1, 1, -8}, 0, {0.01f, 0.02f, 2}, TRIANGLE_TMAX};
             struct hit hit;
             assert_true(triangle_run(tri_tests[i]->id, &ray, v, &hit));
             memcpy(w, &ray, sizeof w);
@@ -194,7 +192,7 @@ static void a_direction_of_zero_is_a_miss(void **state)
 {
     (void)state;
     float v[3][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
-    struct ray ray = {{1, 1, 0}, 0, {0, -0.0f, 0}, TMAX};
+    struct ray ray = {{1, 1, 0}, 0, {0, -0.0f, 0}, TRIANGLE_TMAX};
     struct hit hit;
     for (size_t i = 0; tri_tests[i]; i++)
         assert_false(triangle_run(tri_tests[i]->id, &ray, v, &hit));
@@ -207,7 +205,7 @@ static void minus_zero_is_zero(void **state)
         for (int axis = 0; axis < 3; axis++)
             for (uint32_t signs = 1; signs < 16; signs++) {
                 float v[3][3] = {{0.5f, 0.25f, 0.125f}, {3, 0.5f, 2}, {0.75f, 3, 3}};
-                struct ray ray = {{1.25f, 1, 1.5f}, 0, {0, 0, 0}, TMAX}, negated;
+                struct ray ray = {{1.25f, 1, 1.5f}, 0, {0, 0, 0}, TRIANGLE_TMAX}, negated;
                 struct hit hit, other;
                 int a = (axis + 1) % 3, b = (axis + 2) % 3;
                 ray.dir[axis] = 1;
@@ -271,7 +269,7 @@ static uint32_t leaks(const struct scene *scene, const char *test, bool vertices
     struct rng rng = rng_make(9, vertices);
     uint32_t id = tri_test_find(test)->id, leaked = 0;
     for (uint32_t i = 0; i < count; i++) {
-        struct ray ray = {.tmax = TMAX};
+        struct ray ray = {.tmax = TRIANGLE_TMAX};
         float v[3][3], s = vertices ? 0 : rng_float(&rng);
         uint32_t c = rng_below(&rng, 3), d = (c + 1) % 3;
         scene_tri(scene, rng_below(&rng, scene->tri_count), v);

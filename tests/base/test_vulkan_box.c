@@ -285,23 +285,20 @@ static void run(struct vk *vk, const char *driver, uint32_t id, struct box_input
         assert_true(hits[k] > CASES / 4 && hits[k] < CASES - CASES / 16);
 }
 
+static void run_each(struct vk *vk, const char *driver, void *of)
+{
+    static const uint32_t ids[] = {ABI_BOX_RTRS, ABI_BOX_ROBUST, ABI_BOX_WATERTIGHT};
+    for (size_t i = 0; i < ARRAY_COUNT(ids); i++)
+        run(vk, driver, ids[i], of);
+}
+
 static void rays_are_prepared_and_boxes_met_as_in_c(void **state)
 {
     (void)state;
-    static const uint32_t ids[] = {ABI_BOX_RTRS, ABI_BOX_ROBUST, ABI_BOX_WATERTIGHT};
     struct box_inputs *in = inputs_make();
-    size_t drivers = 0;
-    for (size_t d = 0; d < ARRAY_COUNT(cpu_drivers); d++) {
-        struct vk *vk = gpu_open_driver(cpu_drivers[d]);
-        if (!vk)
-            continue;
-        for (size_t i = 0; i < ARRAY_COUNT(ids); i++)
-            run(vk, cpu_drivers[d], ids[i], in);
-        gpu_close(vk);
-        drivers++;
-    }
+    bool any = gpu_on_cpu_drivers(run_each, in);
     free(in);
-    if (!drivers)
+    if (!any)
         skip();
 }
 

@@ -269,8 +269,9 @@ static void compare(const struct triangle_inputs *in, uint32_t i, const char *dr
                      (double)float_from_bits(want[w]));
 }
 
-static void run(struct vk *vk, const char *driver, struct triangle_inputs *in)
+static void run(struct vk *vk, const char *driver, void *of)
 {
+    struct triangle_inputs *in = of;
     const uint32_t constant[] = {GROUP, ABI_BOX_ROBUST, ABI_TRI_MT, 0, 16};
     const struct push push = {.ray_count = CASES};
     uint32_t none[4] = {0}, hits[TESTS] = {0};
@@ -289,17 +290,9 @@ static void rays_are_prepared_and_triangles_hit_as_in_c(void **state)
 {
     (void)state;
     struct triangle_inputs *in = inputs_make();
-    size_t drivers = 0;
-    for (size_t d = 0; d < ARRAY_COUNT(cpu_drivers); d++) {
-        struct vk *vk = gpu_open_driver(cpu_drivers[d]);
-        if (!vk)
-            continue;
-        run(vk, cpu_drivers[d], in);
-        gpu_close(vk);
-        drivers++;
-    }
+    bool any = gpu_on_cpu_drivers(run, in);
     free(in);
-    if (!drivers)
+    if (!any)
         skip();
 }
 

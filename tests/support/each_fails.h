@@ -7,13 +7,14 @@
 
 #include <string.h>
 
-#define EACH_FAILS_MOST 20000
+#define EACH_FAILS_MOST 4000
 
 /* Work that frees what it makes, and whose outputs are zero on an error. */
 typedef enum status each_fails_fn(const void *of, struct reason *reason);
 
 /* Fails allocations 0, step, 2 step ... until there is none to fail: the status is STATUS_MEMORY,
- * the reason tells of memory, and nothing is kept. Returns how many allocations there are. */
+ * the reason tells that there is
+ * no memory, and nothing is kept. Returns how many allocations there are. */
 static inline long each_fails(const char *name, each_fails_fn *work, const void *of, long step)
 {
     for (long n = 0; n < EACH_FAILS_MOST; n += step) {
@@ -29,7 +30,7 @@ static inline long each_fails(const char *name, each_fails_fn *work, const void 
                 fail_msg("%s: %s", name, reason.text);
             return n;
         }
-        if (status != STATUS_MEMORY || !strstr(reason.text, "memory"))
+        if (status != STATUS_MEMORY || !strstr(reason.text, "no memory"))
             fail_msg("%s: without allocation %ld: status %d, \"%s\"", name, n, status, reason.text);
     }
     fail_msg("%s: never ends", name);

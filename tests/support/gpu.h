@@ -91,6 +91,23 @@ static inline void gpu_close(struct vk *vk)
         fail_msg("%s", reason.text);
 }
 
+typedef void gpu_play_fn(struct vk *vk, const char *driver, void *of);
+
+/* Plays on each of cpu_drivers that is here; false if none is. */
+static inline bool gpu_on_cpu_drivers(gpu_play_fn *play, void *of)
+{
+    bool any = false;
+    for (size_t d = 0; d < sizeof cpu_drivers / sizeof *cpu_drivers; d++) {
+        struct vk *vk = gpu_open_driver(cpu_drivers[d]);
+        if (!vk)
+            continue;
+        play(vk, cpu_drivers[d], of);
+        gpu_close(vk);
+        any = true;
+    }
+    return any;
+}
+
 static inline void gpu_must(enum status status, const struct reason *reason)
 {
     if (status)

@@ -147,25 +147,22 @@ static void decode_all(struct vk *vk, const char *driver, const char *format, co
     packed_free(&c.packed);
 }
 
+static void decode_every_format(struct vk *vk, const char *driver, void *of)
+{
+    (void)of;
+    for (size_t f = 1; number_formats[f]; f++) {
+        const char *format = number_formats[f]->name;
+        decode_all(vk, driver, format, "world", NULL);
+        decode_all(vk, driver, format, "scene", &frames[0]);
+        decode_all(vk, driver, format, "scene", &frames[1]);
+        decode_all(vk, driver, format, "node", NULL);
+    }
+}
+
 static void every_code_decodes_to_the_bits_of_c(void **state)
 {
     (void)state;
-    size_t opened = 0;
-    for (size_t d = 0; d < ARRAY_COUNT(cpu_drivers); d++) {
-        struct vk *vk = gpu_open_driver(cpu_drivers[d]);
-        if (!vk)
-            continue;
-        for (size_t f = 1; number_formats[f]; f++) {
-            const char *format = number_formats[f]->name;
-            decode_all(vk, cpu_drivers[d], format, "world", NULL);
-            decode_all(vk, cpu_drivers[d], format, "scene", &frames[0]);
-            decode_all(vk, cpu_drivers[d], format, "scene", &frames[1]);
-            decode_all(vk, cpu_drivers[d], format, "node", NULL);
-        }
-        gpu_close(vk);
-        opened++;
-    }
-    if (!opened)
+    if (!gpu_on_cpu_drivers(decode_every_format, NULL))
         skip();
 }
 

@@ -16,10 +16,9 @@
 #include <string.h>
 #include <cmocka.h>
 
+#include "tests/support/each_fails.h"
 #include "tests/two_level/braid_stand.h"
 #include "tests/two_level/world_stand.h"
-
-#define TIMES_MOST 4000
 
 /* What steps need of those before. */
 struct steps {
@@ -31,26 +30,21 @@ struct steps {
 
 typedef enum status step_fn(const struct steps *steps, struct reason *reason);
 
-/* Fails each allocation until there is none to fail; returns how many there are. */
+struct step_of {
+    step_fn *step;
+    const struct steps *steps;
+};
+
+static enum status do_step(const void *of, struct reason *reason)
+{
+    const struct step_of *s = of;
+    return s->step(s->steps, reason);
+}
+
+/* As each_fails. */
 static long fail_each(step_fn *step, const struct steps *steps)
 {
-    for (long n = 0; n < TIMES_MOST; n++) {
-        struct reason reason = {""};
-        atomic_store(&held, 0);
-        fail_after(n);
-        enum status status = step(steps, &reason);
-        atomic_store(&until_failure, -1);
-        assert_int_equal(held, 0);
-        if (!has_failed) {
-            if (status)
-                fail_msg("%s", reason.text);
-            return n;
-        }
-        if (status != STATUS_MEMORY || !strstr(reason.text, "no memory"))
-            fail_msg("without allocation %ld: status %d, %s", n, status, reason.text);
-    }
-    fail_msg("never ends");
-    return 0;
+    return each_fails("a step", do_step, &(struct step_of){step, steps}, 1);
 }
 
 static enum status do_trees(const struct steps *steps, struct reason *reason)

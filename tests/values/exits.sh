@@ -7,6 +7,7 @@ set -u
 raydiff=$1
 shift
 . tests/values/compare.sh
+. tests/values/tracers.sh
 tried=0
 
 # Variables under which raydiff ends with 23 if it keeps memory, and lists what on standard error; not the tracers that
@@ -17,8 +18,13 @@ echo '#include <stdlib.h>
 __attribute__((constructor)) static void alone(void) { unsetenv("LD_PRELOAD"); }' >"$dir/alone.c"
 cc -shared -fPIC -o "$dir/alone.so" "$dir/alone.c" || bad 'alone.c is not compiled'
 watched="LD_PRELOAD=$lsan:$dir/alone.so LSAN_OPTIONS=exitcode=23:print_suppressions=0:suppressions=tests/lsan.supp"
+echo '#include <stdlib.h>
+int main(void) { return malloc(77) == NULL; }' >"$dir/keeps.c"
+cc -O0 -o "$dir/keeps" "$dir/keeps.c" || bad 'keeps.c is not compiled'
 if [ -e "$lsan" ] && env $watched "$raydiff" list layouts >"$dir/text" 2>&1; then
     freed=$watched
+    env $freed "$dir/keeps" >"$dir/text" 2>&1
+    [ $? -eq 23 ] || bad 'a program that keeps memory does not end with 23'
 else
     echo 'SKIP memory that is not given back: no LeakSanitizer that can be loaded'
 fi
@@ -38,19 +44,7 @@ ends() {
     [ "$code" -eq "$wanted" ] || bad "raydiff $*: exit $code, not $wanted: $(tail -n 1 "$dir/err")"
     [ "$code" -ne 2 ] || [ -s "$dir/err" ] || bad "raydiff $*: no reason on standard error"
 }
-# A tracer that sees, one that finds nothing, one that finds no any-hit, one that refuses everything, one that ends at the first
-# rays, one that does at once, and one that is not there.
-for tracer in sees blind careless refuser ender; do
-    case $tracer in
-    sees) edit= ;;
-    blind) edit='s/size > 0\.0f/size > 1e30f/' ;;
-    careless) edit='s/if (meets(/if (q.query == 0 \&\& meets(/' ;;
-    refuser) edit='s/"RDRA", 1, 0, q.rays/"RDRA", 1, q.rays > 0, 0/; s/i < q.rays/i < 0/' ;;
-    ender) edit='s/^        struct ray \*ray = /        if (q.rays > 0) exit(9);&/' ;;
-    esac
-    sed "$edit" fuzz/samples/sample_tracer.c >"$dir/$tracer.c"
-    cc -O1 -o "$dir/$tracer" "$dir/$tracer.c" || bad "$tracer is not compiled"
-done
+for tracer in sees blind careless refuser ender; do tracer "$tracer"; done
 sees="pipe:$dir/sees" blind="pipe:$dir/blind" careless="pipe:$dir/careless"
 refuser="pipe:$dir/refuser" ender="pipe:$dir/ender" dies="pipe:false" missing="pipe:$dir/missing"
 none='--engine vulkan --driver no-such-driver'

@@ -6,6 +6,7 @@
 set -u
 raydiff=$(realpath "$1")
 . tests/values/compare.sh
+. tests/values/tracers.sh
 here=$(pwd)
 # Lines are broken by their length, so that no name tells of the temporary folder.
 cd "$dir" && ln -s "$here/fuzz" fuzz && PATH=$dir:$PATH || exit 4
@@ -142,13 +143,7 @@ judged() {
 # Tracers that find nothing, refuse everything, and end at the first rays; findings that are gone or cannot be played.
 failing() {
     for tracer in blind refuser ender; do
-        case $tracer in
-        blind) edit='s/size > 0\.0f/size > 1e30f/' ;;
-        refuser) edit='s/"RDRA", 1, 0, q.rays/"RDRA", 1, q.rays > 0, 0/; s/i < q.rays/i < 0/' ;;
-        ender) edit='s/^        struct ray \*ray = /        if (q.rays > 0) exit(9);&/' ;;
-        esac
-        sed "$edit" fuzz/samples/sample_tracer.c >"$tracer.c"
-        cc -O1 -o "$tracer" "$tracer.c" || bad "$tracer is not compiled"
+        tracer "$tracer"
         of="--engine pipe:$tracer"
         told check soup:n=50 $of --count 60 --repeat 1
         told leaks sphere:n=4 $of --count 1000

@@ -22,6 +22,20 @@ static struct laws open_device(void)
     return laws;
 }
 
+static struct laws open_brute(uint32_t threads)
+{
+    struct laws laws = {.engine = engine_find("brute")};
+    const struct engine_options options = {.threads = threads, .device = -1};
+    assert_int_equal(laws.engine->open(&options, &laws.self, NULL), STATUS_OK);
+    return laws;
+}
+
+static void close_both(const struct laws *a, const struct laws *b)
+{
+    a->engine->close(a->self);
+    b->engine->close(b->self);
+}
+
 static void it_obeys_the_laws(void **state)
 {
     (void)state;
@@ -123,14 +137,10 @@ static void it_has_the_bits_of_brute(void **state)
     (void)state;
     static const char *const specs[] = {"mixed", "mixed:filter=2", "wall", "placed-turned:n=32",
                                         "crowd:n=3000"};
-    const struct laws gpu = open_device();
-    struct laws cpu = {.engine = engine_find("brute")};
-    const struct engine_options options = {.threads = 2, .device = -1};
-    assert_int_equal(cpu.engine->open(&options, &cpu.self, NULL), STATUS_OK);
+    const struct laws gpu = open_device(), cpu = open_brute(2);
     for (size_t s = 0; s < ARRAY_COUNT(specs); s++)
         assert_true(assert_same(&gpu, &cpu, specs[s], tri_tests[s]) > RAYS / 10);
-    gpu.engine->close(gpu.self);
-    cpu.engine->close(cpu.self);
+    close_both(&gpu, &cpu);
 }
 
 /* A part ends within an instance: its last triangle and the next one are listed once each. */
@@ -140,11 +150,8 @@ static void triangles_where_parts_meet_are_tested_once(void **state)
     static struct brute_answers_of a, b;
     static struct ray ray[RAYS];
     static struct ray_mode mode[RAYS];
-    const struct laws gpu = open_device();
-    struct laws cpu = {.engine = engine_find("brute")};
-    const struct engine_options options = {.threads = 2, .device = -1};
+    const struct laws gpu = open_device(), cpu = open_brute(2);
     struct world world = laws_room(1, 2);
-    assert_int_equal(cpu.engine->open(&options, &cpu.self, NULL), STATUS_OK);
     laws_mesh(&world.mesh[0], (const uint32_t[]){DISPATCH_PART + 8}, 1);
     laws_finish(&world);
     for (uint32_t i = 0; i < RAYS; i++) {
@@ -160,8 +167,7 @@ static void triangles_where_parts_meet_are_tested_once(void **state)
     for (uint32_t i = 0; i < RAYS; i++)
         assert_true(a.found[i] > 0);
     world_free(&world);
-    gpu.engine->close(gpu.self);
-    cpu.engine->close(cpu.self);
+    close_both(&gpu, &cpu);
 }
 
 /* Those of mask 0 have numbers, at the end as in between. */
@@ -171,10 +177,7 @@ static void instances_that_are_not_active_keep_their_triangles(void **state)
     static struct brute_answers_of a, b;
     static struct ray ray[RAYS];
     static struct ray_mode mode[RAYS];
-    const struct laws gpu = open_device();
-    struct laws cpu = {.engine = engine_find("brute")};
-    const struct engine_options options = {.threads = 1, .device = -1};
-    assert_int_equal(cpu.engine->open(&options, &cpu.self, NULL), STATUS_OK);
+    const struct laws gpu = open_device(), cpu = open_brute(1);
     for (uint32_t masked = 1; masked < 16; masked++) {
         struct world world = laws_room(1, 4);
         laws_mesh(&world.mesh[0], (const uint32_t[]){2}, 1);
@@ -198,8 +201,7 @@ static void instances_that_are_not_active_keep_their_triangles(void **state)
         }
         world_free(&world);
     }
-    gpu.engine->close(gpu.self);
-    cpu.engine->close(cpu.self);
+    close_both(&gpu, &cpu);
 }
 
 /* Every placed triangle is in one part, and no part goes through more than it may. */

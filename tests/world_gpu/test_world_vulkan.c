@@ -109,11 +109,7 @@ static void every_test_and_query(void **state)
     struct packed_world packed = stand_world(&world, "f32");
     make_rays(&packed);
     for (size_t t = 0; tri_tests[t]; t++) {
-        const struct world_job job = {.world = &world,
-                                      .packed = &packed,
-                                      .box = box_tests[t % 3],
-                                      .tri = tri_tests[t],
-                                      .query = t % 2 ? QUERY_ANY : QUERY_CLOSEST};
+        const struct world_job job = job_of_tests(&world, &packed, t % 3, t);
         assert_true(assert_same(&job, true) > RAYS / 8);
     }
     struct world_job job = stand_job(&world, &packed, QUERY_ANY);

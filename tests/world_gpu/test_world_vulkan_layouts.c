@@ -75,11 +75,7 @@ static void every_pair_of_tests(void **state)
     make_rays(&packed);
     for (size_t b = 0; box_tests[b]; b++)
         for (size_t t = 0; tri_tests[t]; t++) {
-            const struct world_job job = {.world = &world,
-                                          .packed = &packed,
-                                          .box = box_tests[b],
-                                          .tri = tri_tests[t],
-                                          .query = t % 2 ? QUERY_ANY : QUERY_CLOSEST};
+            const struct world_job job = job_of_tests(&world, &packed, b, t);
             assert_true(assert_same(&job, true) > RAYS / 8);
         }
     packed_world_free(&packed);

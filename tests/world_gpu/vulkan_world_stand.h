@@ -117,6 +117,17 @@ static inline uint32_t assert_same(const struct world_job *job, bool with_modes)
     return hits;
 }
 
+/* A job of box test b and triangle test t, closest and any hits by turns. */
+static inline struct world_job job_of_tests(const struct world *world,
+                                            const struct packed_world *packed, size_t b, size_t t)
+{
+    return (struct world_job){.world = world,
+                              .packed = packed,
+                              .box = box_tests[b],
+                              .tri = tri_tests[t],
+                              .query = t % 2 ? QUERY_ANY : QUERY_CLOSEST};
+}
+
 /* Lists in the order of finding, and nothing behind them. */
 static inline void assert_same_lists(struct world_job job, uint32_t capacity)
 {
