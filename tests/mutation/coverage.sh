@@ -2,6 +2,7 @@
 # Which suites run which lines: sh tests/mutation/coverage.sh BUILD OUT [SUITE]
 # BUILD is one of config=coverage. OUT/map/FILE (with dots in place of slashes) gets a line "LINE SUITE..." for
 # each that is run; what a suite ran is kept in OUT/lines/SUITE and not asked again. SUITE: that one alone.
+# Of a shader module, OUT/map/spv.NAME gets line 0 with the suites that make it (tests/mutation/modules.c).
 set -u
 build=$1 out=$2
 mkdir -p "$out/lines" "$out/map"
@@ -36,7 +37,11 @@ dir=$(mktemp -d) || exit 4
 trap 'rm -rf "$dir"' EXIT
 command=$(sed -n "s/^$3 //p" "$out/suites")
 logs=$dir
-(GCOV_PREFIX=$dir/gcov && export GCOV_PREFIX && eval "timeout -k 5 1800 $command") >"$dir/log" 2>&1 </dev/null
+mkdir "$dir/modules"
+(
+    export GCOV_PREFIX="$dir/gcov" RAYDIFF_MODULES="$dir/modules" LD_PRELOAD="$(realpath "$build/modules.so")"
+    eval "timeout -k 5 1800 $command"
+) >"$dir/log" 2>&1 </dev/null
 code=$?
 [ "$code" -eq 0 ] || { echo "$3: exit $code without a mutation" >&2; tail -n 3 "$dir/log" >&2; }
 # gcov looks for what the compiler wrote beside what the program wrote.
@@ -45,5 +50,11 @@ perl -ne 'BEGIN { $base = shift } s/gcda\n$/gcno/; my $real = substr($_, length 
     "$dir/gcov" <"$dir/data"
 xargs -r -n 50 gcov -t <"$dir/data" 2>/dev/null | awk -F: '
     $2 + 0 == 0 && $3 == "Source" { file = $4; next }
-    $1 ~ /^ *[0-9]+\*?$/ && file !~ /^\// { print file, $2 + 0 }' | sort -u >"$dir/lines"
+    $1 ~ /^ *[0-9]+\*?$/ && file !~ /^\// { print file, $2 + 0 }' >"$dir/seen"
+cksum $(cat "$build/spv/list") >"$dir/known"
+find "$dir/modules" -type f -exec cksum {} + | awk '
+    { content = $1 " " $2 }
+    NR == FNR { sub(/.*\//, "", $3); sub(/\.spv$/, "", $3); name[content] = $3; next }
+    content in name { print "spv/" name[content], 0 }' "$dir/known" - >>"$dir/seen"
+sort -u "$dir/seen" >"$dir/lines"
 mv "$dir/lines" "$out/lines/$3"

@@ -18,6 +18,13 @@ $(B)/mutate: $(MUTATE_SRC) $(wildcard tests/mutation/*.h)
 
 tests: $(B)/mutate
 
+# Between a program and the Vulkan loader, to see which suites make which shader module.
+$(B)/modules.so: tests/mutation/modules.c
+	$(call warned,$(CC) -std=c17 -O2 $(WARN) -fPIC -shared -o $@ $<)
+ifeq ($(config),coverage)
+tests: $(B)/modules.so
+endif
+
 .PHONY: mutation mutation-map
 mutation-map:
 	@$(MAKE) --no-print-directory -s -j$(JOBS) config=coverage all tests

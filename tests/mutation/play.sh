@@ -144,13 +144,19 @@ try() { # suite, its usual milliseconds, variables
 
 # The suites that run the line, the quick ones first, as long as there is some left of COVERING seconds. Of a
 # line that no suite is seen to run (a table, a part of a statement) they are those of the file; of a shader,
-# those that dispatch any.
+# those that make a module with it, or any module.
+map= at=
 case $file in
-*.[ch]) map=$out/map/$flat at=$line ;;
-*) map=$out/map/gpu.vk.vk_pipeline.c at= ;;
+*.[ch]) [ ! -e "$out/map/$flat" ] || map=$out/map/$flat at=$line ;;
+*)
+    for shader in $changed; do
+        [ ! -e "$out/map/spv.$shader" ] || map="$map $out/map/spv.$shader"
+    done
+    [ -n "$map" ] || [ ! -e "$out/map/gpu.vk.vk_pipeline.c" ] || map=$out/map/gpu.vk.vk_pipeline.c
+    ;;
 esac
-covering() { awk -v line="$1" 'line == "" || $1 == line { for (i = 2; i <= NF; i++) print $i }' "$map" | sort -u; }
-if [ -e "$map" ]; then
+covering() { awk -v line="$1" 'line == "" || $1 == line { for (i = 2; i <= NF; i++) print $i }' $map | sort -u; }
+if [ -n "$map" ]; then
     covering "$at" >"$dir/covering"
     [ -s "$dir/covering" ] || covering "" >"$dir/covering"
 fi
