@@ -258,6 +258,9 @@ static void check_chart(const struct chart *chart, struct svg_reader *r)
         assert_true(y > name_y + 10);
     }
     assert_null(next_line(r));
+    /* There is air below the last line, and not much more than the frame or the legend needs. */
+    assert_true(r->height >= y + 8);
+    assert_true(r->height <= fmax(y + 40, p.bottom + 60));
 }
 
 static void every_mark_of_a_chart_stands_where_its_numbers_say(void **state)
@@ -269,15 +272,18 @@ static void every_mark_of_a_chart_stands_where_its_numbers_say(void **state)
                                       {-3, 4, 1, -2, 0, 2}};
     for (size_t i = 0; i < ARRAY_COUNT(value); i++)
         for (size_t count = 2; count <= 6; count += 2) {
-            const struct chart_series series[] = {
+            struct chart_series series[18] = {
                 {"first", 0, NAN, NAN, NAN, value[i], count},
                 {"second", 12, 1, 1, 2, value[i] + 1, count - 1 > 1 ? count - 1 : 2}};
+            /* With all of them the legend is higher than the frame. */
+            for (size_t s = 2; s < ARRAY_COUNT(series); s++)
+                series[s] = series[s % 2];
             struct chart chart = {.title = count == 4 ? NULL : "title",
                                   .x_label = "frame",
                                   .y_label = "y name",
                                   .unit = "ms",
                                   .series = series,
-                                  .series_count = 2};
+                                  .series_count = count == 6 ? ARRAY_COUNT(series) : 2};
             char *text = NULL;
             size_t size = 0;
             FILE *stream = open_memstream(&text, &size);

@@ -87,6 +87,9 @@ counted=$(sed -nE 's/.* wrong ([0-9]+) \(as published, counted\).*/\1/p' "$dir/o
 # Pairs of members.
 pairs=$(awk -v fields=8 -v what='pairs of members' -f tests/conform/pairs.awk "$dir/xml")
 grep -q "^$pairs" "$dir/text" || bad "not '$pairs', but '$(grep ' pairs of members met' "$dir/text")'"
+awk -v fields=8 -v unmet=1 -f tests/conform/pairs.awk "$dir/xml" >"$dir/unmet"
+sed -n 's/^.* pairs of members met, .* refused or skipped: //p' "$dir/text" | grep -qxFf "$dir/unmet" ||
+    bad "the pair that is shown is none of $(grep -c . "$dir/unmet") that did not meet"
 
 "$raydiff" conform --engine cpu,fast --count $rays --threads 1 --tap >"$dir/tap" 2>/dev/null
 [ $? -eq 1 ] || bad "failed trials, TAP: not exit 1"
