@@ -64,7 +64,8 @@ static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL instance_asked(VkInstance of, co
     return (PFN_vkVoidFunction)device_asked;
 }
 
-/* In place of that of the C library; the first to ask for the entry is the program. */
+/* In place of that of the C library. The first to ask for the entry is the program, which may ask
+ * again; drivers, which have one of that name, too, are left alone. */
 void *dlsym(void *restrict handle, const char *restrict name)
 {
     static void *(*real)(void *, const char *);
@@ -75,9 +76,13 @@ void *dlsym(void *restrict handle, const char *restrict name)
         memcpy(&real, &symbol, sizeof real);
     }
     void *found = real(handle, name);
-    if (!found || instance_entry || strcmp(name, "vkGetInstanceProcAddr") != 0)
+    if (!found || strcmp(name, "vkGetInstanceProcAddr") != 0)
         return found;
-    memcpy(&instance_entry, &found, sizeof instance_entry);
+    PFN_vkGetInstanceProcAddr entry;
+    memcpy(&entry, &found, sizeof entry);
+    if (instance_entry && entry != instance_entry)
+        return found;
+    instance_entry = entry;
     PFN_vkGetInstanceProcAddr asked = instance_asked;
     memcpy(&found, &asked, sizeof found);
     return found;
