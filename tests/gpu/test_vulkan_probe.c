@@ -221,12 +221,24 @@ static void choice_adds_up(const struct card_choice *choice)
     assert_int_equal(choice->telling, choice->plain + choice->other + choice->neither);
 }
 
+/* Of the operands 1 and NaN it is one of them, of -0 and +0 a zero. */
+static void pair_is_of_its_operands(const struct card_pair *pair)
+{
+    assert_true(isnan(pair->first_nan) || !(pair->first_nan < 1 || pair->first_nan > 1));
+    assert_true(isnan(pair->second_nan) || !(pair->second_nan < 1 || pair->second_nan > 1));
+    assert_int_equal(float_bits(pair->minus_plus) << 1, 0);
+    assert_int_equal(float_bits(pair->plus_minus) << 1, 0);
+}
+
 /* What Vulkan promises, and that the counts add up, whatever the driver. */
 static void check_card(const struct card *card)
 {
     choice_adds_up(&card->fma);
     choice_adds_up(&card->contraction);
     choice_adds_up(&card->distribution);
+    assert_int_equal(card->fma.neither + card->contraction.neither, 0);
+    pair_is_of_its_operands(&card->min);
+    pair_is_of_its_operands(&card->max);
     assert_true(card->sqrt.count > 1000 && card->sqrt.worst_ulp <= 4);
     assert_true(card->inversesqrt.worst_ulp <= 2);
     assert_int_equal(card->unpack.wrong, 0);
