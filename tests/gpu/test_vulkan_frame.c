@@ -102,7 +102,16 @@ static void brute_force_has_the_bits_of_c(void **state)
     stand_close(&stand);
 }
 
-/* And with every layout: RTRS's lose triangles, in C too. */
+/* A layout whose shader none before it has. */
+static bool shader_is_new(size_t at)
+{
+    for (size_t i = 0; i < at; i++)
+        if (strcmp(layout_shader(layouts_all[i]), layout_shader(layouts_all[at])) == 0)
+            return false;
+    return true;
+}
+
+/* And with the shader of every layout: RTRS's lose triangles, in C too. */
 static void tiles_of_any_side_cover_the_picture(void **state)
 {
     (void)state;
@@ -111,14 +120,18 @@ static void tiles_of_any_side_cover_the_picture(void **state)
     struct picture p = picture_make("rtrs", repaired, 37, 19);
     struct frame got = drawn_make(&p);
     struct reason reason = {""};
-    for (size_t i = 0; layouts[i]; i++) {
+    size_t drawn = 0;
+    for (size_t i = 0; layouts_all[i]; i++) {
+        if (!shader_is_new(i))
+            continue;
         packed_free(&p.packed);
-        gpu_must(packed_make(layouts[i], &p.bvh, &p.scene, &p.packed, &reason), &reason);
-        p.job.tile = tile[i % ARRAY_COUNT(tile)];
+        gpu_must(packed_make(layouts_all[i], &p.bvh, &p.scene, &p.packed, &reason), &reason);
+        p.job.tile = tile[drawn++ % ARRAY_COUNT(tile)];
         assert_true(picture_draw(&p, "cpu", 1, true, &p.frame));
         draw(&stand, &p, &got);
-        as_in_c(layouts[i]->name, &p, &p.frame, &got);
+        as_in_c(layouts_all[i]->name, &p, &p.frame, &got);
     }
+    assert_true(drawn >= 12);
     frame_free(&got);
     picture_free(&p);
     stand_close(&stand);

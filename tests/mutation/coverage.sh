@@ -30,6 +30,10 @@ if [ $# -eq 2 ]; then
             { row = row " " $3 }
             END { print row >name }'
     echo "$(ls "$out/map" | wc -l) files are run by $(ls "$out/lines" | wc -l) suites"
+    for module in $(cat "$build/spv/list"); do
+        module=$(basename "$module" .spv)
+        [ -e "$out/map/spv.$module" ] || echo "shader module $module is made by none"
+    done
     exit 0
 fi
 
