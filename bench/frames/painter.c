@@ -21,7 +21,7 @@ static enum status pack(struct painter *painter, struct reason *reason)
     if (!status)
         status = packed_make(plan->layout, bvh, scene, &painter->packed, reason);
     if (!status)
-        painter->tree = bvh_stats(bvh, scene);
+        status = bvh_count(bvh, scene, &painter->tree, reason);
     bvh_free(&built);
     return status;
 }

@@ -44,8 +44,9 @@ enum status paper_tree(const struct scene *scene, uint32_t leaf, struct paper_tr
     enum status status = builder_find("rtrs")->build(scene, &options, &bvh, reason);
     if (status)
         return status;
-    out->stats = bvh_stats(&bvh, scene);
-    status = packed_bytes("rtrs_direct", &bvh, scene, &out->direct, &none, reason);
+    status = bvh_count(&bvh, scene, &out->stats, reason);
+    if (!status)
+        status = packed_bytes("rtrs_direct", &bvh, scene, &out->direct, &none, reason);
     if (!status)
         status = packed_bytes("f32", &bvh, scene, &out->plain, &out->items, reason);
     if (!status)

@@ -62,10 +62,10 @@ static enum status build_once(struct builders_contestant *c, const struct scene 
         return STATUS_OK;
     }
     if (!status && look) {
-        c->quality = tree_quality(&bvh, scene);
-        status = tree_overlap(&bvh, scene, OVERLAP_MOST, &c->overlap);
-        if (status)
-            (void)fail(reason, status, "no memory to judge a tree of %u nodes", bvh.node_count);
+        status = tree_quality(&bvh, scene, &c->quality, reason);
+        if (!status && tree_overlap(&bvh, scene, OVERLAP_MOST, &c->overlap))
+            status = fail(reason, STATUS_MEMORY, "no memory to judge a tree of %u nodes",
+                          bvh.node_count);
     }
     bvh_free(&bvh);
     return status;

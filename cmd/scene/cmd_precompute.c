@@ -107,14 +107,15 @@ static enum status precompute(const struct precompute *p, const struct scene *sc
     enum status status = bvh_build(builders_all[p->builder], scene, &p->build, &bvh, &why);
     if (status)
         return fail(reason, status, "%s: %s", file_label(p->scene), why.text);
-    status = write_out(p, scene, &bvh, reason);
-    if (!status) {
-        struct bvh_stats stats = bvh_stats(&bvh, scene);
+    struct bvh_stats stats;
+    status = bvh_count(&bvh, scene, &stats, reason);
+    if (!status)
+        status = write_out(p, scene, &bvh, reason);
+    if (!status)
         fprintf(stderr, "%s: %s, %s, %s of at most %s, depth %u, %s too small\n", p->out,
                 COUNTED(bvh.tri_count, "triangle"), COUNTED(stats.node_count, "node"),
                 COUNTED(stats.leaf_count, "leaf"), COUNTED(stats.largest_leaf, "item"), stats.depth,
                 COUNTED(stats.loose_count, "inner box"));
-    }
     bvh_free(&bvh);
     return status;
 }
@@ -142,14 +143,15 @@ static enum status verify_json(const char *bytes, size_t size, const struct prec
 {
     struct bvh bvh;
     enum status status = bvh_json_read(file_label(p->verify), bytes, size, scene, &bvh, reason);
+    struct bvh_stats stats;
+    if (!status)
+        status = bvh_count(&bvh, scene, &stats, reason);
     *sound = !status && bvh_check(&bvh, scene, reason) == STATUS_OK;
-    if (!status) {
-        struct bvh_stats stats = bvh_stats(&bvh, scene);
+    if (!status)
         printf("%s: %s, %s of at most %s, depth %u, %s too small\n", p->verify,
                COUNTED(stats.node_count, "node"), COUNTED(stats.leaf_count, "leaf"),
                COUNTED(stats.largest_leaf, "item"), stats.depth,
                COUNTED(stats.loose_count, "inner box"));
-    }
     bvh_free(&bvh);
     return status;
 }

@@ -114,20 +114,22 @@ static uint32_t more_of(uint32_t a, uint32_t b)
 }
 
 /* Of all trees together: nodes and leaves added up, the deepest way down both levels. */
-static struct bvh_stats stats_of(const struct world *world, const struct world_trees *trees)
+static enum status count_all(const struct world *world, const struct world_trees *trees,
+                             struct bvh_stats *out, struct reason *reason)
 {
-    struct bvh_stats all = bvh_stats(&trees->top, &trees->items);
+    enum status status = bvh_count(&trees->top, &trees->items, out, reason);
     uint32_t bottom = 0;
-    for (uint32_t i = 0; i < trees->mesh_count; i++) {
-        const struct bvh_stats one = bvh_stats(&trees->bottom[i], world->mesh[i].scene);
-        all.node_count += one.node_count;
-        all.leaf_count += one.leaf_count;
-        all.largest_leaf = more_of(all.largest_leaf, one.largest_leaf);
-        all.loose_count += one.loose_count;
+    for (uint32_t i = 0; i < trees->mesh_count && !status; i++) {
+        struct bvh_stats one;
+        status = bvh_count(&trees->bottom[i], world->mesh[i].scene, &one, reason);
+        out->node_count += one.node_count;
+        out->leaf_count += one.leaf_count;
+        out->largest_leaf = more_of(out->largest_leaf, one.largest_leaf);
+        out->loose_count += one.loose_count;
         bottom = more_of(bottom, one.depth);
     }
-    all.depth += bottom;
-    return all;
+    out->depth += bottom;
+    return status;
 }
 
 enum status match_rebuild_world(struct match *match, struct reason *reason)
@@ -139,9 +141,9 @@ enum status match_rebuild_world(struct match *match, struct reason *reason)
                                       .bottom_options = match->options.build,
                                       .braid = match->options.braid};
     world_trees_free(&match->trees);
+    match->stats = (struct bvh_stats){0};
     const enum status status = world_trees_make(match->world, &build, &match->trees, reason);
-    match->stats = status ? (struct bvh_stats){0} : stats_of(match->world, &match->trees);
-    return status;
+    return status ? status : count_all(match->world, &match->trees, &match->stats, reason);
 }
 
 enum status match_pack_world(struct match *match, const struct layout *layout,

@@ -62,15 +62,6 @@ static enum status refit_packed(struct match *match, uint64_t start, struct reas
     return status;
 }
 
-static enum status count_nodes(struct match *match, const struct scene *scene,
-                               struct reason *reason)
-{
-    match->stats = bvh_stats(&match->bvh, scene);
-    if (match->stats.node_count != match->bvh.node_count)
-        return fail(reason, STATUS_MEMORY, "no memory to count the nodes of a tree");
-    return STATUS_OK;
-}
-
 enum status match_rebuild(struct match *match, const struct builder *builder,
                           const struct build_options *build, const struct tri_test *tri,
                           struct reason *reason)
@@ -94,7 +85,7 @@ enum status match_rebuild(struct match *match, const struct builder *builder,
                   : bvh_build(builder, scene, build, &match->bvh, reason);
     match->refit = (struct match_refit){.build_ns = tree ? 0 : time_ns() - start};
     if (status == STATUS_OK && !tree)
-        status = count_nodes(match, scene, reason);
+        status = bvh_count(&match->bvh, scene, &match->stats, reason);
     if (status == STATUS_OK && match->options.rest && measure_motion(match))
         status = fail(reason, STATUS_MEMORY, "no memory to refit a tree");
     return status;

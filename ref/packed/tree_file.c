@@ -80,7 +80,9 @@ static enum status read_json(const char *bytes, size_t size, const struct scene 
         return status;
     bool split = bvh_is_split(&file->bvh);
     struct fit fit = {.scene = scene, .slack = SLACK_FLOAT, .split = split, .part = "their leaf"};
-    file->stats = bvh_stats(&file->bvh, scene);
+    status = bvh_count(&file->bvh, scene, &file->stats, reason);
+    if (status)
+        return status;
     uint64_t small = file->stats.loose_count;
     for (uint32_t i = 0; i < file->bvh.node_count; i++) {
         const struct bvh_node *node = &file->bvh.node[i];

@@ -69,34 +69,47 @@ static enum status check_cover(const struct bvh *bvh, const struct scene *scene,
     return status;
 }
 
-struct bvh_stats bvh_stats(const struct bvh *bvh, const struct scene *scene)
+/* Counts with the exact bounds of each node, and a zero for each as its depth. */
+static void count_into(const struct bvh *bvh, const struct box *exact, uint32_t *depth,
+                       struct bvh_stats *out)
 {
-    struct bvh_stats stats = {0};
+    const bool split = bvh_is_split(bvh);
+    out->node_count = bvh->node_count;
+    for (uint32_t i = 0; i < bvh->node_count; i++) {
+        const struct bvh_node *node = &bvh->node[i];
+        if (depth[i] > out->depth)
+            out->depth = depth[i];
+        if (node->item_count > out->largest_leaf)
+            out->largest_leaf = node->item_count;
+        if (is_leaf(node)) {
+            out->leaf_count++;
+            continue;
+        }
+        depth[node->fst] = depth[node->snd] = depth[i] + 1;
+        if (!split && !box_contains_box(&node->bounds, &exact[i]))
+            out->loose_count++;
+    }
+}
+
+enum status bvh_count(const struct bvh *bvh, const struct scene *scene, struct bvh_stats *out,
+                      struct reason *reason)
+{
     struct cover_faults cover = {0};
     struct box *exact = bvh_exact_bounds(bvh, scene);
     uint32_t *depth = alloc_zeroed(bvh->node_count, sizeof *depth);
-    bool split = bvh_is_split(bvh);
-    if (exact && depth && (!split || check_cover(bvh, scene, &cover) == STATUS_OK)) {
-        stats.loose_count = cover.prims;
-        stats.node_count = bvh->node_count;
-        for (uint32_t i = 0; i < bvh->node_count; i++) {
-            const struct bvh_node *node = &bvh->node[i];
-            if (depth[i] > stats.depth)
-                stats.depth = depth[i];
-            if (node->item_count > stats.largest_leaf)
-                stats.largest_leaf = node->item_count;
-            if (is_leaf(node)) {
-                stats.leaf_count++;
-                continue;
-            }
-            depth[node->fst] = depth[node->snd] = depth[i] + 1;
-            if (!split && !box_contains_box(&node->bounds, &exact[i]))
-                stats.loose_count++;
-        }
+    enum status status = exact && depth ? STATUS_OK : STATUS_MEMORY;
+    *out = (struct bvh_stats){0};
+    if (!status && bvh_is_split(bvh))
+        status = check_cover(bvh, scene, &cover);
+    if (!status) {
+        count_into(bvh, exact, depth, out);
+        out->loose_count += cover.prims;
+    } else {
+        (void)fail(reason, status, "no memory to count the nodes of a tree");
     }
     free(exact);
     free(depth);
-    return stats;
+    return status;
 }
 
 /* Checks the triangles of a leaf; seen[prim] is 0, or 1 plus the last leaf that listed it. */

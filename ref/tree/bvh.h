@@ -110,9 +110,10 @@ struct box *bvh_exact_bounds(const struct bvh *bvh, const struct scene *scene) M
 /* Frees the tree's arrays and zeroes it. */
 void bvh_free(struct bvh *bvh);
 
-/* Counts nodes; the tree must be well formed (see bvh_check_form). All 0 for an empty tree, and if
- * out of memory. */
-struct bvh_stats bvh_stats(const struct bvh *bvh, const struct scene *scene);
+/* Counts nodes; the tree must be well formed (see bvh_check_form). *out is all 0 for an empty tree,
+ * and after STATUS_MEMORY. */
+enum status bvh_count(const struct bvh *bvh, const struct scene *scene, struct bvh_stats *out,
+                      struct reason *reason) MUST_USE;
 
 /* Checks the form: pre-order, children in range and after their parent, each node reached once,
  * each triangle of the scene in exactly one leaf; in a split tree in at least one, and in no leaf

@@ -16,10 +16,12 @@ double tree_sah(const struct bvh *bvh)
     return root > 0 ? sum / root : 0;
 }
 
-struct tree_quality tree_quality(const struct bvh *bvh, const struct scene *scene)
+enum status tree_quality(const struct bvh *bvh, const struct scene *scene, struct tree_quality *out,
+                         struct reason *reason)
 {
-    struct tree_quality quality = {.stats = bvh_stats(bvh, scene), .sah = tree_sah(bvh)};
-    if (quality.stats.leaf_count)
-        quality.leaf_fill = (double)bvh->prim_count / quality.stats.leaf_count;
-    return quality;
+    *out = (struct tree_quality){.sah = tree_sah(bvh)};
+    enum status status = bvh_count(bvh, scene, &out->stats, reason);
+    if (out->stats.leaf_count)
+        out->leaf_fill = (double)bvh->prim_count / out->stats.leaf_count;
+    return status;
 }

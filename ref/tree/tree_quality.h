@@ -32,7 +32,8 @@ double tree_sah(const struct bvh *bvh);
 enum status tree_overlap(const struct bvh *bvh, const struct scene *scene, uint32_t most,
                          double *out) MUST_USE;
 
-/* Computes the measures of a well-formed tree of the scene. */
-struct tree_quality tree_quality(const struct bvh *bvh, const struct scene *scene);
+/* Computes the measures of a well-formed tree of the scene. Errors: STATUS_MEMORY. */
+enum status tree_quality(const struct bvh *bvh, const struct scene *scene, struct tree_quality *out,
+                         struct reason *reason) MUST_USE;
 
 #endif

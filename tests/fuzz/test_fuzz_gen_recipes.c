@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "tests/support/counted.h"
 #include "tests/fuzz/fuzz_gen_trials.h"
 
 #define TIMES 100u
@@ -167,7 +168,7 @@ static uint32_t depth_of(draw_fn *draw, uint64_t seed)
     trial.build.leaf = 1;
     assert_int_equal(builder_find("median")->build(&trial.scene, &trial.build, &bvh, NULL),
                      STATUS_OK);
-    uint32_t depth = bvh_stats(&bvh, &trial.scene).depth;
+    uint32_t depth = bvh_counted(&bvh, &trial.scene).depth;
     bvh_free(&bvh);
     fuzz_trial_free(&trial);
     return depth;

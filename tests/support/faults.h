@@ -5,6 +5,7 @@
 
 #include "ref/trace/trace.h"
 #include "scenes/scenes.h"
+#include "tests/support/counted.h"
 #include "tests/support/tree_fixture.h"
 
 #include <stdio.h>
@@ -39,7 +40,7 @@ static inline struct subject subject_make(const struct scene *scene, const char 
     struct build_options options = {.leaf = leaf, .eps = eps};
     if (builder_find(builder)->build(scene, &options, &s.bvh, &s.reason))
         fail_msg("%s: %s", builder, s.reason.text);
-    s.stats = bvh_stats(&s.bvh, scene);
+    s.stats = bvh_counted(&s.bvh, scene);
     subject_pack(&s, layout);
     return s;
 }
@@ -48,7 +49,7 @@ static inline struct subject subject_make(const struct scene *scene, const char 
 static inline struct subject subject_of(const struct scene *scene, struct bvh bvh,
                                         const char *layout)
 {
-    struct subject s = {.scene = scene, .bvh = bvh, .stats = bvh_stats(&bvh, scene)};
+    struct subject s = {.scene = scene, .bvh = bvh, .stats = bvh_counted(&bvh, scene)};
     subject_pack(&s, layout);
     return s;
 }

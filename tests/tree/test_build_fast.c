@@ -5,6 +5,7 @@
 #include "ref/tree/bvh.h"
 #include "ref/base/rng.h"
 #include "ref/tree/tree_quality.h"
+#include "tests/support/counted.h"
 #include "tests/support/built.h"
 
 #include <stdarg.h>
@@ -31,7 +32,7 @@ static void check_one(const struct builder *builder, const struct scene *scene, 
         if (bvh_build(builder, scene, &options, &bvh, &reason) || bvh_check(&bvh, scene, &reason))
             fail_msg("%s, %s, leaf %u, %u passes: %s", builder->name, what, leaf, passes,
                      reason.text);
-        struct bvh_stats stats = bvh_stats(&bvh, scene);
+        struct bvh_stats stats = bvh_counted(&bvh, scene);
         if (stats.largest_leaf > leaf || stats.depth > 60 || stats.loose_count > 0)
             fail_msg("%s, %s, leaf %u, %u passes: a leaf of %u, depth %u, %u loose", builder->name,
                      what, leaf, passes, stats.largest_leaf, stats.depth, stats.loose_count);
@@ -212,7 +213,7 @@ static void leaves_are_made_where_they_cost_less(void **state)
     double before = tree_sah(&bvh);
     assert_int_equal(tree_collapse(&bvh, 4), STATUS_OK);
     assert_int_equal(bvh_check(&bvh, &scene, NULL), STATUS_OK);
-    assert_in_range(bvh_stats(&bvh, &scene).largest_leaf, 2, 4);
+    assert_in_range(bvh_counted(&bvh, &scene).largest_leaf, 2, 4);
     double after = tree_sah(&bvh);
     assert_true(after < before);
     uint32_t nodes = bvh.node_count;

@@ -1,6 +1,7 @@
 /* Laws of ref/builders/: what every builder keeps, what median promises, what RTRS does. */
 #include "ref/tree/bvh.h"
 #include "ref/base/rng.h"
+#include "tests/support/counted.h"
 #include "tests/support/built.h"
 
 #include <stdarg.h>
@@ -121,7 +122,7 @@ static void check_median(const struct scene *scene, const char *what)
 {
     for (uint32_t leaf = 1; leaf <= 9; leaf++) {
         struct bvh bvh = build("median", scene, leaf, 0.02f);
-        struct bvh_stats stats = bvh_stats(&bvh, scene);
+        struct bvh_stats stats = bvh_counted(&bvh, scene);
         struct reason reason = {""};
         if (bvh_check(&bvh, scene, &reason))
             fail_msg("%s, leaf %u: %s", what, leaf, reason.text);
@@ -150,7 +151,7 @@ static void median_halves_where_the_middle_would_grow_a_chain(void **state)
     (void)state;
     struct scene scene = halving(270);
     struct bvh bvh = build("median", &scene, 1, 0.02f);
-    uint32_t depth = bvh_stats(&bvh, &scene).depth;
+    uint32_t depth = bvh_counted(&bvh, &scene).depth;
     assert_true(depth > 50 && depth <= 60);
     bvh_free(&bvh);
     scene_free(&scene);
@@ -164,7 +165,7 @@ static void median_splits_copies_in_index_order(void **state)
     struct bvh bvh = build("median", &scene, 4, 0.02f);
     for (uint32_t i = 0; i < 100; i++)
         assert_int_equal(bvh.prim[i], i);
-    assert_int_equal(bvh_stats(&bvh, &scene).depth, 5);
+    assert_int_equal(bvh_counted(&bvh, &scene).depth, 5);
     bvh_free(&bvh);
     scene_free(&scene);
 }
@@ -214,7 +215,7 @@ static void rtrs_cannot_split_a_floor_whose_centroids_round_up(void **state)
     scene_free(&scene);
     scene = floor_of(3, 0.5f); /* a height that survives the rounding */
     bvh = build("rtrs", &scene, 4, 0.02f);
-    assert_true(bvh_stats(&bvh, &scene).largest_leaf <= 4);
+    assert_true(bvh_counted(&bvh, &scene).largest_leaf <= 4);
     bvh_free(&bvh);
     scene_free(&scene);
 }

@@ -1,5 +1,6 @@
 /* Laws of ref/tree/bvh.h. */
 #include "ref/tree/bvh.h"
+#include "tests/support/counted.h"
 #include "tests/support/tree_fixture.h"
 
 #include <stdarg.h>
@@ -32,7 +33,7 @@ static void bvh_accepts_an_empty_tree_of_an_empty_scene_only(void **state)
     struct reason reason;
     assert_int_equal(scene_make(0, 0, &none), STATUS_OK);
     assert_int_equal(bvh_check(&bvh, &none, NULL), STATUS_OK);
-    assert_int_equal(bvh_stats(&bvh, &none).node_count, 0);
+    assert_int_equal(bvh_counted(&bvh, &none).node_count, 0);
     assert_int_equal(bvh_check(&bvh, &one, &reason), STATUS_INPUT);
     uint32_t prim = 0;
     bvh = (struct bvh){.prim = &prim, .prim_count = 1, .tri_count = 1};
@@ -154,7 +155,7 @@ static void bvh_finds_each_loose_bound(void **state)
                      "xyz"[k % 3], (double)box -> lo[k % 3], (double)box -> hi[k % 3], (double)lo,
                      (double)hi);
             assert_string_equal(reason.text, expected);
-            assert_int_equal(bvh_stats(&bvh, &scene).loose_count, inner ? 1 : 0);
+            assert_int_equal(bvh_counted(&bvh, &scene).loose_count, inner ? 1 : 0);
             *bound = float_from_bits(0x7FC00000);
             assert_int_equal(bvh_check(&bvh, &scene, &reason), STATUS_INPUT);
             bvh_free(&bvh);
@@ -169,7 +170,7 @@ static void bvh_counts_nodes_leaves_and_depth(void **state)
     for (int shape = TREES_BALANCED; shape <= TREES_RIGHT; shape++) {
         struct scene scene = trees_grid(11);
         struct bvh bvh = trees_make(&scene, 2, (enum trees_shape)shape);
-        struct bvh_stats stats = bvh_stats(&bvh, &scene);
+        struct bvh_stats stats = bvh_counted(&bvh, &scene);
         assert_int_equal(stats.node_count, 11);
         assert_int_equal(stats.leaf_count, 6);
         assert_int_equal(stats.depth, depth[shape]);

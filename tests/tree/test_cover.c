@@ -4,6 +4,7 @@
 #include "ref/tree/cover_exact.h"
 #include "ref/tree/bvh.h"
 #include "ref/base/rng.h"
+#include "tests/support/counted.h"
 #include "tests/support/tree_fixture.h"
 
 #include <stdarg.h>
@@ -245,7 +246,7 @@ static void cover_accepts_a_triangle_that_is_cut(void **state)
     cut_make(&cut);
     if (bvh_check(&cut.bvh, &cut.scene, &reason))
         fail_msg("%s", reason.text);
-    assert_int_equal(bvh_stats(&cut.bvh, &cut.scene).loose_count, 0);
+    assert_int_equal(bvh_counted(&cut.bvh, &cut.scene).loose_count, 0);
     /* Boxes may be larger, and overlap. */
     cut.node[2].bounds.hi[0] = 2;
     assert_int_equal(bvh_check(&cut.bvh, &cut.scene, NULL), STATUS_OK);

@@ -11,6 +11,7 @@
 #include "ref/trace/trace.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
+#include "tests/support/counted.h"
 #include "tests/support/built.h"
 
 #include <stdarg.h>
@@ -127,7 +128,7 @@ static void sbvh_of_every_hard_scene(void **state)
                       (struct build_options){
                           .leaf = 3, .passes = passes, .split_budget = 2, .split_alpha = -1});
             must_be_sound(&bvh, &scene, what);
-            assert_in_range(bvh_stats(&bvh, &scene).depth, 0, 60);
+            assert_in_range(bvh_counted(&bvh, &scene).depth, 0, 60);
             bvh_free(&bvh);
             scene_free(&scene);
         }

@@ -2,6 +2,7 @@
  * the trees behind it), and what becomes of flat floors. */
 #include "ref/layout.h"
 #include "scenes/scenes.h"
+#include "tests/support/counted.h"
 #include "tests/support/published.h"
 #include "tests/support/tree_fixture.h"
 
@@ -87,7 +88,7 @@ static void seed_scene_gives_the_published_trees(void **state)
     open_seed_scene(&scene);
     for (size_t i = 0; i < ARRAY_COUNT(figures); i++) {
         struct bvh bvh = build_rtrs(&scene, figures[i].leaf);
-        struct bvh_stats stats = bvh_stats(&bvh, &scene);
+        struct bvh_stats stats = bvh_counted(&bvh, &scene);
         assert_memory_equal(&stats, &figures[i].tree, sizeof stats);
         bvh_free(&bvh);
     }

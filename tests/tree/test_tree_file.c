@@ -8,6 +8,7 @@
 #include "ref/packed/tree_file.h"
 #include "scenes/scenes.h"
 #include "ref/store.h"
+#include "tests/support/counted.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -81,7 +82,7 @@ static void json_packs_as_the_builders_tree(void **state)
         assert_int_equal(tree_file_read("t", bytes, size, &scene, &file, &reason), STATUS_OK);
         free(bytes);
         assert_false(tree_file_is_packed(&file));
-        struct bvh_stats stats = bvh_stats(&bvh, &scene);
+        struct bvh_stats stats = bvh_counted(&bvh, &scene);
         assert_memory_equal(&file.stats, &stats, sizeof stats);
         size_t compared = 0;
         for (size_t l = 0; layouts[l]; l++) {
@@ -151,7 +152,7 @@ static void packed_fixes_the_layout(void **state)
     for (size_t i = 0; i < ARRAY_COUNT(specs) * ARRAY_COUNT(names); i++) {
         struct scene scene = open_scene(specs[i / 2]);
         struct bvh bvh = build(&scene, names[i % 2], 4);
-        struct bvh_stats stats = bvh_stats(&bvh, &scene);
+        struct bvh_stats stats = bvh_counted(&bvh, &scene);
         for (size_t l = 0; layouts[l]; l++) {
             struct tree_file file;
             struct packed copy;
