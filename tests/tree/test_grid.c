@@ -150,12 +150,33 @@ static void frames_are_as_small_as_they_can_be(void **state)
     }
 }
 
+/* Where the shader finds the codes of a slot and an axis (grid_codes): what it asks of the places
+ * is true of all. */
+static void codes_lie_where_the_shader_reads_them(void **state)
+{
+    (void)state;
+    for (uint32_t slot = 0; slot < 8; slot++)
+        for (uint32_t axis = 0; axis < 3; axis++) {
+            uint32_t first = 2 * axis, second = 2 * axis + 1;
+            assert_true((first < 3) == (first < 4) && (first < 3) == (first <= 3));
+            assert_true((second < 3) == (second < 2));
+            uint32_t bit = (3 * slot + axis) * 24 & 31;
+            assert_true(bit % 8 == 0 && (bit & 30) == bit);
+            assert_true(((32 - bit) & 30) == ((32 - bit) & 31));
+            if (bit <= 9) /* the two end in their word; what comes from the next is above them */
+                assert_true(bit + 24 <= 32 && (bit == 0 || 32 - bit >= 24));
+            else
+                assert_true(bit > 9 && bit + 24 > 32);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(encoding_is_the_best_of_all_codes),
         cmocka_unit_test(decoding_is_outward_in_every_rounding),
         cmocka_unit_test(frames_are_as_small_as_they_can_be),
+        cmocka_unit_test(codes_lie_where_the_shader_reads_them),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
