@@ -30,6 +30,7 @@ struct suspects {
     struct ray ray[RAYS];
     const struct engine *engine;
     enum query query;
+    bool moved; /* the tree is of the scene at rest, and refitted */
 };
 
 static void start(struct suspects *s, const char *layout)
@@ -143,6 +144,7 @@ static enum status do_match(const void *of, struct reason *reason)
                                           .tri = tri_tests[0],
                                           .store = tri_stores[0],
                                           .query = s->query,
+                                          .rest = s->moved ? &s->scene : NULL,
                                           .repeats = 2,
                                           .brute_budget = UINT64_MAX};
     enum status status = match_make(&s->scene, s->ray, RAYS, &options, &pool, &match, reason);
@@ -200,6 +202,10 @@ static void what_compares_answers(void **state)
             s.engine = engine_find(traced[i]);
             assert_true(each_fails(traced[i], do_match, &s, 1) > 10);
         }
+    s.moved = true;
+    s.query = QUERY_CLOSEST;
+    s.engine = engine_find("cpu");
+    assert_true(each_fails("moved", do_match, &s, 1) > 14);
     end(&s);
 }
 

@@ -33,6 +33,17 @@ static struct box box_of(const struct world *world, const struct world_trees *tr
     return box;
 }
 
+/* A record of 64 bytes for each instance and each part, the words of the trees and of their
+ * items. */
+static uint64_t bytes_by_hand(const struct packed_world *packed)
+{
+    uint64_t bytes = 64 * (uint64_t)packed->entry_count;
+    bytes += 4 * (uint64_t)(packed->top.word_count + packed->top.item_count);
+    for (uint32_t i = 0; i < packed->tree_count; i++)
+        bytes += 4 * (uint64_t)(packed->bottom[i].word_count + packed->bottom[i].item_count);
+    return bytes;
+}
+
 static void every_builder_and_layout_is_sound(void **state)
 {
     (void)state;
@@ -55,6 +66,7 @@ static void every_builder_and_layout_is_sound(void **state)
                 fail_msg("%s: %s", layouts_all[i]->name, reason.text);
             assert_sound(&world, &packed);
             assert_int_equal(packed.entry_count, 40 + trees.parts.count);
+            assert_int_equal(packed_world_bytes(&packed), bytes_by_hand(&packed));
             packed_world_free(&packed);
             count++;
         }
