@@ -87,10 +87,9 @@ static uint32_t custom_with(const struct world *world, enum world_defect defect,
 static void numbers_are_those_of_the_defect(void **state)
 {
     static const enum world_defect defects[] = {
-        WORLD_DEFECT_NONE,           WORLD_DEFECT_MESH_NUMBERS,  WORLD_DEFECT_GEOMETRY_FIRST,
-        WORLD_DEFECT_NUMBER_10,      WORLD_DEFECT_CUSTOM_16,     WORLD_DEFECT_INACTIVE_COUNT_NOT,
-        WORLD_DEFECT_CUSTOM_8,       WORLD_DEFECT_CUSTOM_IS_NUMBER,
-        WORLD_DEFECT_CUSTOM_OF_BEFORE};
+        WORLD_DEFECT_NONE,      WORLD_DEFECT_MESH_NUMBERS,     WORLD_DEFECT_GEOMETRY_FIRST,
+        WORLD_DEFECT_NUMBER_10, WORLD_DEFECT_CUSTOM_16,        WORLD_DEFECT_INACTIVE_COUNT_NOT,
+        WORLD_DEFECT_CUSTOM_8,  WORLD_DEFECT_CUSTOM_IS_NUMBER, WORLD_DEFECT_CUSTOM_OF_BEFORE};
     (void)state;
     struct world world = row_of_instances();
     struct world_look look;
