@@ -7,7 +7,7 @@
 /* The comment with this in place of why the engine was not asked; the caller frees it. */
 static char *comment_with(struct export_case *the, const char *begin, const char *text)
 {
-    char *out = NULL;
+    static char *out; /* gcc 12 takes the text for the pointer's own place if that is a local one */
     size_t size = 0;
     FILE *stream = open_memstream(&out, &size);
     assert_non_null(stream);
