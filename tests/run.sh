@@ -193,7 +193,7 @@ for test in "$build"/tests/test_*; do
     checked=
     case $mode in plain | made_up) checked="env $(heap_of "$name")" ;; esac # made_up: tests/house/runner.sh
     case $name in
-    test_pipe | test_guardian | test_fuzz_shrink_apart) alone "$name" $checked "$test" ;;
+    test_pipe | test_pipe_later | test_guardian | test_fuzz_shrink_apart) alone "$name" $checked "$test" ;;
     *) suite "$name" $checked "$test" ;;
     esac
 done
