@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 #include <cmocka.h>
 
@@ -33,6 +34,28 @@ static struct baseline_answer ask(struct baseline *baseline, const char *signatu
     assert_int_equal(fuzz_signature_parse(signature, &parsed, &reason), STATUS_OK);
     baseline_ask(baseline, &parsed, versions, today, &answer);
     return answer;
+}
+
+/* Today is a day of UTC, the same in every time zone. */
+static void today_is_the_same_everywhere(void **state)
+{
+    (void)state;
+    static const char *const zones[] = {"UTC0", "AHEAD-14", "BEHIND12"};
+    for (size_t i = 0; i < ARRAY_COUNT(zones); i++) {
+        char day[3][BASELINE_DAY];
+        assert_int_equal(setenv("TZ", zones[i], 1), 0);
+        tzset();
+        for (int k = 0; k < 3; k++) { /* midnight may lie between */
+            time_t now = time(NULL);
+            struct tm utc;
+            assert_non_null(gmtime_r(&now, &utc));
+            assert_true(strftime(day[k], sizeof day[k], "%Y-%m-%d", &utc) > 0);
+            if (k == 1)
+                baseline_today(day[k]);
+        }
+        assert_true(strcmp(day[1], day[0]) == 0 || strcmp(day[1], day[2]) == 0);
+    }
+    assert_int_equal(unsetenv("TZ"), 0);
 }
 
 static void entries_excuse_until_their_day(void **state)
@@ -208,6 +231,7 @@ static void today_is_a_day(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(today_is_the_same_everywhere),
         cmocka_unit_test(entries_excuse_until_their_day),
         cmocka_unit_test(bad_lines_are_refused),
         cmocka_unit_test(files_are_added),

@@ -88,6 +88,7 @@ static void plugin_that_dies_is_a_status(void **state)
         {LIE_ABORT, STATUS_DEVICE, false, "liar: crashed while packing: "},
         {LIE_EXIT, STATUS_DEVICE, false, "liar: crashed while packing: ended itself with code"},
         {LIE_HANG, STATUS_DEVICE, true, "liar: hung while packing: no end after 200 ms"},
+        {LIE_EXIT, STATUS_DEVICE, false, "liar: crashed while packing: ended itself with code"},
         {LIE_ULP, STATUS_INPUT, false, "liar: record 334: x bounds"},
         {LIE_HONEST, STATUS_OK, false, ""},
     };
