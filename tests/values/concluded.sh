@@ -42,6 +42,15 @@ done
 expect 1 . judge sphere:n=2 "$dir/rays" "$dir/hits"
 grep -q '^tree: ' "$dir/out" && bad 'judge: a tree that no engine walks'
 grep -q '^WRONG  *-  *answer:.* -$' "$dir/out" || bad 'judge: the speed of a file'
+# The seed is the scene's, and the line that is printed explains the same answer.
+"$raydiff" gen soup:n=30 --seed 5 --count 40 >"$dir/rays5"
+{ echo 'formula unknown ieee' && yes m | head -n 40; } >"$dir/hits5"
+expect 1 . judge soup:n=30 --seed 5 "$dir/rays5" "$dir/hits5"
+grep -q '^soup:n=30: 30 triangles, .*, seed 5$' "$dir/out" || bad 'judge: the seed is not told'
+lost=$(sed -nE 's/^WRONG missed .* expected: prim=([0-9]*) .*/\1/p' "$dir/out")
+printed=$(sed -n 's/^ *explain: raydiff //p' "$dir/out")
+eval "expect 1 . ${printed:-no line}"
+grep -q "^verdict   WRONG: missed, triangle $lost was to be found" "$dir/out" || bad "judge: its line explains something else than triangle $lost"
 # What is vacuous is told once.
 expect 1 . check soup:n=0 $few --layout f32 --engine cpu
 grep -q '^  cpu: vacuous: 0 hits of 500 rays prove nothing$' "$dir/out" || bad 'check: why a row is vacuous'
