@@ -43,5 +43,16 @@ for signal in INT TERM HUP KILL; do
     echo "passed  $signal: $interrupted of $moments runs were interrupted"
 done
 
+# What begins with hangups ignored, as under nohup, goes on through them.
+for part in 2 5 8; do
+    rm -rf "$dir/cut"
+    after=$(awk "BEGIN { print $ms * $part / 10000 }")
+    campaign "$dir/cut" timeout --preserve-status --foreground -s HUP "$after" env --ignore-signal=HUP
+    code=$?
+    [ "$code" -eq 1 ] || bad "a hangup that is ignored, after $after s: exit $code"
+    normal "$dir/cut" cut.normal
+    diff -r "$dir/whole.normal" "$dir/cut.normal" >"$dir/out" 2>&1 || bad "a hangup that is ignored: the end is another one"
+done
+
 echo "signals: $failed failed"
 [ "$failed" -eq 0 ]

@@ -50,6 +50,7 @@ function sizes(  k, touched, sum, at) {
         same(name kind[k] " beyond L1", word[at++], "%.0f", v[p "." kind[k] "_beyond_l1"])
         same(name kind[k] " beyond L2", word[at++], "%.0f", v[p "." kind[k] "_beyond_l2"])
         truth(name kind[k] " beyond", v[p "." kind[k] "_line_bytes"] >= v[p "." kind[k] "_beyond_l1"] && v[p "." kind[k] "_beyond_l1"] >= v[p "." kind[k] "_beyond_l2"])
+        truth(name kind[k] " a line for the root", v[p "." kind[k] "_line_bytes"] >= 64)
     }
     equal(name "lost", word[at++], v[p ".lost"] "/" v[p ".asked"])
     equal(name "wrong", word[at++], v[p ".wrong"] "/" v[p ".asked"])
