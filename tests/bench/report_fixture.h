@@ -137,7 +137,7 @@ static char *page_of(const struct report *report)
     return text;
 }
 
-static void has(const char *page, const char *what)
+static inline void has(const char *page, const char *what)
 {
     if (!strstr(page, what))
         fail_msg("no %s", what);

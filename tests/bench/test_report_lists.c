@@ -1,0 +1,99 @@
+/* The lists of section 5 of a report: as many mismatches as are promised, each once, and what was
+ * left out is counted; the first finding alone is opened. */
+#define _GNU_SOURCE /* open_memstream, mkdtemp */
+#include "tests/bench/report_fixture.h"
+
+#define SHOWN 60u /* mismatches of a page */
+
+static json_t *finding_at(size_t ray)
+{
+    char command[64];
+    snprintf(command, sizeof command, "raydiff explain number-%zu-", ray);
+    return json_pack("{s:I, s:s, s:n, s:{s:s, s:i, s:f, s:f}, s:s}", "ray", (json_int_t)ray,
+                     "against", "truth", "got", "judgement", "wrong", "missed", "expected", 4,
+                     "t_lo", 1.5, "t_hi", 1.75, "explain", command);
+}
+
+/* A part of `count` mismatches from number `from` on, in rows of 7. */
+static json_t *check_with(size_t from, size_t count)
+{
+    json_t *check = check_of("2", "0", "true", "2", "ok"), *row = NULL;
+    json_t *rows = json_object_get(check, "rows"), *like = json_deep_copy(json_array_get(rows, 0));
+    assert_int_equal(json_array_clear(rows), 0);
+    for (size_t i = 0; i < count; i++) {
+        if (i % 7 == 0) {
+            row = json_deep_copy(like);
+            assert_int_equal(json_object_set_new(row, "findings", json_array()), 0);
+            assert_int_equal(json_array_append_new(rows, row), 0);
+        }
+        assert_int_equal(
+            json_array_append_new(json_object_get(row, "findings"), finding_at(from + i)), 0);
+    }
+    json_decref(like);
+    return check;
+}
+
+static void mismatches_are_shown_up_to_a_number_and_counted_behind_it(void **state)
+{
+    (void)state;
+    static const size_t counts[][2] = {{0, 0},   {1, 0},   {0, 3},   {59, 0}, {60, 0}, {61, 0},
+                                       {30, 30}, {30, 31}, {61, 61}, {0, 62}, {100, 7}};
+    for (size_t i = 0; i < ARRAY_COUNT(counts); i++) {
+        const size_t all = counts[i][0] + counts[i][1], shown = all < SHOWN ? all : SHOWN;
+        char note[64], line[64];
+        struct report report = empty();
+        report.wanted[REPORT_CHECK] = true;
+        add(&report, REPORT_CHECK, check_with(0, counts[i][0]), EXIT_MISMATCH);
+        add(&report, REPORT_CHECK, check_with(counts[i][0], counts[i][1]), EXIT_MISMATCH);
+        char *page = page_of(&report);
+        for (size_t k = 0; k < all; k++) {
+            snprintf(line, sizeof line, "raydiff explain number-%zu-", k);
+            assert_int_equal(occurrences(page, line), k < shown);
+            snprintf(line, sizeof line, ", ray %zu: a miss", k);
+            assert_int_equal(occurrences(page, line), k < shown);
+        }
+        assert_int_equal(occurrences(page, "Mismatches of the agreement part"), all > 0);
+        assert_int_equal(occurrences(page, "The agreement part met no mismatch."), all == 0);
+        snprintf(note, sizeof note, ">%zu more are not shown.<", all - shown);
+        assert_int_equal(occurrences(page, note), all > SHOWN);
+        assert_int_equal(occurrences(page, "more are not shown."), all > SHOWN);
+        free(page);
+        report_free(&report);
+    }
+}
+
+static void the_first_finding_is_opened(void **state)
+{
+    (void)state;
+    for (size_t count = 0; count < 4; count++)
+        for (size_t left_out = 0; left_out < 3; left_out++) {
+            char note[64];
+            struct report report = empty();
+            report.wanted[REPORT_FINDING] = true;
+            report.findings_left_out = left_out;
+            for (size_t k = 0; k < count; k++)
+                add(&report, REPORT_FINDING, json_of("{'files': [{'fails': true}]}", NULL, 0),
+                    EXIT_MISMATCH);
+            char *page = page_of(&report);
+            assert_int_equal(occurrences(page, "<summary>explanation</summary>"), count);
+            assert_int_equal(occurrences(page, "<details open=\"open\">"), count > 0);
+            const char *open = strstr(page, "<details open=\"open\">");
+            const char *closed = strstr(page, "<details>");
+            assert_true(!closed || open < closed);
+            assert_int_equal(occurrences(page, "The folder of findings holds none."), count == 0);
+            snprintf(note, sizeof note, ">%zu more findings are not shown.<", left_out);
+            assert_int_equal(occurrences(page, note), left_out > 0);
+            assert_int_equal(occurrences(page, "more findings are not shown."), left_out > 0);
+            free(page);
+            report_free(&report);
+        }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(mismatches_are_shown_up_to_a_number_and_counted_behind_it),
+        cmocka_unit_test(the_first_finding_is_opened),
+    };
+    return cmocka_run_group_tests_name("report_lists", tests, NULL, NULL);
+}
