@@ -26,6 +26,11 @@ only 3 tiny8 --layout
 only 4 sah_binned --builder
 only 5 watertight --box
 only 6 baldwin_webber --tri
+# Without a pattern, too: a test that is not of the core is played if it is named, and not else.
+expect 0 . conform --hard --list --engine cpu --layout f32 --tri baldwin_webber
+[ "$(sed "s,.*[.],," "$dir/out" | sort -u)" = baldwin_webber ] || bad "conform --hard --tri baldwin_webber: others are played, or nothing"
+expect 0 . conform --hard --list --engine cpu --layout f32
+sed "s,.*[.],," "$dir/out" | grep -qxF baldwin_webber && bad "conform --hard: a test that is not of the core is played"
 expect 2 'no hard case matches' conform 'hard.nothing' --engine cpu --layout tiny8
 
 # All layouts at once: a matrix of so many columns is written.
