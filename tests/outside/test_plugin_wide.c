@@ -57,11 +57,44 @@ static void wide_plugin_packs_a_single_leaf(void **state)
     bvh_free(&bvh);
 }
 
+/* The box of a child slot is the one that its record has there, that of a record holds them all:
+ * also that of the first slot of the first record, which is the root's only child here. */
+static void boxes_are_those_of_the_slots(void **state)
+{
+    struct stand *s = *state;
+    static const uint32_t leaves[] = {512, 64, 4};
+    for (size_t l = 0; l < ARRAY_COUNT(leaves); l++) {
+        const struct build_options options = {.leaf = leaves[l], .eps = BUILD_EPS_DEFAULT};
+        struct bvh bvh;
+        struct packed packed;
+        uint32_t slots = 0;
+        assert_int_equal(bvh_build(builder_find("median"), &s->scene, &options, &bvh, NULL), 0);
+        assert_int_equal(packed_make(s->layout, &bvh, &s->scene, &packed, NULL), STATUS_OK);
+        for (uint32_t ref = 0; ref < packed.node_count; ref++) {
+            struct wide node;
+            const struct box own = s->layout->box(&packed, ref);
+            s->layout->load(&packed, ref, &node);
+            for (uint32_t c = 0; c < node.child_count; c++) {
+                assert_true(box_contains_box(&own, &node.box[c]));
+                if (node.child[c] < packed.node_count)
+                    continue;
+                const struct box slot = s->layout->box(&packed, node.child[c]);
+                assert_memory_equal(&slot, &node.box[c], sizeof slot);
+                slots++;
+            }
+        }
+        assert_true(slots > 0);
+        packed_free(&packed);
+        bvh_free(&bvh);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wide_plugin_that_lies_is_refused_by_the_record),
         cmocka_unit_test(wide_plugin_packs_a_single_leaf),
+        cmocka_unit_test(boxes_are_those_of_the_slots),
     };
     return cmocka_run_group_tests(tests, stand_make, stand_free);
 }
