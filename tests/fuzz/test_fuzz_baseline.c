@@ -196,6 +196,7 @@ static void unused_entries_are_told(void **state)
     assert_int_equal(fuzz_field_make(engine, 2, layout, 2, &options, &field, &reason), STATUS_OK);
     struct baseline b = listed("embree*.-.missed.* until - used" LINK
                                "embree*.-.phantom.* until 2020-01-01 not used" LINK
+                               "embree_robust.-.distance.* until - not used, too" LINK
                                "embree.-.phantom.* until - another engine" LINK
                                "*.rtrs_rf.missed.* until - another layout" LINK
                                "*.rf16.missed.* @Mesa_25 until - another version" LINK
@@ -208,6 +209,9 @@ static void unused_entries_are_told(void **state)
     assert_non_null(first);
     assert_string_equal(first->pattern, "embree*.-.phantom.*");
     assert_string_equal(path, "list");
+    const struct waiver *beside = baseline_unused(&b, &field, MESA, &at, &path);
+    assert_non_null(beside);
+    assert_string_equal(beside->pattern, "embree_robust.-.distance.*");
     const struct waiver *second = baseline_unused(&b, &field, MESA, &at, &path);
     assert_non_null(second);
     assert_string_equal(second->pattern, "cpu.*.bits.*");
