@@ -1,5 +1,6 @@
 /* The front door: names, groups, summaries and functions of the commands, and how the program
  * ends. */
+#include "ref/guest/guest_host.h"
 #include "ref/outside/plugin_shader.h"
 #include "ref/base/command.h"
 #include "ref/base/nearest_name.h"
@@ -271,6 +272,8 @@ int main(int argc, char **argv)
         print_help(stderr);
         return EXIT_USAGE;
     }
+    if (guest_host_is_meant(argc, argv))
+        return guest_host_main(argv);
     if (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "version") == 0) {
         puts("raydiff " RAYDIFF_VERSION);
         return EXIT_AGREE;
