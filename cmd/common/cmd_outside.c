@@ -30,7 +30,8 @@ static enum status add_guest(const char *name, struct reason *reason)
 {
     const struct engine *engine;
     const char *path = object_of_engine(name);
-    enum status status = path && !engine_find(name) ? guest_try(path, reason) : STATUS_OK;
+    enum status status =
+        path && !engine_find(name) ? guest_try(path, GUEST_TRY_MS, reason) : STATUS_OK;
     if (!path || status)
         return status;
     return path == name ? pipe_engine(name, &engine, reason) : guest_engine(name, &engine, reason);

@@ -21,9 +21,11 @@ struct guest {
  * shared object, no raydiff_engine(), another version, a function that is missing. */
 enum status guest_load(const char *path, struct guest *out, struct reason *reason) MUST_USE;
 
-/* Loads the object in a child process, and ends that. Errors: as guest_load; STATUS_DEVICE it
- * crashed or did not end. */
-enum status guest_try(const char *path, struct reason *reason) MUST_USE;
+#define GUEST_TRY_MS 10000u
+
+/* Loads the object in a child process, and ends that, after `ms` at the latest. Errors: as
+ * guest_load; STATUS_DEVICE it crashed or did not end. */
+enum status guest_try(const char *path, uint32_t ms, struct reason *reason) MUST_USE;
 
 /* The check of guest_load. */
 enum status guest_check(const char *path, const struct raydiff_engine *table,

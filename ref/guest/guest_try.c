@@ -5,7 +5,6 @@
 
 #include <string.h>
 
-#define TRY_MS  10000u
 #define TRY_MB  8192u
 #define FATE_MS 1000u
 
@@ -25,7 +24,7 @@ static void load_in_child(struct child *parent, void *user)
     guest_close(&guest);
 }
 
-enum status guest_try(const char *path, struct reason *reason)
+enum status guest_try(const char *path, uint32_t ms, struct reason *reason)
 {
     char copy[GUEST_PATH_MOST];
     struct child child;
@@ -39,14 +38,14 @@ enum status guest_try(const char *path, struct reason *reason)
     enum status status = child_start(load_in_child, copy, &child, reason);
     if (status)
         return status;
-    if (child_receive_into(&child, &tried, sizeof tried, TRY_MS)) {
+    if (child_receive_into(&child, &tried, sizeof tried, ms)) {
         child_end(&child, FATE_MS, NULL);
         return tried.status ? fail(reason, tried.status, "%s", tried.reason.text) : STATUS_OK;
     }
-    const bool late = (time_ns() - start) / 1000000u >= TRY_MS;
+    const bool late = (time_ns() - start) / 1000000u >= ms;
     child_end(&child, late ? 0 : FATE_MS, &fate);
     if (late)
         return fail(reason, STATUS_DEVICE, "%.120s: hung while being opened: no end after %u ms",
-                    path, TRY_MS);
+                    path, ms);
     return fail(reason, STATUS_DEVICE, "%.120s: crashed while being opened: %s", path, fate.text);
 }

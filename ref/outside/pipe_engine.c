@@ -113,6 +113,7 @@ static enum status ask_peer(struct pipe_tracer *tracer, struct pipe_rays *rays,
     if (!status)
         status = pipe_peer_ask(&tracer->peer, rays, reason);
     report->ns += time_ns() - start;
+    report->core_ns = report->ns; /* this thread only waits */
     return status;
 }
 
@@ -152,8 +153,9 @@ static enum status tracer_prepare_world(void *self, const struct world_job *job,
     struct pipe_peer *peer = &tracer->peer;
     size_t size;
     if (!tracer_traces(tracer))
-        return fail(reason, STATUS_UNSUPPORTED,
-                    "%.80s traces scenes, not worlds: its flags have no 8", peer->name);
+        return fail(reason, STATUS_UNSUPPORTED, "%.80s traces scenes, not worlds: its %s",
+                    peer->name,
+                    object_of_engine(peer->name) ? "`can` has no WORLDS" : "flags have no 8");
     if (job->query == QUERY_ALL)
         return fail(reason, STATUS_UNSUPPORTED, "%.80s cannot list all hits", peer->name);
     free(tracer->words);

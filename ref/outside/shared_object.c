@@ -21,10 +21,11 @@ bool object_is_named(const char *name, size_t length)
 const char *object_of_engine(const char *name)
 {
     const size_t prefix = strlen(GUEST_PREFIX);
-    if (strncmp(name, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0 ||
-        !object_is_named(name, strlen(name)))
-        return NULL;
-    return strncmp(name, GUEST_PREFIX, prefix) == 0 ? name + prefix : name;
+    const char *path = strncmp(name, GUEST_PREFIX, prefix) == 0 ? name + prefix : name;
+    return strncmp(name, PIPE_PREFIX, strlen(PIPE_PREFIX)) != 0 &&
+                   object_is_named(path, strlen(path))
+               ? path
+               : NULL;
 }
 
 enum status object_check_file(const char *path, struct reason *reason)
