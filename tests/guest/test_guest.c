@@ -17,14 +17,14 @@
 static struct scene scene;
 static struct ray rays[RAYS];
 
-struct play {
+struct guest_play {
     const char *file;
     bool inside;
     enum query query;
     uint32_t ms, mb;
 };
 
-struct played {
+struct guest_played {
     struct hit hit[RAYS];
     struct model model;
     struct trace_report report;
@@ -34,14 +34,14 @@ struct played {
 };
 
 /* Opens, prepares and traces; the first status that is not OK. */
-static enum status play(const struct play *how, struct played *out)
+static enum status play(const struct guest_play *how, struct guest_played *out)
 {
     const struct engine *engine = engine_way(how->file, how->inside);
     const struct engine_options options = {
         .threads = 3, .peer_ms = how->ms ? how->ms : 20000, .peer_mb = how->mb};
     const struct job job = {.scene = &scene, .tri = tri_test_find("mt"), .query = how->query};
     void *self;
-    *out = (struct played){.ray = 0};
+    *out = (struct guest_played){.ray = 0};
     enum status status = engine->open(&options, &self, &out->reason);
     if (status)
         return status;
@@ -59,10 +59,12 @@ static void a_sample_gives_the_same_bits_in_both_ways(void **state)
 {
     (void)state;
     for (enum query query = QUERY_CLOSEST; query <= QUERY_ANY; query++) {
-        struct played apart, inside;
+        struct guest_played apart, inside;
         size_t hits = 0;
-        assert_int_equal(play(&(struct play){"guest_brute.so", false, query, 0, 0}, &apart), 0);
-        assert_int_equal(play(&(struct play){"guest_brute.so", true, query, 0, 0}, &inside), 0);
+        assert_int_equal(play(&(struct guest_play){"guest_brute.so", false, query, 0, 0}, &apart),
+                         0);
+        assert_int_equal(play(&(struct guest_play){"guest_brute.so", true, query, 0, 0}, &inside),
+                         0);
         assert_memory_equal(apart.hit, inside.hit, sizeof apart.hit);
         assert_int_equal(apart.model.formula, TWIN_UNKNOWN);
         for (size_t i = 0; i < RAYS; i++)
@@ -72,7 +74,7 @@ static void a_sample_gives_the_same_bits_in_both_ways(void **state)
 }
 
 /* The guest "good" answers with what it was given. */
-static void must_hold_what_was_given(const struct played *played, enum query query)
+static void must_hold_what_was_given(const struct guest_played *played, enum query query)
 {
     for (uint32_t i = 0; i < RAYS; i++) {
         const uint32_t tri = i % scene.tri_count;
@@ -88,18 +90,20 @@ static void must_hold_what_was_given(const struct played *played, enum query que
 static void a_guest_is_given_scene_rays_query_and_threads(void **state)
 {
     (void)state;
-    struct played played;
+    struct guest_played played;
     behave("good");
     for (enum query query = QUERY_CLOSEST; query <= QUERY_ANY; query++)
         for (int inside = 0; inside < 2; inside++) {
-            assert_int_equal(play(&(struct play){"guest_bad.so", inside, query, 0, 0}, &played), 0);
+            assert_int_equal(
+                play(&(struct guest_play){"guest_bad.so", inside, query, 0, 0}, &played), 0);
             must_hold_what_was_given(&played, query);
             assert_int_equal(played.report.memory_bytes, inside ? 123 : 0);
             assert_true(played.report.core_ns > 0);
         }
     behave("only_closest"); /* the nearest hit is any hit */
     for (int inside = 0; inside < 2; inside++) {
-        assert_int_equal(play(&(struct play){"guest_bad.so", inside, QUERY_ANY, 0, 0}, &played), 0);
+        assert_int_equal(
+            play(&(struct guest_play){"guest_bad.so", inside, QUERY_ANY, 0, 0}, &played), 0);
         must_hold_what_was_given(&played, QUERY_CLOSEST);
     }
 }
@@ -107,10 +111,11 @@ static void a_guest_is_given_scene_rays_query_and_threads(void **state)
 static void making_native_rays_is_not_timed(void **state)
 {
     (void)state;
-    struct played played;
+    struct guest_played played;
     behave("slow_rays"); /* making and reading take 300 ms each */
     const uint64_t start = time_ns();
-    assert_int_equal(play(&(struct play){"guest_bad.so", true, QUERY_CLOSEST, 0, 0}, &played), 0);
+    assert_int_equal(play(&(struct guest_play){"guest_bad.so", true, QUERY_CLOSEST, 0, 0}, &played),
+                     0);
     assert_true(time_ns() - start >= 600000000u);
     assert_true(played.report.ns < 200000000u);
     assert_true(played.report.core_ns > 0 && played.report.core_ns < 200000000u);
@@ -125,9 +130,9 @@ static void models_are_taken_or_refused(void **state)
                {"model_flags", "have more than"},
                {"model_both", "displacement 7 beside a formula"},
                {"model_endless", "displacement 1e+30 is not above 0"}};
-    struct played played;
+    struct guest_played played;
     for (int inside = 0; inside < 2; inside++) {
-        const struct play how = {"guest_bad.so", inside, QUERY_ANY, 0, 0};
+        const struct guest_play how = {"guest_bad.so", inside, QUERY_ANY, 0, 0};
         behave("model");
         assert_int_equal(play(&how, &played), STATUS_OK);
         assert_int_equal(played.model.formula, TWIN_WOOP);
@@ -149,14 +154,14 @@ static void models_are_taken_or_refused(void **state)
     }
 }
 
-struct fate {
+struct guest_fate {
     const char *what;
     enum status status, inside; /* inside: STATUS_OK where it is not played */
     enum engine_fault fault;
     const char *text; /* "|": what stands behind it is of the process of its own alone */
 };
 
-static const struct fate fates[] = {
+static const struct guest_fate fates[] = {
     {"open_refuses", STATUS_UNSUPPORTED, STATUS_UNSUPPORTED, ENGINE_FINE, "refused: no such card"},
     {"open_memory", STATUS_DEVICE, STATUS_MEMORY, ENGINE_FINE, "open() has no memory: of the card"},
     {"open_fails", STATUS_DEVICE, STATUS_DEVICE, ENGINE_FINE, "open() failed: the card is hot"},
@@ -185,10 +190,10 @@ static void whatever_a_guest_does_is_told(void **state)
     (void)state;
     for (size_t i = 0; i < ARRAY_COUNT(fates); i++)
         for (int inside = 0; inside < 2; inside++) {
-            const struct fate *fate = &fates[i];
-            const struct play how = {"guest_bad.so", inside, QUERY_CLOSEST,
-                                     fate->fault == ENGINE_LATE ? 500 : 0, 64};
-            struct played played;
+            const struct guest_fate *fate = &fates[i];
+            const struct guest_play how = {"guest_bad.so", inside, QUERY_CLOSEST,
+                                           fate->fault == ENGINE_LATE ? 500 : 0, 64};
+            struct guest_played played;
             if (inside && !fate->inside)
                 continue;
             behave(fate->what);

@@ -2,7 +2,7 @@
 # Tracers that are shared objects, from the command line: the samples, in C and in C++, agree in both ways;
 # a planted bug is found by check and by a campaign, and shrunk; a crash, a hang and endless memory are
 # findings, and the campaign goes on; what is wrong with a file is told in one line.
-# usage: sh tests/scripts/guest.sh PATH/raydiff
+# usage: sh tests/guest/guest.sh PATH/raydiff
 set -u
 raydiff=$(cd "$(dirname "${1?PATH/raydiff}")" && pwd)/raydiff
 root=$(pwd)
