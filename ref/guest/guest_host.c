@@ -187,8 +187,8 @@ static bool answer(struct host *host, const struct pipe_request *request, bool o
     const struct pipe_answer head = head_of(host, request);
     if (host->refused.text[0])
         return refuse(host, head, host->refused.text);
-    memset(host->answer, 0xFE,
-           bytes); /* what the guest leaves out names a triangle that is not there */
+    /* What the guest leaves out names a triangle that is not there. */
+    memset(host->answer, 0xFE, bytes);
     if (!opening && rays > 0)
         *status = trace(host, request, reason);
     if (*status == STATUS_REFUSED) {

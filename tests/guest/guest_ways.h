@@ -14,16 +14,23 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include <cmocka.h>
 
 static char folder[GUEST_PATH_MOST]; /* of the objects, ends in '/' */
 
-/* Objects lie in samples/, beside the folder of this program. */
+/* Objects lie in samples/, in a folder above that of this program. */
 static inline void find_folder(const char *program)
 {
     const char *slash = strrchr(program, '/');
-    snprintf(folder, sizeof folder, "%.*s../samples/", slash ? (int)(slash + 1 - program) : 0,
-             program);
+    char up[16] = "../", file[GUEST_PATH_MOST + 24];
+    for (int i = 0; i < 4; i++, strcat(up, "../")) {
+        snprintf(folder, sizeof folder, "%.*s%ssamples/", slash ? (int)(slash + 1 - program) : 0,
+                 program, up);
+        snprintf(file, sizeof file, "%sguest_bad.so", folder);
+        if (access(file, R_OK) == 0)
+            return;
+    }
 }
 
 static inline const char *object_path(const char *file, char path[GUEST_PATH_MOST])
