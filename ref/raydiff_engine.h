@@ -2,7 +2,7 @@
  *   raydiff check SCENE --engine ./mine.so
  * It is plain C11 and C++11 and needs nothing else of raydiff. The object exports one function,
  * raydiff_engine, which returns a table of functions. fuzz/samples/engine/ has a template in C and
- * a tracer in C++, docs/my-engine-library.md writes one.
+ * a tracer in C++, docs/my-engine.md writes one.
  *
  *   cc -O2 -shared -fPIC -I RAYDIFF/ref -o mine.so mine.c
  *
