@@ -51,10 +51,10 @@ static void name_entry(struct matrix_entry *e)
 {
     bool fast = e->engine->own_tree;
     const char *store = e->store && e->store != tri_stores[0] ? e->store->name : NULL;
-    const char *path = object_of_engine(e->engine->name); /* its folders would take the room */
+    const char *path = file_of_engine(e->engine->name); /* its folders would take the room */
     const char *file = path ? strrchr(path, '/') : NULL;
-    int used = snprintf(e->name, sizeof e->name, "%s%.20s%s%s",
-                        path && path != e->engine->name ? GUEST_PREFIX : "",
+    int used = snprintf(e->name, sizeof e->name, "%.*s%.20s%s%s",
+                        path ? (int)(path - e->engine->name) : 0, e->engine->name,
                         file   ? file + 1
                         : path ? path
                                : e->engine->name,

@@ -1,5 +1,6 @@
 #include "cmd/common/cmd_outside.h"
 
+#include "gpu/engines/shader_tracer.h"
 #include "ref/guest/guest.h"
 #include "ref/guest/guest_engine.h"
 #include "ref/outside/pipe.h"
@@ -24,20 +25,22 @@ size_t outside_name_length(enum table table, const char *text)
     return next ? (size_t)(next - text) : strlen(text);
 }
 
-/* Adds a tracer in a shared object, which is loaded for a moment, so that what is wrong with it is
- * told here. */
-static enum status add_guest(const char *name, struct reason *reason)
+enum status outside_engine(const char *name, const struct engine **out, struct reason *reason)
 {
-    const struct engine *engine;
     const char *path = object_of_engine(name);
-    enum status status =
-        path && !engine_find(name) ? guest_try(path, GUEST_TRY_MS, reason) : STATUS_OK;
-    if (!path || status)
+    *out = engine_find(name);
+    if (*out)
+        return STATUS_OK;
+    if (begins_with(name, SHADER_PREFIX))
+        return shader_tracer(name, out, reason);
+    enum status status = path ? guest_try(path, GUEST_TRY_MS, reason) : STATUS_OK;
+    if (status)
         return status;
-    return path == name ? pipe_engine(name, &engine, reason) : guest_engine(name, &engine, reason);
+    return path && path != name ? guest_engine(name, out, reason) : pipe_engine(name, out, reason);
 }
 
-/* If the name is "pipe:COMMAND", "FILE.so", "inside:FILE.so" or "answer:...", adds that engine to
+/* If the name is "pipe:COMMAND", "FILE.so", "inside:FILE.so", "shader:FILE" or
+ * "answer:...", adds that engine to
  * the table. */
 static enum status add_engine(enum table table, const char *flag, const char *text, size_t length,
                               struct reason *reason)
@@ -57,13 +60,11 @@ static enum status add_engine(enum table table, const char *flag, const char *te
                       "'%.100s': a pipe takes all that follows as its command: name it last, as "
                       "'%.60s,%.*s', or quote the comma of the command",
                       name, comma + 1, (int)(comma - name < 90 ? comma - name : 90), name);
-    else if (is_pipe)
-        status = pipe_engine(name, &engine, &why);
+    else if (pipe_is_peer(name) || file_of_engine(name))
+        status = outside_engine(name, &engine, &why);
     else if (begins_with(name, RECORDED_PREFIX))
         status = recorded_find(name, &engine, &why);
-    else
-        status = add_guest(name, &why);
-    if (status == STATUS_DEVICE)
+    if (status == STATUS_DEVICE || status == STATUS_UNSUPPORTED)
         return fail(reason, status, "%s: %s", flag, why.text);
     return status ? fail(reason, STATUS_INPUT, "%s: %s", flag, why.text) : STATUS_OK;
 }

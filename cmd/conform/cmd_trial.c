@@ -1,6 +1,6 @@
 #include "cmd/conform/cmd_trial.h"
 
-#include "ref/guest/guest_engine.h"
+#include "cmd/common/cmd_outside.h"
 #include "ref/outside/pipe.h"
 #include "ref/outside/shared_object.h"
 #include "scenes/scenes.h"
@@ -38,7 +38,7 @@ static char *cut_engine(char **rest)
     char *end = strstr(field, ".-.-.-.");
     if (end)
         *end = '\0';
-    if (!end || !(pipe_is_peer(field) || object_of_engine(field))) {
+    if (!end || !(pipe_is_peer(field) || file_of_engine(field))) {
         if (end)
             *end = '.';
         return cut_first(rest);
@@ -61,9 +61,8 @@ static enum status parse_fields(char *const field[6], struct trial *out, struct 
     if (!query_find(field[0], &out->query) || out->query == QUERY_ALL) /* not judged yet */
         return fail(reason, STATUS_INPUT, "trial: unknown query '%s'", field[0]);
     out->engine = engine_find(field[1]);
-    if (!out->engine && (pipe_is_peer(field[1]) || object_of_engine(field[1]))) {
-        enum status status = pipe_is_peer(field[1]) ? pipe_engine(field[1], &out->engine, reason)
-                                                    : guest_engine(field[1], &out->engine, reason);
+    if (!out->engine && (pipe_is_peer(field[1]) || file_of_engine(field[1]))) {
+        enum status status = outside_engine(field[1], &out->engine, reason);
         if (status)
             return status;
     }

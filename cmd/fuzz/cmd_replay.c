@@ -198,12 +198,13 @@ enum status replay_engine(const struct finding_file *file, const struct engine *
     *out = fuzz_signature_engine(&file->signature);
     if (*out)
         return STATUS_OK;
-    const char *name = file->signature.engine, *object = object_of_engine(name);
+    const char *name = file->signature.engine, *object = file_of_engine(name);
     return fail(reason, STATUS_INPUT, "engine '%s' is not available%s", name,
-                object && object != name ? "; name its file: --engine inside:PATH/FILE.so"
-                : object                 ? "; name its file: --engine PATH/FILE.so"
-                : pipe_is_peer(name)     ? "; name its command: --engine 'pipe:COMMAND'"
-                                         : "");
+                object && !object_of_engine(name) ? "; name its file: --engine shader:PATH"
+                : object && object != name        ? "; name its file: --engine inside:PATH/FILE.so"
+                : object                          ? "; name its file: --engine PATH/FILE.so"
+                : pipe_is_peer(name)              ? "; name its command: --engine 'pipe:COMMAND'"
+                                                  : "");
 }
 
 /* Without --engine the signature's engine must be available. */

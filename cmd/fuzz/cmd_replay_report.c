@@ -52,7 +52,7 @@ void replay_command(const char *path, const struct engine *engine, const struct 
     command_word(text, text_bytes, path);
     if (layout && layout->outside)
         plugin_command(text, text_bytes, layout);
-    if (!engine || !(pipe_is_peer(engine->name) || object_of_engine(engine->name)))
+    if (!engine || !(pipe_is_peer(engine->name) || file_of_engine(engine->name)))
         return;
     command_word(text, text_bytes, "--engine");
     command_word(text, text_bytes, engine->name);

@@ -105,7 +105,7 @@ static enum status choose(struct export_case *the)
             return status;
     } else if (options->form == EXPORT_TEXT) {
         the->subject = SUBJECT_TRACER;
-    } else if (pipe_is_peer(name) || object_of_engine(name)) {
+    } else if (pipe_is_peer(name) || file_of_engine(name)) {
         return fail(the->reason, STATUS_INPUT,
                     "engine '%s' is a tracer of its own: --form text writes scene, rays and what "
                     "is right",

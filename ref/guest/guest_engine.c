@@ -286,7 +286,8 @@ enum status guest_engine(const char *name, const struct engine **out, struct rea
     *out = engine_find(name);
     if (*out)
         return STATUS_OK;
-    if (object_of_engine(name) != name + strlen(GUEST_PREFIX))
+    const char *path = object_of_engine(name);
+    if (!path || path == name)
         return fail(reason, STATUS_INPUT, "'%.60s' is not inside:FILE.so", name);
     if (strlen(name) >= GUEST_PATH_MOST + strlen(GUEST_PREFIX))
         return fail(reason, STATUS_INPUT, "'%.40s...' is a path of over %d characters", name,

@@ -23,9 +23,17 @@ const char *object_of_engine(const char *name)
     const size_t prefix = strlen(GUEST_PREFIX);
     const char *path = strncmp(name, GUEST_PREFIX, prefix) == 0 ? name + prefix : name;
     return strncmp(name, PIPE_PREFIX, strlen(PIPE_PREFIX)) != 0 &&
+                   strncmp(name, SHADER_PREFIX, strlen(SHADER_PREFIX)) != 0 &&
                    object_is_named(path, strlen(path))
                ? path
                : NULL;
+}
+
+const char *file_of_engine(const char *name)
+{
+    const size_t prefix = strlen(SHADER_PREFIX);
+    return strncmp(name, SHADER_PREFIX, prefix) == 0 && name[prefix] ? name + prefix
+                                                                     : object_of_engine(name);
 }
 
 enum status object_check_file(const char *path, struct reason *reason)

@@ -6,11 +6,15 @@
 
 #define OBJECT_SUFFIX ".so"
 #define GUEST_PREFIX  "inside:"
+#define SHADER_PREFIX "shader:"
 
 /* Returns the path in the name of an engine that is a shared object (ref/raydiff_engine.h): of
  * "FILE.so", which runs in a process of its own (ref/outside/pipe.h), and of "inside:FILE.so",
  * which runs in this one (ref/guest/guest_engine.h). NULL: any other name. */
 const char *object_of_engine(const char *name);
+
+/* The same, also of "shader:FILE" (gpu/engines/shader_tracer.h). */
+const char *file_of_engine(const char *name);
 
 /* Whether a name of so many characters ends in ".so" behind something. */
 bool object_is_named(const char *name, size_t length);
