@@ -4,7 +4,7 @@
  * raydiff_engine, which returns a table of functions. fuzz/samples/engine/ has a template in C and
  * a tracer in C++, docs/my-engine.md writes one.
  *
- *   cc -O2 -shared -fPIC -I RAYDIFF/ref -o mine.so mine.c
+ *   cc -O2 -shared -fPIC -I RAYDIFF -o mine.so mine.c
  *
  * raydiff runs `./mine.so` in a process of its own, with limits of time and memory, so that a crash
  * is a finding; `inside:./mine.so` runs in raydiff's process, where nothing is between the two.
