@@ -1,5 +1,8 @@
 /* The front door: names, groups, summaries and functions of the commands, and how the program
  * ends. */
+#include "gpu/engines/shader_tracer.h"
+#include "cmd/doctor/cmd_glsl.h"
+#include "ref/guest/guest_host.h"
 #include "ref/outside/plugin_shader.h"
 #include "ref/base/command.h"
 #include "ref/base/nearest_name.h"
@@ -271,6 +274,8 @@ int main(int argc, char **argv)
         print_help(stderr);
         return EXIT_USAGE;
     }
+    if (guest_host_is_meant(argc, argv))
+        return guest_host_main(argv);
     if (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "version") == 0) {
         puts("raydiff " RAYDIFF_VERSION);
         return EXIT_AGREE;
@@ -279,6 +284,7 @@ int main(int argc, char **argv)
         strcmp(argv[1], "help") == 0)
         return printed(argv[1], help(argc - 1, argv + 1));
     plugin_compile_with(cmd_glsl_compile);
+    shader_tracer_compile_with(cmd_glsl_tracer);
     process_signals();
     int words;
     const struct command *command = find_command(argc - 1, argv + 1, &words);

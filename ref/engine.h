@@ -17,8 +17,8 @@ struct engine_options {
     bool compact;       /* Embree: build the scene with its compact flag */
     bool avx512;        /* Embree: use AVX-512 if available; by default up to AVX2 */
     bool alone;         /* fast: never trace two rays at once, whatever the size of the tree */
-    uint32_t peer_ms;   /* pipe: time limit of a request to a peer; 0: PEER_MS */
-    uint32_t peer_mb;   /* pipe: address space of a peer in MB; 0: PEER_MB, UINT32_MAX: unlimited */
+    uint32_t peer_ms;   /* pipe: and FILE.so: time limit of a request to a peer; 0: PEER_MS */
+    uint32_t peer_mb;   /* the same: address space in MB; 0: PEER_MB, UINT32_MAX: unlimited */
 };
 
 #define PEER_MS 60000u
@@ -65,6 +65,7 @@ static inline bool job_keeps_watertight(const struct job *job)
 /* Cost of one trace call. */
 struct trace_report {
     uint64_t ns;                     /* tracing only */
+    uint64_t core_ns;                /* the same in time of the calling thread; 0: not measured */
     bool device_clock;               /* ns is from GPU timestamps, else from the host's clock */
     uint64_t boxes, tris;            /* number of tests; 0 if not counted */
     uint64_t node_bytes, item_bytes; /* of an engine with own_tree: of its own tree; else 0 */

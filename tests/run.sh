@@ -59,6 +59,8 @@ plain)
     suite corpus sh tests/conform/corpus.sh "$build/raydiff"
     suite readers sh tests/scripts/readers.sh "$build"
     suite cli sh tests/scripts/cli.sh "$build/raydiff"
+    suite guest sh tests/guest/guest.sh "$build/raydiff"
+    suite guest_shader sh tests/guest/shader.sh "$build/raydiff"
     suite values sh tests/values/values.sh "$build/raydiff"
     suite values_bench sh tests/values/values_bench.sh "$build/raydiff" layouts error spawn
     suite values_times sh tests/values/values_bench.sh "$build/raydiff" builders oracle fuzz frames fast worlds matrix tightness
@@ -155,6 +157,8 @@ sanitize)
     suite conform_worlds "$build/raydiff" conform --worlds --engine cpu,brute --count 100
     suite conform_hard "$build/raydiff" conform 'hard.*.cpu.*.median.watertight.*'
     suite cli sh tests/scripts/cli.sh "$build/raydiff"
+    suite guest sh tests/guest/guest.sh "$build/raydiff"
+    suite guest_shader sh tests/guest/shader.sh "$build/raydiff"
     suite watertight sh tests/scripts/watertight.sh "$build/raydiff"
     suite diff sh tests/scripts/diff.sh "$build"
     suite frames sh tests/scripts/frames.sh "$build"

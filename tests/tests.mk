@@ -36,6 +36,16 @@ $(B)/samples/refuser: tests/peers/refuser.c
 	@mkdir -p $(@D)
 	$(CC) -std=c17 -O2 $(WARN) -o $@ $<
 
+# Tracers that are shared objects, compiled with one header of raydiff's.
+$(B)/samples/guest_brute.so: fuzz/samples/engine/brute_engine.c
+$(B)/samples/guest_bad.so $(B)/samples/guest_none.so: tests/peers/guest_bad.c
+$(B)/samples/guest_none.so: GUEST_FLAGS := -DSYMBOL=another_name
+GUESTS := $(addprefix $(B)/samples/guest_,brute.so bad.so none.so)
+$(GUESTS): ref/raydiff_engine.h
+	@mkdir -p $(@D)
+	$(call warned,$(CC) -std=gnu11 -O2 -ffp-contract=off $(WARN) $(GUEST_FLAGS) -shared -fPIC -I. -o $@ $(filter %.c,$^))
+$(B)/tests/test_guest $(B)/tests/test_guest_load $(B)/tests/test_guest_world: | $(GUESTS)
+
 # The oracle is checked against GMP rationals, which only tests use.
 ORACLE_TESTS := $(filter $(B)/tests/test_oracle%,$(TESTS))
 $(ORACLE_TESTS): $(B)/obj/tests/exact/exact_gmp.o $(B)/obj/tests/exact/exact_gmp_bounds.o \

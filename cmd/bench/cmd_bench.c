@@ -93,8 +93,8 @@ static const struct option_row all_rows[] = {
 };
 
 static const struct option_row own_rows[] = {
-    {"engine", "E,..", "engines, or 'all'", OF_LIST(engine, TABLE_ENGINES),
-     .shown = "every engine that can run here"},
+    {"engine", "E,..", "engines, or 'all'; inside:FILE.so is a tracer of your own",
+     OF_LIST(engine, TABLE_ENGINES), .shown = "every engine that can run here"},
     {"layout", "L,..", "node layouts, or 'all'", OF_LIST(layout, TABLE_LAYOUTS),
      .shown = "all but those of RTRS"},
     {"store", "S,..", "triangle storages", OF_LIST(store, TABLE_STORES), .shown = "indexed"},

@@ -221,7 +221,9 @@ enum status race_run(struct race *race, const struct ray *ray, size_t count, str
             uint64_t start = core_time_ns();
             enum status status =
                 race_trace(race, c, c->few ? race->few : ray, rays, hit, &report, reason);
-            uint64_t ns = race->core_time ? core_time_ns() - start : report.ns;
+            uint64_t ns = !race->core_time ? report.ns
+                          : report.core_ns ? report.core_ns /* without conversions */
+                                           : core_time_ns() - start;
             if (status)
                 return status;
             c->boxes = report.boxes;

@@ -27,7 +27,9 @@ static const struct option_row rows[] = {
      "(the first that fits)",
      OF_OWN(take_layouts), .table = 1 + TABLE_LAYOUTS, .value = "f32,rf16"},
     {"engine", "E,..",
-     "engines, or 'all'; pipe:COMMAND, as the last, is a tracer of your own (docs/my-engine.md)",
+     "engines, or 'all'; FILE.so, inside:FILE.so, shader:FILE and, as the last, pipe:COMMAND are "
+     "tracers of "
+     "your own (docs/my-engine.md)",
      OF_LIST(engine, TABLE_ENGINES), .shown = "every engine that can run here"},
     {"store", "S,..", "triangle storages, see raydiff list storages", OF_LIST(store, TABLE_STORES),
      .value = "indexed"},

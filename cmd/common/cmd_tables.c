@@ -1,13 +1,11 @@
 #include "cmd/common/cmd_tables.h"
 
+#include "cmd/common/cmd_outside.h"
 #include "cmd/common/cmd_screen.h"
 
 #include "ref/base/nearest_name.h"
 #include "ref/base/text.h"
 #include "ref/outside/pipe.h"
-#include "ref/outside/plugin_guard.h"
-#include "ref/outside/plugin_shader.h"
-#include "ref/outside/recorded.h"
 #include "ref/engine.h"
 #include "ref/match/turnout.h"
 #include "scenes/rays/rays.h"
@@ -178,7 +176,7 @@ static enum status unknown(enum table table, const char *flag, const char *name,
         nearest_try(&nearest, one);
     return fail(reason, STATUS_INPUT, "%s: unknown name '%.*s'; %s are: %s%s%s%s%s", flag,
                 (int)(length > 60 ? 60 : length), name, table_name(table), known,
-                table == TABLE_ENGINES   ? ", pipe:COMMAND"
+                table == TABLE_ENGINES   ? ", pipe:COMMAND, ./FILE.so"
                 : table == TABLE_LAYOUTS ? ", ./FILE.so"
                                          : "",
                 nearest.name ? "; did you mean " : "", nearest.name ? nearest.name : "",
@@ -240,64 +238,6 @@ static bool begins_with(const char *text, const char *prefix)
     return strncmp(text, prefix, strlen(prefix)) == 0;
 }
 
-/* Length of the name at the start of the text. A command may contain commas, so its name extends to
- * the end or to the next command. */
-static size_t name_length(enum table table, const char *text)
-{
-    if (table != TABLE_ENGINES || !begins_with(text, PIPE_PREFIX))
-        return strcspn(text, ",");
-    const char *next = strstr(text, "," PIPE_PREFIX);
-    return next ? (size_t)(next - text) : strlen(text);
-}
-
-/* If the name is "pipe:COMMAND" or "answer:...", adds that engine to the table. */
-static enum status add_engine(enum table table, const char *flag, const char *text, size_t length,
-                              struct reason *reason)
-{
-    char name[PIPE_NAME_MOST + 1];
-    const struct engine *engine;
-    struct reason why = {""};
-    enum status status = STATUS_OK;
-    if (table != TABLE_ENGINES)
-        return STATUS_OK;
-    snprintf(name, sizeof name, "%.*s", (int)(length < PIPE_NAME_MOST ? length : PIPE_NAME_MOST),
-             text);
-    const bool is_pipe = begins_with(name, PIPE_PREFIX);
-    const char *comma = is_pipe ? pipe_engines_behind(name) : NULL;
-    if (comma)
-        status = fail(&why, STATUS_INPUT,
-                      "'%.100s': a pipe takes all that follows as its command: name it last, as "
-                      "'%.60s,%.*s', or quote the comma of the command",
-                      name, comma + 1, (int)(comma - name < 90 ? comma - name : 90), name);
-    else if (is_pipe)
-        status = pipe_engine(name, &engine, &why);
-    else if (begins_with(name, RECORDED_PREFIX))
-        status = recorded_find(name, &engine, &why);
-    return status ? fail(reason, STATUS_INPUT, "%s: %s", flag, why.text) : STATUS_OK;
-}
-
-/* If the name is "PATH.so", adds that layout to the table and replaces the name by the layout's. */
-static enum status add_plugin(enum table table, const char *flag, const char **text, size_t *length,
-                              struct reason *reason)
-{
-    char path[512];
-    const struct layout *layout;
-    struct reason why = {""};
-    size_t suffix = strlen(PLUGIN_SUFFIX);
-    if (table != TABLE_LAYOUTS || *length <= suffix || *length >= sizeof path ||
-        memcmp(*text + *length - suffix, PLUGIN_SUFFIX, suffix) != 0)
-        return STATUS_OK;
-    snprintf(path, sizeof path, "%.*s", (int)*length, *text);
-    enum status status = plugin_open(path, &layout, &why);
-    if (!status && plugin_shader_layout(layout, &why)) /* of a shader that was named before */
-        return fail(reason, STATUS_INPUT, "--shader: %s", why.text);
-    if (status)
-        return fail(reason, status, "%s: %s", flag, why.text);
-    *text = layout->name;
-    *length = strlen(layout->name);
-    return STATUS_OK;
-}
-
 /* Adds the members that the name of `length` characters names or matches. Errors: STATUS_INPUT
  * none, or one was added before. */
 static enum status add_members(enum table table, const char *flag, const char *text, size_t length,
@@ -336,12 +276,10 @@ enum status table_parse(enum table table, const char *flag, const char *text, st
     if (out->every)
         text = "*";
     for (const char *at = text;; at++) {
-        size_t length = name_length(table, at);
+        size_t length = outside_name_length(table, at);
         const char *name = at;
         size_t name_is = length;
-        enum status status = add_engine(table, flag, at, length, reason);
-        if (!status)
-            status = add_plugin(table, flag, &name, &name_is, reason);
+        enum status status = outside_add(table, flag, &name, &name_is, reason);
         if (!status)
             status = add_members(table, flag, name, name_is, out, reason);
         if (status)

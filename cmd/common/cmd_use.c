@@ -1,6 +1,7 @@
 #include "cmd/common/cmd_use.h"
 
 #include "ref/outside/pipe.h"
+#include "ref/outside/shared_object.h"
 #include "ref/base/command.h"
 #include "ref/base/text.h"
 #include "scenes/rays/rays.h"
@@ -29,12 +30,17 @@ static bool is_gpu(const struct engine *engine)
 
 bool engine_is_peer(const struct engine *engine)
 {
-    return strncmp(engine->name, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0;
+    return pipe_is_peer(engine->name);
+}
+
+static bool is_guest(const struct engine *engine)
+{
+    return object_of_engine(engine->name) != NULL;
 }
 
 static bool is_of_processor(const struct engine *engine)
 {
-    return !engine->gpu && !engine_is_peer(engine);
+    return !engine->gpu && (!engine_is_peer(engine) || is_guest(engine));
 }
 
 static bool is_of_shaders(const struct engine *engine)
@@ -55,7 +61,7 @@ static bool tests_ours(const struct engine *engine)
 /* True for engines whose formula is unknown. */
 static bool is_black(const struct engine *engine)
 {
-    return engine_is_peer(engine) || (engine->gpu && engine->own_tri);
+    return engine_is_peer(engine) || is_guest(engine) || (engine->gpu && engine->own_tri);
 }
 
 static bool any_engine(const struct option_use *use, bool (*is)(const struct engine *engine))
@@ -139,7 +145,8 @@ static const struct {
     {"shader", "an engine that runs shaders of layouts", NULL, on_shaders},
     {"displacement", "an engine whose formula is not known", is_black, NULL},
     {"threads", "an engine of the processor", is_of_processor, NULL},
-    {"peer-time peer-memory", "pipe:COMMAND or --layout FILE.so", NULL, from_outside},
+    {"peer-time peer-memory", "pipe:COMMAND, --engine FILE.so or --layout FILE.so", NULL,
+     from_outside},
     {"bits", "--store quantised", NULL, of_grids},
     {"seed", "a scene or rays that are drawn by chance", NULL, by_chance},
 };

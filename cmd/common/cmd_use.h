@@ -34,7 +34,7 @@ enum status options_check(const struct option_use *use, struct reason *reason) M
 /* The same, but prints the reason. Returns -1 to continue, else EXIT_USAGE. */
 int options_refused(const char *command, const struct option_use *use);
 
-/* True if the engine is a child process (pipe:COMMAND). It exists only if it is named. */
+/* True if the engine is a child process (pipe:COMMAND, FILE.so). It exists only if it is named. */
 bool engine_is_peer(const struct engine *engine);
 
 #endif

@@ -1,6 +1,8 @@
 #include "cmd/conform/cmd_trial.h"
 
+#include "cmd/common/cmd_outside.h"
 #include "ref/outside/pipe.h"
+#include "ref/outside/shared_object.h"
 #include "scenes/scenes.h"
 #include "ref/store.h"
 
@@ -28,16 +30,19 @@ static char *cut_first(char **rest)
     return field;
 }
 
-/* Cuts off the engine's name. A peer's command may contain dots, so it ends at the three '-' of an
- * engine without a tree. */
+/* Cuts off the engine's name. A command or a file may contain dots, so it ends at the three '-' of
+ * an engine without a tree. */
 static char *cut_engine(char **rest)
 {
     char *field = *rest;
-    char *end =
-        strncmp(field, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0 ? strstr(field, ".-.-.-.") : NULL;
-    if (!end)
+    char *end = strstr(field, ".-.-.-.");
+    if (end)
+        *end = '\0';
+    if (!end || !(pipe_is_peer(field) || file_of_engine(field))) {
+        if (end)
+            *end = '.';
         return cut_first(rest);
-    *end = '\0';
+    }
     *rest = end + 1;
     return field;
 }
@@ -56,8 +61,8 @@ static enum status parse_fields(char *const field[6], struct trial *out, struct 
     if (!query_find(field[0], &out->query) || out->query == QUERY_ALL) /* not judged yet */
         return fail(reason, STATUS_INPUT, "trial: unknown query '%s'", field[0]);
     out->engine = engine_find(field[1]);
-    if (!out->engine && strncmp(field[1], PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0) {
-        enum status status = pipe_engine(field[1], &out->engine, reason);
+    if (!out->engine && (pipe_is_peer(field[1]) || file_of_engine(field[1]))) {
+        enum status status = outside_engine(field[1], &out->engine, reason);
         if (status)
             return status;
     }

@@ -1,5 +1,7 @@
 /* Compiles the shader of a layout from outside, with glslang's C interface. This is part of the
  * program, since the library is not linked with glslang. */
+#include "cmd/doctor/cmd_glsl.h"
+
 #include "ref/outside/plugin_shader.h"
 #include "gpu/shaders/glsl_text.h"
 #include "gpu/shaders/shaders.h"
@@ -7,6 +9,7 @@
 
 #include "have_glslang.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 #if HAVE_GLSLANG
@@ -18,27 +21,24 @@ static enum status read_whole(const char *path, char **bytes, size_t *size, stru
     return file_read_most(path, GLSL_TEXT_MOST, bytes, size, reason);
 }
 
+/* The modules of one text; *program is freed by the caller, and holds *word. */
 static enum status link(const struct glsl_text *text, glslang_shader_t *shader, int messages,
-                        const struct layout *layout, enum glsl_use use, struct reason *reason)
+                        glslang_program_t *program, struct reason *reason)
 {
-    glslang_program_t *program = glslang_program_create();
     glslang_spv_options_t options = {.disable_optimizer = true};
-    enum status status;
     glslang_program_add_shader(program, shader);
-    if (!glslang_program_link(program, messages)) {
-        status = glsl_text_blame(text, glslang_program_get_info_log(program), reason);
-    } else {
-        glslang_program_SPIRV_generate_with_options(program, GLSLANG_STAGE_COMPUTE, &options);
-        status =
-            shader_add(layout->name, use, text->file[0], glslang_program_SPIRV_get_ptr(program),
-                       glslang_program_SPIRV_get_size(program), reason);
-    }
-    glslang_program_delete(program);
-    return status;
+    if (!glslang_program_link(program, messages))
+        return glsl_text_blame(text, glslang_program_get_info_log(program), reason);
+    glslang_program_SPIRV_generate_with_options(program, GLSLANG_STAGE_COMPUTE, &options);
+    return STATUS_OK;
 }
 
-static enum status compile(const struct glsl_text *text, const struct layout *layout,
-                           enum glsl_use use, struct reason *reason)
+/* What is done with a module. */
+typedef enum status take_fn(const struct glsl_text *text, const uint32_t *word, size_t count,
+                            void *user, struct reason *reason);
+
+static enum status compile(const struct glsl_text *text, take_fn *take, void *user,
+                           struct reason *reason)
 {
     const glslang_input_t input = {
         .language = GLSLANG_SOURCE_GLSL,
@@ -57,11 +57,61 @@ static enum status compile(const struct glsl_text *text, const struct layout *la
     enum status status;
     if (!shader)
         return fail(reason, STATUS_MEMORY, "glslang: no memory for a shader");
-    if (!glslang_shader_preprocess(shader, &input) || !glslang_shader_parse(shader, &input))
+    if (!glslang_shader_preprocess(shader, &input) || !glslang_shader_parse(shader, &input)) {
         status = glsl_text_blame(text, glslang_shader_get_info_log(shader), reason);
-    else
-        status = link(text, shader, (int)input.messages, layout, use, reason);
+    } else {
+        glslang_program_t *program = glslang_program_create();
+        status = link(text, shader, (int)input.messages, program, reason);
+        if (!status)
+            status = take(text, glslang_program_SPIRV_get_ptr(program),
+                          glslang_program_SPIRV_get_size(program), user, reason);
+        glslang_program_delete(program);
+    }
     glslang_shader_delete(shader);
+    return status;
+}
+
+struct of_layout {
+    const struct layout *layout;
+    enum glsl_use use;
+};
+
+static enum status add_to_layout(const struct glsl_text *text, const uint32_t *word, size_t count,
+                                 void *user, struct reason *reason)
+{
+    const struct of_layout *of = user;
+    return shader_add(of->layout->name, of->use, text->file[0], word, count, reason);
+}
+
+struct copied {
+    uint32_t *word;
+    size_t count;
+};
+
+static enum status copy(const struct glsl_text *text, const uint32_t *word, size_t count,
+                        void *user, struct reason *reason)
+{
+    struct copied *out = user;
+    out->word = alloc_copy(word, count, sizeof *word);
+    out->count = count;
+    return out->word ? STATUS_OK : fail(reason, STATUS_MEMORY, "%.120s: no memory", text->file[0]);
+}
+
+enum status cmd_glsl_tracer(const char *path, uint32_t **word, size_t *count, struct reason *reason)
+{
+    struct copied out = {NULL, 0};
+    struct glsl_text text = {.files = 1};
+    snprintf(text.file[0], sizeof text.file[0], "%s", path);
+    enum status status = read_whole(path, &text.text, &text.size, reason);
+    if (!status && !glslang_initialize_process())
+        status = fail(reason, STATUS_INTERNAL, "glslang cannot be initialized");
+    else if (!status) {
+        status = compile(&text, copy, &out, reason);
+        glslang_finalize_process();
+    }
+    glsl_text_free(&text);
+    *word = out.word;
+    *count = out.count;
     return status;
 }
 
@@ -74,7 +124,7 @@ enum status cmd_glsl_compile(const struct layout *layout, const char *file, stru
         struct glsl_text text;
         status = glsl_text_make(file, use, read_whole, &text, reason);
         if (!status)
-            status = compile(&text, layout, use, reason);
+            status = compile(&text, add_to_layout, &(struct of_layout){layout, use}, reason);
         glsl_text_free(&text);
         if (use == GLSL_DECODE && status == STATUS_INPUT) { /* tracing works without it */
             shader_lacks(layout->name, reason->text);
@@ -85,6 +135,16 @@ enum status cmd_glsl_compile(const struct layout *layout, const char *file, stru
     return status;
 }
 #else
+enum status cmd_glsl_tracer(const char *path, uint32_t **word, size_t *count, struct reason *reason)
+{
+    *word = NULL;
+    *count = 0;
+    return fail(reason, STATUS_UNSUPPORTED,
+                "cannot compile %.120s: raydiff was built without glslang (Debian package "
+                "glslang-dev); name a .spv",
+                path);
+}
+
 enum status cmd_glsl_compile(const struct layout *layout, const char *file, struct reason *reason)
 {
     char *bytes = NULL;

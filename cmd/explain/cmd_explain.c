@@ -49,7 +49,7 @@ static const struct option_row rows[] = {
     {"cause", "C", "look for a ray with this cause, such as rounded_inward", OF_OWN(take_cause),
      .shown = "any"},
     SEED_ROW(of.seed),
-    {"engine", "E", "engine; pipe:COMMAND is a tracer of your own",
+    {"engine", "E", "engine; pipe:COMMAND and FILE.so are tracers of your own",
      OF_MEMBER(of.engine, TABLE_ENGINES), .value = "cpu"},
     {"layout", "L", "layout", OF_MEMBER(of.layout, TABLE_LAYOUTS), .value = "rf16",
      .shown = "rf16, or " EXPLAIN_LARGE_LAYOUT " where that cannot hold the scene"},

@@ -3,6 +3,7 @@
 #include "cmd/fuzz/cmd_replay.h"
 
 #include "ref/outside/pipe.h"
+#include "ref/outside/shared_object.h"
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
@@ -197,9 +198,13 @@ enum status replay_engine(const struct finding_file *file, const struct engine *
     *out = fuzz_signature_engine(&file->signature);
     if (*out)
         return STATUS_OK;
-    bool peer = strncmp(file->signature.engine, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0;
-    return fail(reason, STATUS_INPUT, "engine '%s' is not available%s", file->signature.engine,
-                peer ? "; name its command: --engine 'pipe:COMMAND'" : "");
+    const char *name = file->signature.engine, *object = file_of_engine(name);
+    return fail(reason, STATUS_INPUT, "engine '%s' is not available%s", name,
+                object && !object_of_engine(name) ? "; name its file: --engine shader:PATH"
+                : object && object != name        ? "; name its file: --engine inside:PATH/FILE.so"
+                : object                          ? "; name its file: --engine PATH/FILE.so"
+                : pipe_is_peer(name)              ? "; name its command: --engine 'pipe:COMMAND'"
+                                                  : "");
 }
 
 /* Without --engine the signature's engine must be available. */

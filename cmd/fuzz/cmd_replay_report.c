@@ -2,6 +2,7 @@
 #include "cmd/fuzz/cmd_replay.h"
 
 #include "ref/outside/pipe.h"
+#include "ref/outside/shared_object.h"
 #include "ref/outside/plugin_shader.h"
 #include "ref/base/command.h"
 #include "cmd/common/cmd_json.h"
@@ -51,7 +52,7 @@ void replay_command(const char *path, const struct engine *engine, const struct 
     command_word(text, text_bytes, path);
     if (layout && layout->outside)
         plugin_command(text, text_bytes, layout);
-    if (!engine || strncmp(engine->name, PIPE_PREFIX, strlen(PIPE_PREFIX)) != 0)
+    if (!engine || !(pipe_is_peer(engine->name) || file_of_engine(engine->name)))
         return;
     command_word(text, text_bytes, "--engine");
     command_word(text, text_bytes, engine->name);

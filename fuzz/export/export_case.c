@@ -2,6 +2,7 @@
 #include "fuzz/export/export_inner.h"
 
 #include "ref/outside/pipe.h"
+#include "ref/outside/shared_object.h"
 #include "fuzz/play/trial_tree.h"
 #include "fuzz/findings/versions.h"
 #include "ref/trace/trace.h"
@@ -104,7 +105,7 @@ static enum status choose(struct export_case *the)
             return status;
     } else if (options->form == EXPORT_TEXT) {
         the->subject = SUBJECT_TRACER;
-    } else if (strncmp(name, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0) {
+    } else if (pipe_is_peer(name) || file_of_engine(name)) {
         return fail(the->reason, STATUS_INPUT,
                     "engine '%s' is a tracer of its own: --form text writes scene, rays and what "
                     "is right",

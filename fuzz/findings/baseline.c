@@ -3,6 +3,7 @@
 
 #include "ref/engine.h"
 #include "ref/outside/pipe.h"
+#include "ref/outside/shared_object.h"
 #include "ref/files/file.h"
 
 #include <fnmatch.h>
@@ -37,7 +38,7 @@ static bool can_match(enum baseline_field field, const char *pattern)
     for (size_t i = 0; text_of(field, i); i++)
         if (fnmatch(pattern, text_of(field, i), 0) == 0)
             return true;
-    return field == FIELD_ENGINE && strncmp(pattern, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0;
+    return field == FIELD_ENGINE && (pipe_is_peer(pattern) || file_of_engine(pattern));
 }
 
 /* Every field must be able to match something: a misspelt one would silently excuse nothing. */

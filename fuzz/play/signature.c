@@ -1,6 +1,7 @@
 #include "fuzz/play/signature.h"
 
 #include "ref/outside/pipe.h"
+#include "ref/outside/shared_object.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -53,8 +54,14 @@ static void put_word(struct fuzz_signature *signature, const char *from, const c
 void fuzz_signature_set_engine(struct fuzz_signature *signature, const char *name)
 {
     static const char blanks[] = " \t\n";
+    const char *object = file_of_engine(name);
     bool pipe = strncmp(name, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0, first = true;
     memset(signature->engine, 0, sizeof signature->engine);
+    if (object) { /* without its folders, as the words of a command */
+        memcpy(signature->engine, name, (size_t)(object - name)); /* "inside:", "shader:" */
+        put_word(signature, object, object + strlen(object));
+        return;
+    }
     if (!pipe) {
         for (; *name; name++)
             put_byte(signature, *name);

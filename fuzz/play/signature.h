@@ -27,8 +27,9 @@ static inline enum fuzz_kind fuzz_kind_of_wrong(enum wrong wrong)
 }
 
 struct fuzz_signature {
-    char engine[48]; /* its name; of a pipe "pipe:" and its command, words without their folders;
-                        letters, digits and _-+:. only, no point in front: it names a folder */
+    char engine[48]; /* its name; of a shared object its file; of a pipe "pipe:" and its command,
+                        words without their folders; letters, digits and _-+:. only, no point in
+                        front: it names a folder */
     const struct layout *layout; /* NULL: none */
     enum fuzz_kind kind;
     enum cause cause;

@@ -82,7 +82,21 @@ enum status pipe_model(uint32_t formula, uint32_t rounding, uint32_t flags, stru
 const char *pipe_formula_name(uint32_t formula);
 const char *pipe_rounding_name(uint32_t rounding);
 
-/* Finds the engine "pipe:COMMAND" in the table of engines, or adds it. The command is not run
+/* Sets what a peer of unknown formula promises: vertices move by at most so many units
+ * (ref/twin/model.h); 0 promises nothing. Errors: STATUS_INPUT negative, not finite, over
+ * PIPE_DISPLACEMENT_MOST, or beside a known formula. */
+#define PIPE_DISPLACEMENT_MOST 0x1p20f
+enum status pipe_displacement(float units, struct model *model, struct reason *reason) MUST_USE;
+
+/* Whether a name is that of an engine in a process of its own: "pipe:COMMAND", or "FILE.so", a
+ * shared object (ref/raydiff_engine.h) in a process that this program's file runs as
+ * `PROGRAM PIPE_HOST_FLAG FILE.so MEGABYTES THREADS` (ref/guest/guest_host.h), with the same
+ * protocol. There the last word of the first answer is its displacement, a float, and a refusal of
+ * the first request is that of the tracer altogether. */
+bool pipe_is_peer(const char *name);
+#define PIPE_HOST_FLAG "--host-engine"
+
+/* Finds the engine "pipe:COMMAND" or "FILE.so" in the table of engines, or adds it. Nothing is run
  * before the engine is opened. Errors: STATUS_INPUT not such a name, or too long; STATUS_LIMIT as
  * engine_add. */
 enum status pipe_engine(const char *name, const struct engine **out,

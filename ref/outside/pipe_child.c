@@ -1,6 +1,8 @@
 #define _GNU_SOURCE /* pipe2 */
 #include "ref/outside/pipe_child.h"
 
+#include "ref/outside/pipe.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -17,18 +19,19 @@
 /* Standard error is not read beyond this many bytes, so the pipe fills up. */
 #define SAID_LIMIT ((size_t)1 << 20)
 
-/* The command, and its standard files. */
-struct order {
-    const char *command;
+/* The command as exec takes it, and its standard files. */
+struct become {
+    const char *program;
+    char *const *argv;
     int end[3];
-    uint32_t megabytes;
+    uint32_t megabytes; /* an object's host limits itself, once it knows what it takes */
 };
 
 /* Runs in the child. Nothing here may take a lock, since other threads of the parent may hold
  * any. */
 static void become(const void *user)
 {
-    const struct order *order = user;
+    const struct become *order = user;
     struct rlimit none = {0, 0};
     for (int i = 0; i < 3; i++)
         if (dup2(order->end[i], i) < 0)
@@ -39,7 +42,7 @@ static void become(const void *user)
         setrlimit(RLIMIT_AS, &memory);
     }
     setrlimit(RLIMIT_CORE, &none);
-    execl("/bin/sh", "sh", "-c", order->command, (char *)NULL);
+    execv(order->program, order->argv);
 }
 
 static void close_all(int end[6])
@@ -69,17 +72,26 @@ static bool open_pipes(int end[6])
     return true;
 }
 
-enum status pipe_child_start(const char *command, uint32_t megabytes, struct pipe_child *out,
+enum status pipe_child_start(const struct pipe_order *what, struct pipe_child *out,
                              struct reason *reason)
 {
     int end[6];
+    char megabytes[16], threads[16];
+    char *const shell[] = {"sh", "-c", (char *)(uintptr_t)what->command, NULL};
+    char *const host[] = {"raydiff", PIPE_HOST_FLAG, (char *)(uintptr_t)what->object,
+                          megabytes, threads,        NULL};
     *out = (struct pipe_child){0};
     if (!open_pipes(end)) {
         enum status no_pipe = fail(reason, STATUS_DEVICE, "no pipe: %s", strerror(errno));
         close_all(end);
         return no_pipe;
     }
-    const struct order order = {command, {end[0], end[3], end[5]}, megabytes};
+    snprintf(megabytes, sizeof megabytes, "%u", what->megabytes);
+    snprintf(threads, sizeof threads, "%u", what->threads);
+    const struct become order = {what->command ? "/bin/sh" : "/proc/self/exe",
+                                 what->command ? shell : host,
+                                 {end[0], end[3], end[5]},
+                                 what->command ? what->megabytes : UINT32_MAX};
     struct guardian guardian;
     enum status status = guardian_start(become, &order, &guardian, reason);
     if (status) {

@@ -23,9 +23,18 @@ static inline bool pipe_child_runs(const struct pipe_child *child)
     return child->guardian.pid > 0;
 }
 
-/* Runs `sh -c command` in a process group of its own, with at most `megabytes` of address space
- * (UINT32_MAX: no limit) and no core file. Errors: STATUS_DEVICE no process or pipe. */
-enum status pipe_child_start(const char *command, uint32_t megabytes, struct pipe_child *out,
+/* What runs. */
+struct pipe_order {
+    const char *command; /* for sh -c; NULL: the object */
+    const char *object;  /* a shared object, hosted by this program's file (PIPE_HOST_FLAG) */
+    uint32_t megabytes;  /* of address space at most, of an object beyond its host's; UINT32_MAX: no
+                            limit */
+    uint32_t threads;    /* of an object */
+};
+
+/* Runs it in a process group of its own, with no core file. Errors: STATUS_DEVICE no process or
+ * pipe. */
+enum status pipe_child_start(const struct pipe_order *order, struct pipe_child *out,
                              struct reason *reason) MUST_USE;
 
 /* Ends the child and all its children (guardian_stop), and zeroes *child. Does nothing on a zero

@@ -1,6 +1,7 @@
 /* The engine "pipe:COMMAND". */
 #include "ref/outside/pipe_peer.h"
 #include "ref/outside/pipe_world.h"
+#include "ref/outside/shared_object.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -112,6 +113,7 @@ static enum status ask_peer(struct pipe_tracer *tracer, struct pipe_rays *rays,
     if (!status)
         status = pipe_peer_ask(&tracer->peer, rays, reason);
     report->ns += time_ns() - start;
+    report->core_ns = report->ns; /* this thread only waits */
     return status;
 }
 
@@ -151,8 +153,9 @@ static enum status tracer_prepare_world(void *self, const struct world_job *job,
     struct pipe_peer *peer = &tracer->peer;
     size_t size;
     if (!tracer_traces(tracer))
-        return fail(reason, STATUS_UNSUPPORTED,
-                    "%.80s traces scenes, not worlds: its flags have no 8", peer->name);
+        return fail(reason, STATUS_UNSUPPORTED, "%.80s traces scenes, not worlds: its %s",
+                    peer->name,
+                    object_of_engine(peer->name) ? "`can` has no WORLDS" : "flags have no 8");
     if (job->query == QUERY_ALL)
         return fail(reason, STATUS_UNSUPPORTED, "%.80s cannot list all hits", peer->name);
     free(tracer->words);
@@ -255,6 +258,15 @@ static struct model tracer_model(void *self, const struct tri_test *tri)
     return model;
 }
 
+static void tracer_describe(const char *name, char *text, size_t text_bytes)
+{
+    const size_t prefix = strlen(PIPE_PREFIX);
+    if (strncmp(name, PIPE_PREFIX, prefix) == 0)
+        snprintf(text, text_bytes, "the command %s", name + prefix);
+    else
+        snprintf(text, text_bytes, "the shared object %s, in a process of its own", name);
+}
+
 /* Engines are constant tables of functions, so each name is bound to one by its index here. */
 static char name_of[ENGINES_ADDED_MOST][PIPE_NAME_MOST];
 static size_t name_count;
@@ -268,12 +280,12 @@ static size_t name_count;
     static void describe_##n(const struct engine_options *options, char *text, size_t text_bytes)  \
     {                                                                                              \
         (void)options;                                                                             \
-        snprintf(text, text_bytes, "the command %s", name_of[n] + strlen(PIPE_PREFIX));            \
+        tracer_describe(name_of[n], text, text_bytes);                                             \
     }
 
 #define ENGINE(n)                                                                                  \
     {                                                                                              \
-        .name = name_of[n], .summary = "a child process, over a pipe", .own_tri = true,            \
+        .name = name_of[n], .summary = "a tracer in a process of its own", .own_tri = true,        \
         .open = open_##n, .prepare = tracer_prepare, .trace = tracer_trace, .model = tracer_model, \
         .fault = tracer_fault, .worlds = &tracer_worlds, .close = tracer_close,                    \
         .describe = describe_##n                                                                   \
@@ -297,14 +309,19 @@ const char *pipe_engines_behind(const char *name)
     return first;
 }
 
+bool pipe_is_peer(const char *name)
+{
+    return strncmp(name, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0 || object_of_engine(name) == name;
+}
+
 enum status pipe_engine(const char *name, const struct engine **out, struct reason *reason)
 {
     *out = engine_find(name);
     if (*out)
         return STATUS_OK;
     size_t length = strlen(name);
-    if (strncmp(name, PIPE_PREFIX, strlen(PIPE_PREFIX)) != 0 || !name[strlen(PIPE_PREFIX)])
-        return fail(reason, STATUS_INPUT, "'%.60s' is not pipe:COMMAND", name);
+    if (!pipe_is_peer(name) || strcmp(name, PIPE_PREFIX) == 0)
+        return fail(reason, STATUS_INPUT, "'%.60s' is not pipe:COMMAND or FILE.so", name);
     if (length >= PIPE_NAME_MOST)
         return fail(reason, STATUS_INPUT, "'%.40s...' is longer than %d characters", name,
                     PIPE_NAME_MOST - 1);

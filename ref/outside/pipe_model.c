@@ -26,6 +26,20 @@ const char *pipe_rounding_name(uint32_t rounding)
     return rounding < ARRAY_COUNT(roundings) ? roundings[rounding] : NULL;
 }
 
+enum status pipe_displacement(float units, struct model *model, struct reason *reason)
+{
+    if (units == 0.0f)
+        return STATUS_OK;
+    if (!(units > 0.0f && units <= PIPE_DISPLACEMENT_MOST))
+        return fail(reason, STATUS_INPUT, "displacement %g is not above 0, at most %g",
+                    (double)units, (double)PIPE_DISPLACEMENT_MOST);
+    if (model->formula != TWIN_UNKNOWN)
+        return fail(reason, STATUS_INPUT,
+                    "displacement %g beside a formula, which has its own bound", (double)units);
+    model->displacement = (double)units;
+    return STATUS_OK;
+}
+
 enum status pipe_model(uint32_t formula, uint32_t rounding, uint32_t flags, struct model *out,
                        struct reason *reason)
 {

@@ -104,6 +104,11 @@ static enum status read_refusal(struct pipe_peer *peer, struct pipe_talk *talk, 
     return fail(reason, STATUS_REFUSED, "%.80s refused: %s", peer->name, text);
 }
 
+static bool is_object(const struct pipe_peer *peer)
+{
+    return strncmp(peer->name, PIPE_PREFIX, strlen(PIPE_PREFIX)) != 0;
+}
+
 /* Checks the header of an answer. Of the first request, sets peer->model from it. */
 static enum status check_head(struct pipe_peer *peer, const struct pipe_answer *head,
                               const struct asked *asked, struct reason *reason)
@@ -126,6 +131,9 @@ static enum status check_head(struct pipe_peer *peer, const struct pipe_answer *
                  head->count, asked->rays->count, asked->rays->first);
     } else if (asked->opening && pipe_model(head->formula, head->rounding,
                                             head->flags & ~PIPE_FLAG_WORLDS, &peer->model, &why)) {
+        snprintf(what, sizeof what, "says of itself: %.150s", why.text);
+    } else if (asked->opening && is_object(peer) &&
+               pipe_displacement(float_from_bits(head->zero), &peer->model, &why)) {
         snprintf(what, sizeof what, "says of itself: %.150s", why.text);
     } else if (!asked->opening &&
                (head->formula != peer->head.formula || head->rounding != peer->head.rounding ||
@@ -188,14 +196,23 @@ enum status pipe_peer_start(struct pipe_peer *peer, struct reason *reason)
     if (pipe_child_runs(&peer->child))
         return STATUS_OK;
     struct reason why = {""};
-    const char *command = peer->name + strlen(PIPE_PREFIX);
-    enum status status = pipe_child_start(command, peer->options.peer_mb, &peer->child, &why);
+    const bool object = is_object(peer);
+    const struct pipe_order order = {.command = object ? NULL : peer->name + strlen(PIPE_PREFIX),
+                                     .object = object ? peer->name : NULL,
+                                     .megabytes = peer->options.peer_mb,
+                                     .threads = peer->options.threads};
+    enum status status = pipe_child_start(&order, &peer->child, &why);
     if (status)
         return fail(reason, status, "%.80s: %s", peer->name, why.text);
     peer->has_subject = false;
     status = ask(peer, &(struct asked){&none, PIPE_VERSION, true}, reason);
-    peer->has_subject = false;                            /* the request had none */
-    return status == STATUS_REFUSED ? STATUS_OK : status; /* it may accept another */
+    peer->has_subject = false; /* the request had none */
+    if (status != STATUS_REFUSED)
+        return status;
+    if (!object) /* it may accept another */
+        return STATUS_OK;
+    pipe_peer_end(peer);
+    return STATUS_UNSUPPORTED;
 }
 
 enum status pipe_peer_need(struct pipe_peer *peer, struct reason *reason)

@@ -2,6 +2,7 @@
 #include "ref/outside/plugin_guard.h"
 
 #include "ref/outside/child.h"
+#include "ref/outside/shared_object.h"
 #include "ref/files/file.h"
 #include "ref/store.h"
 
@@ -11,8 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -38,22 +37,6 @@ void plugin_limits(uint32_t ms, uint32_t megabytes)
 
 /* --- the child's side ------------------------------------------------------------------------ */
 
-/* Limits the address space to limit_mb more than now; what the process has is a copy of its
- * parent's. */
-static void limit_memory(void)
-{
-    unsigned long long pages = 0;
-    FILE *file = fopen("/proc/self/statm", "re");
-    if (limit_mb == UINT32_MAX || !file)
-        return;
-    bool known = fscanf(file, "%llu", &pages) == 1;
-    fclose(file);
-    rlim_t most = (rlim_t)pages * (rlim_t)sysconf(_SC_PAGESIZE) + ((rlim_t)limit_mb << 20);
-    struct rlimit memory = {most, most};
-    if (known)
-        setrlimit(RLIMIT_AS, &memory);
-}
-
 /* The first message: the result. After a successful packing the words and items follow. */
 struct told {
     enum status status;
@@ -73,7 +56,7 @@ static void pack_in_child(struct child *parent, void *user)
     const struct guard_packing *what = user;
     struct told told = {.status = STATUS_OK};
     struct packed packed = {.store = tri_stores[0]};
-    limit_memory();
+    object_limit_memory(limit_mb);
     told.status =
         plugin_pack(what->layout, what->bvh, what->scene, &packed, &told.rule, &told.reason);
     told.word_count = packed.word_count;
@@ -104,29 +87,11 @@ static const struct raydiff_plugin *ask(void *handle, const char *path, struct r
     return plugin_check(path, plugin, reason) ? NULL : plugin;
 }
 
-/* Opens a shared object. A path without a slash gets "./", else the loader would search the
- * system's folders. */
-static void *open_object(const char *path, struct reason *reason)
-{
-    char here[PATH_MOST + 2];
-    snprintf(here, sizeof here, "%s%s", strchr(path, '/') ? "" : "./", path);
-    void *handle = dlopen(here, RTLD_NOW | RTLD_LOCAL);
-    if (handle)
-        return handle;
-    const char *why = dlerror();
-    size_t named = strlen(here); /* dlerror() begins with the path, too */
-    if (strncmp(why, here, named) == 0 && strncmp(why + named, ": ", 2) == 0)
-        why += named + 2;
-    (void)fail(reason, STATUS_INPUT, "%.120s: cannot be loaded as a shared object: %.150s", path,
-               why);
-    return NULL;
-}
-
 static void open_in_child(struct child *parent, void *user)
 {
     struct told told = {.status = STATUS_INPUT};
-    limit_memory();
-    void *handle = open_object(user, &told.reason);
+    object_limit_memory(limit_mb);
+    void *handle = object_open(user, &told.reason);
     if (handle && ask(handle, user, &told.reason))
         told.status = STATUS_OK;
     if (!child_send(parent, &told, sizeof told, CHILD_FOREVER))
@@ -216,15 +181,6 @@ static uint32_t open_ms(void)
     return limit_ms < PLUGIN_OPEN_MS ? limit_ms : PLUGIN_OPEN_MS;
 }
 
-/* The loader would wait for a writer to a FIFO, and would read a device. */
-static enum status check_file(const char *path, struct reason *reason)
-{
-    struct stat what;
-    if (stat(path, &what) == 0 && !S_ISREG(what.st_mode))
-        return fail(reason, STATUS_INPUT, "%.120s: is no regular file, so no shared object", path);
-    return STATUS_OK;
-}
-
 /* Opens the object in this process, too, where its constructor may hang. Then nothing helps but
  * ending the process. */
 struct opening {
@@ -262,7 +218,7 @@ static void *open_watched(const char *path, const struct raydiff_plugin **plugin
         .path = path, .mutex = PTHREAD_MUTEX_INITIALIZER, .done = PTHREAD_COND_INITIALIZER};
     pthread_t watcher;
     bool watched = pthread_create(&watcher, NULL, watch_opening, &opening) == 0;
-    void *handle = open_object(path, reason);
+    void *handle = object_open(path, reason);
     *plugin = handle ? ask(handle, path, reason) : NULL;
     pthread_mutex_lock(&opening.mutex);
     opening.is_done = true;
@@ -308,7 +264,7 @@ enum status plugin_open(const char *path, const struct layout **out, struct reas
         return fail(reason, STATUS_LIMIT, "%.120s: more than %zu layouts from outside", path,
                     ARRAY_COUNT(opened));
     strcpy(opened[opened_count].path, path);
-    enum status status = check_file(path, reason);
+    enum status status = object_check_file(path, reason);
     if (!status)
         status = try_open(opened[opened_count].path, reason);
     if (status)

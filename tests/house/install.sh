@@ -7,7 +7,8 @@ prefix=$dir/opt
 make -s install "PREFIX=$prefix" >"$dir/log" 2>&1 || { cat "$dir/log"; echo "make install failed"; exit 1; }
 for file in bin/raydiff lib/libraydiff.a lib/pkgconfig/raydiff.pc share/man/man1/raydiff.1 \
     share/bash-completion/completions/raydiff share/zsh/site-functions/_raydiff \
-    include/raydiff/ref/engine.h include/raydiff/ref/plugin.h; do
+    include/raydiff/ref/engine.h include/raydiff/ref/plugin.h \
+    include/raydiff/ref/raydiff_engine.h; do
     [ -s "$prefix/$file" ] || { echo "not installed: $file"; exit 1; }
 done
 "$prefix/bin/raydiff" help --commands >"$dir/commands" || exit 1

@@ -53,9 +53,9 @@ if ! command -v pkg-config >/dev/null 2>&1; then
 fi
 gcc -std=c17 $(pkg-config --cflags raydiff) -o "$dir/user" "$dir/user.c" $(pkg-config --libs raydiff) ||
     { echo "a user's program does not build"; exit 1; }
-# Seven headers and the plugin's are all; each compiles alone, so none needs one that is not there.
+# Seven headers, the plugin's and the engine's are all; each compiles alone, so none needs one that is not there.
 find "$include" -type f | sort >"$dir/headers"
-[ "$(wc -l <"$dir/headers")" = 8 ] || { echo "installed headers are not eight:"; cat "$dir/headers"; exit 1; }
+[ "$(wc -l <"$dir/headers")" = 9 ] || { echo "installed headers are not nine:"; cat "$dir/headers"; exit 1; }
 while read -r header; do
     gcc -std=c17 -fsyntax-only -I"$include" -x c "$header" || { echo "$header does not stand alone"; exit 1; }
 done <"$dir/headers"

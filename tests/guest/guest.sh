@@ -1,0 +1,89 @@
+#!/bin/sh
+# Tracers that are shared objects, from the command line: the samples, in C and in C++, agree in both ways;
+# a planted bug is found by check and by a campaign, and shrunk; a crash, a hang and endless memory are
+# findings, and the campaign goes on; what is wrong with a file is told in one line.
+# usage: sh tests/guest/guest.sh PATH/raydiff
+set -u
+raydiff=$(cd "$(dirname "${1?PATH/raydiff}")" && pwd)/raydiff
+root=$(pwd)
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+cd "$dir" || exit 4
+failed=0
+bad() {
+    echo "FAILED: $1"
+    sed 's/^/    /' out
+    failed=1
+}
+# expect CODE TEXT ARGUMENTS...: the exit code, and a regular expression of what is printed
+expect() {
+    want=$1 text=$2
+    shift 2
+    "$raydiff" "$@" >out 2>&1
+    code=$?
+    [ "$code" -eq "$want" ] && grep -Eq -- "$text" out || bad "$* ends with $code, not $want and '$text'"
+}
+
+samples=$root/fuzz/samples/engine
+strict='-Wall -Wextra -Werror -O2 -shared -fPIC'
+: >out
+cc -std=c11 $strict "-I$root" -o brute.so "$samples/brute_engine.c" || bad 'the template in C'
+cc -std=c11 $strict "-I$root" -DBUG=1 -o brute_bug.so "$samples/brute_engine.c" || bad 'its bug'
+c++ -std=c++11 $strict "-I$root" -o bvh.so "$samples/bvh_engine.cpp" || bad 'the tracer in C++'
+c++ -std=c++11 $strict "-I$root" -DBUG=1 -o bvh_bug.so "$samples/bvh_engine.cpp" || bad 'its bug'
+cc -O2 -shared -fPIC "-I$root" -o guest.so "$root/tests/peers/guest_bad.c" || bad 'the guest of tests'
+cc -O2 -shared -fPIC "-I$root" -DSYMBOL=other -o none.so "$root/tests/peers/guest_bad.c" || bad 'none'
+printf '#include "ref/raydiff_engine.h"\n#include "ref/plugin.h"\nint main() { return 0; }\n' >both.cpp
+c++ -std=c++11 -Wall -Wextra -Werror "-I$root" -o both both.cpp || bad 'both headers in C++'
+
+# --- they agree, and both ways agree
+expect 0 '4 of 4 rows agree, 0 of 4000 answers WRONG' check sphere:n=8 --count 1000 --repeat 1 \
+    --engine ./brute.so,inside:./brute.so,bvh.so,inside:bvh.so
+expect 0 '4 of 4 rows agree' check needles --query any --count 500 --repeat 1 \
+    --engine ./brute.so,inside:./brute.so,./bvh.so,inside:./bvh.so
+for way in '' inside:; do # a ray each, with all bits of the answers
+    expect 0 'conclusion: the answer is (right|allowed)' explain terrain --rays mixed --index 8 --engine "$way./bvh.so"
+    grep -vE '^(engine|again|conclusion)' out | sed 's/inside://g' >"bits_$way"
+done
+cmp -s bits_ bits_inside: || bad 'the two ways answer alike, to the bit'
+expect 0 '50 passed, 0 failed' conform 'closest.*.vertices.1' --engine inside:./bvh.so
+expect 0 '1 passed, 0 failed' conform 'closest.inside:./bvh.so.-.-.-.mt.soup.vertices.1'
+expect 0 '1 passed, 0 failed' conform 'closest../bvh.so.-.-.-.mt.soup.vertices.1'
+expect 0 'inside:bvh.so' bench matrix --scene sphere:n=4 --engine inside:./bvh.so --count 500 --rounds 1
+expect 0 '0 distinct' fuzz --trials 40 --engine ./bvh.so --corpus none --dir clean
+
+# --- a bug is found, and shrunk
+expect 1 'WRONG  *-  *./brute_bug.so' check sphere:n=4 --engine ./brute_bug.so --count 500 --repeat 1
+expect 1 'new  *bvh_bug.so.-.missed.outside' fuzz --trials 60 --engine ./bvh_bug.so --corpus none --no-shrink --dir found
+finding=$(ls found/bvh_bug.so.-.missed.outside/*.trial | head -n 1)
+expect 0 . min "$finding" --engine ./bvh_bug.so --out small.trial
+grep -q '^triangles 1$' small.trial || bad 'min leaves one triangle'
+expect 1 'STILL FAILS' replay --brief small.trial --engine ./bvh_bug.so
+expect 2 'name its file: --engine PATH/FILE.so' replay small.trial
+mkdir -p mended && cp bvh.so mended/bvh_bug.so # a name without its folder is the same
+expect 0 'does not fail' replay --brief small.trial --engine mended/bvh_bug.so
+
+# --- it dies, and the campaign goes on
+for what in crash hang memory; do
+    [ $what = crash ] && more= || more='--peer-time 1 --peer-memory 64'
+    GUEST=$what expect 1 'guest.so.-.(crash|hang).unexplained  *3 times' fuzz --trials 3 --rays 20 --jobs 1 \
+        --engine ./guest.so --corpus none --no-shrink --dir "dies_$what" $more
+    grep -q '^trials  *3 ' out || bad "the campaign plays all trials where the guest does: $what"
+done
+GUEST=crash expect 3 'it was ended by signal 11 before the answer to ray 0' \
+    check sphere:n=4 --engine ./guest.so --count 50 --repeat 1
+GUEST=exit expect 1 'inside:guest.so.-.crash' fuzz --trials 2 --rays 20 --jobs 1 --engine inside:./guest.so \
+    --corpus none --no-shrink --dir dies_inside
+
+# --- what is wrong with a file
+echo 'no object' >text.so
+expect 2 "--engine: ./text.so: cannot be loaded as a shared object" check sphere --engine ./text.so
+expect 2 'does not export raydiff_engine' check sphere --engine inside:./none.so
+expect 2 'cannot be loaded as a shared object: .*No such file' fuzz --trials 1 --engine ./nothing.so
+GUEST=version expect 2 'version 2 of .* compile it with its ref/raydiff_engine.h' check sphere --engine guest.so
+GUEST=load_crash expect 3 'crashed while being opened' check sphere --engine guest.so
+GUEST=open_refuses expect 77 'refused: no such card' check sphere:n=4 --count 50 --engine guest.so
+GUEST=open_refuses expect 77 'refused: no such card' check sphere:n=4 --count 50 --engine inside:guest.so
+expect 2 'peer-time: not used here' check sphere --engine inside:./bvh.so --peer-time 3
+[ "$failed" -eq 0 ] && echo 'tracers that are shared objects: as they should be'
+exit "$failed"

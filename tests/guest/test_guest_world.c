@@ -1,0 +1,148 @@
+/* Laws of worlds for tracers from outside (ref/guest/): in both ways a guest is given the world and
+ * its rays to the bit, and its hits arrive; one that names what is not there is told. */
+#define _GNU_SOURCE /* setenv */
+#include "tests/guest/guest_ways.h"
+
+#include "ref/twin/model.h"
+#include "scenes/rays/world_rays.h"
+#include "scenes/worlds.h"
+
+#define RAYS 150
+
+static struct world world;
+static struct ray *ray;
+static struct ray_mode *mode;
+
+static enum status play(bool inside, enum query query, struct hit *hit, uint32_t *tag,
+                        struct model *model, struct reason *reason)
+{
+    const struct engine *engine = engine_way("guest_bad.so", inside);
+    const struct engine_options options = {.peer_ms = 20000, .peer_mb = UINT32_MAX};
+    const struct world_job job = {.world = &world, .tri = tri_test_find("mt"), .query = query};
+    struct trace_report report;
+    void *self;
+    enum status status = engine->open(&options, &self, reason);
+    if (status)
+        return status;
+    status = engine->worlds->prepare_world(self, &job, reason);
+    if (!status)
+        status = engine->worlds->trace_world(self, ray, mode, RAYS, hit, tag, &report, reason);
+    *model = engine->model(self, job.tri);
+    engine->close(self);
+    return status;
+}
+
+/* What tests/peers/guest_bad.c answers to ray i, from the world itself. */
+static bool expected(uint32_t i, enum query query, struct hit *hit, uint32_t *tag)
+{
+    const uint32_t number = i % world.instance_count;
+    const struct instance *instance = &world.instance[number];
+    if (instance->mesh == WORLD_NO_MESH)
+        return false;
+    const struct world_mesh *mesh = &world.mesh[instance->mesh];
+    const struct geometry *last = &mesh->geometry[mesh->geometry_count - 1];
+    if (last->count == 0)
+        return false;
+    float sum = 0;
+    for (int k = 0; k < 12; k++)
+        sum += (float)(k + 1) * instance->m[k / 4][k % 4];
+    for (uint32_t k = 0; k < 3 * mesh->scene->vertex_count; k++)
+        sum += mesh->scene->vertex[k];
+    for (uint32_t k = 0; k < 3 * mesh->scene->tri_count; k++)
+        sum += (float)((k + 1) * mesh->scene->index[k]);
+    *hit = (struct hit){sum, (float)(instance->mask + 256 * instance->flags) + ray[i].tmax,
+                        (float)(mode[i].mask + 256 * mode[i].flags + world.filter.seed +
+                                world.filter.share + 1000 * (uint32_t)world.filter.kind +
+                                (uint32_t)query + last->opaque),
+                        world.first[number] + last->first + last->count - 1};
+    *tag = instance->custom | (number & 1 ? ABI_TAG_FRONT : 0);
+    return true;
+}
+
+static void a_guest_has_the_world_to_the_bit(void **state)
+{
+    struct hit hit[RAYS], want;
+    uint32_t tag[RAYS], want_tag;
+    struct model model;
+    (void)state;
+    behave("model");
+    for (int inside = 0; inside < 2; inside++)
+        for (enum query query = QUERY_CLOSEST; query <= QUERY_ANY; query++) {
+            struct reason reason = {""};
+            size_t hits = 0;
+            if (play(inside, query, hit, tag, &model, &reason))
+                fail_msg("%s", reason.text);
+            assert_int_equal(model.formula, TWIN_UNKNOWN); /* transforms are its own */
+            for (uint32_t i = 0; i < RAYS; i++) {
+                want = (struct hit){.prim = ABI_NO_PRIM};
+                want_tag = 0;
+                hits += expected(i, query, &want, &want_tag);
+                assert_memory_equal(&want, &hit[i], sizeof want);
+                assert_int_equal(want_tag, tag[i]);
+            }
+            assert_true(hits > RAYS / 8);
+        }
+}
+
+static void a_hit_of_what_is_not_there_is_told(void **state)
+{
+    struct hit hit[RAYS];
+    uint32_t tag[RAYS];
+    struct model model;
+    (void)state;
+    behave("world_beyond");
+    for (int inside = 0; inside < 2; inside++) {
+        struct reason reason = {""};
+        assert_int_equal(play(inside, QUERY_CLOSEST, hit, tag, &model, &reason), STATUS_DEVICE);
+        assert_non_null(strstr(reason.text, "its answer to ray 2 names instance "));
+    }
+}
+
+static void a_guest_without_worlds_is_skipped(void **state)
+{
+    struct hit hit[RAYS];
+    uint32_t tag[RAYS];
+    struct model model;
+    (void)state;
+    behave("only_closest");
+    for (int inside = 0; inside < 2; inside++) {
+        struct reason reason = {""};
+        assert_int_equal(play(inside, QUERY_CLOSEST, hit, tag, &model, &reason),
+                         STATUS_UNSUPPORTED);
+        assert_non_null(strstr(reason.text, "traces scenes, not worlds"));
+    }
+}
+
+static int make_world(void **state)
+{
+    (void)state;
+    struct reason reason = {""};
+    if (world_open("mixed", 1, &world, &reason) ||
+        world_rays_new(&world, ray_sets[0], RAY_MODES_MIXED, 1, RAYS, &ray, &mode, &reason)) {
+        print_error("%s\n", reason.text);
+        return -1;
+    }
+    return 0;
+}
+
+static int free_world(void **state)
+{
+    (void)state;
+    world_free(&world);
+    free(ray);
+    free(mode);
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_guest_has_the_world_to_the_bit),
+        cmocka_unit_test(a_hit_of_what_is_not_there_is_told),
+        cmocka_unit_test(a_guest_without_worlds_is_skipped),
+    };
+    if (guest_host_is_meant(argc, argv))
+        return guest_host_main(argv);
+    find_folder(argv[0]);
+    return cmocka_run_group_tests(tests, make_world, free_world);
+}
