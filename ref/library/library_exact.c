@@ -12,16 +12,16 @@ const char *raydiff_class_name(uint32_t number)
     return number <= RAYDIFF_CLASS_IN_PLANE ? oracle_class_name((enum oracle_class)number) : NULL;
 }
 
-static struct raydiff_exact exact_of(const struct oracle_answer *answer)
+static struct raydiff_nearest exact_of(const struct oracle_answer *answer)
 {
     const bool hit = answer->prim != ABI_NO_PRIM;
-    return (struct raydiff_exact){.triangle = answer->prim,
-                                  .ties = answer->tie_count,
-                                  .kind = answer->class,
-                                  .refused = (answer->flags & ORACLE_REFUSED) != 0,
-                                  .t_lo = hit ? answer->t_lo : 0.0,
-                                  .t_hi = hit ? answer->t_hi : 0.0,
-                                  .t_next = answer->t_next};
+    return (struct raydiff_nearest){.triangle = answer->prim,
+                                    .ties = answer->tie_count,
+                                    .kind = answer->class,
+                                    .refused = (answer->flags & ORACLE_REFUSED) != 0,
+                                    .t_lo = hit ? answer->t_lo : 0.0,
+                                    .t_hi = hit ? answer->t_hi : 0.0,
+                                    .t_next = answer->t_next};
 }
 
 /* The arguments of nearly all functions on rays. */
@@ -37,7 +37,7 @@ static enum status check(const struct raydiff_oracle *oracle, const void *ray, c
 }
 
 enum raydiff_error raydiff_exact(const struct raydiff_oracle *oracle, const float *ray,
-                                 size_t count, uint32_t threads, struct raydiff_exact *out,
+                                 size_t count, uint32_t threads, struct raydiff_nearest *out,
                                  struct raydiff_why *why)
 {
     struct reason reason = {""};
@@ -55,7 +55,7 @@ enum raydiff_error raydiff_exact(const struct raydiff_oracle *oracle, const floa
     }
     if (status && out)
         for (size_t i = 0; i < count; i++)
-            out[i] = (struct raydiff_exact){0};
+            out[i] = (struct raydiff_nearest){0};
     free(answer);
     return library_end(status, &reason, why);
 }

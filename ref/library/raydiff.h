@@ -98,7 +98,7 @@ enum raydiff_class {
 RAYDIFF_PUBLIC const char *raydiff_class_name(uint32_t number);
 
 /* The nearest hit of a ray. */
-struct raydiff_exact {
+struct raydiff_nearest {
     uint32_t triangle; /* the first of those at the nearest t; RAYDIFF_NOTHING: a miss */
     uint32_t ties;     /* how many triangles are at exactly that t; 0 of a miss */
     uint32_t kind;     /* enum raydiff_class, of `triangle` */
@@ -118,7 +118,8 @@ struct raydiff_exact {
  * Errors: INPUT an argument is NULL; MEMORY. */
 RAYDIFF_PUBLIC enum raydiff_error raydiff_exact(const struct raydiff_oracle *oracle,
                                                 const float *ray, size_t count, uint32_t threads,
-                                                struct raydiff_exact *out, struct raydiff_why *why);
+                                                struct raydiff_nearest *out,
+                                                struct raydiff_why *why);
 
 /* One of all hits of a ray. */
 struct raydiff_crossing {

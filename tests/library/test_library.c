@@ -83,7 +83,7 @@ static void no_triangles_are_hit_by_nothing(void **state)
     (void)state;
     struct raydiff_oracle *oracle;
     const float ray[] = {1, 1, 1, 0, 0, 0, -1, 2};
-    struct raydiff_exact exact;
+    struct raydiff_nearest exact;
     assert_int_equal(raydiff_oracle_make(NULL, 0, NULL, 0, &oracle, NULL), RAYDIFF_ERROR_NONE);
     assert_int_equal(raydiff_exact(oracle, ray, 1, 1, &exact, NULL), RAYDIFF_ERROR_NONE);
     assert_int_equal(exact.triangle, RAYDIFF_NOTHING);
@@ -100,7 +100,7 @@ static void triangles_are_copied(void **state)
     float *vertex = malloc(sizeof library_vertex);
     uint32_t *index = malloc(sizeof library_index);
     struct raydiff_oracle *oracle;
-    struct raydiff_exact exact;
+    struct raydiff_nearest exact;
     const float ray[] = {1, 1, 1, 0, 0, 0, -1, 2};
     memcpy(vertex, library_vertex, sizeof library_vertex);
     memcpy(index, library_index, sizeof library_index);
@@ -123,7 +123,8 @@ static void exact_answers_are_the_oracles_on_any_threads(void **state)
     struct ray *ray;
     struct oracle *oracle;
     struct oracle_answer *truth = calloc(RAYS, sizeof *truth);
-    struct raydiff_exact *exact = calloc(RAYS, sizeof *exact), *again = calloc(RAYS, sizeof *again);
+    struct raydiff_nearest *exact = calloc(RAYS, sizeof *exact),
+                           *again = calloc(RAYS, sizeof *again);
     assert_int_equal(ray_set_new(ray_sets[0], &stand.scene, 5, RAYS, &ray, NULL), STATUS_OK);
     assert_int_equal(oracle_make(&stand.scene, &oracle, NULL), STATUS_OK);
     ray[7].org[1] = NAN; /* refused, and told */
@@ -164,7 +165,7 @@ static void all_hits_stand_in_the_order_of_t(void **state)
     struct library_stand stand = library_stand("sphere:n=8");
     const float ray[] = {0.01f, 0.02f, -9, 0, 0, 0, 1, 100};
     struct raydiff_crossing list[8];
-    struct raydiff_exact exact;
+    struct raydiff_nearest exact;
     size_t found = 99;
     assert_int_equal(raydiff_exact_all(stand.oracle, ray, 8, list, &found, NULL),
                      RAYDIFF_ERROR_NONE);

@@ -39,7 +39,7 @@ static enum raydiff_error make(const struct library_stand *stand, struct raydiff
 
 static enum raydiff_error exact(const struct library_stand *stand, struct raydiff_why *why)
 {
-    struct raydiff_exact out[RAYS];
+    struct raydiff_nearest out[RAYS];
     return raydiff_exact(stand->oracle, rays, RAYS, 1, out, why);
 }
 

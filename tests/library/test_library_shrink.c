@@ -23,7 +23,7 @@ static int misses(void *user, const struct raydiff_case *what)
 {
     struct buggy *buggy = user;
     struct raydiff_oracle *oracle;
-    struct raydiff_exact exact;
+    struct raydiff_nearest exact;
     if (buggy->stop_after && buggy->calls == buggy->stop_after)
         return -1;
     buggy->calls++;
