@@ -102,7 +102,7 @@ site:
 
 rooms-graph:
 	@command -v dot >/dev/null || { echo "SKIPPED $@: apt-get install graphviz"; exit 77; }
-	@sh docs/rooms_graph.sh | dot -Tsvg >docs/rooms.svg
+	@sh tests/house/rooms_graph.sh | dot -Tsvg >docs/rooms.svg
 
 lint:
 	@sh tests/house/rules.sh
