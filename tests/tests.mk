@@ -72,6 +72,14 @@ FAKE_VULKAN_TESTS := $(addprefix $(B)/tests/,test_card $(addprefix test_vulkan_,
 $(FAKE_VULKAN_TESTS): $(addprefix $(B)/obj/tests/gpu/,fake_vulkan.o fake_vulkan_device.o fake_vulkan_command.o)
 $(FAKE_VULKAN_TESTS): TEST_LIBS += -rdynamic
 
+# Time of the library's judging beside the command's, and from Python. It measures: nothing else may run.
+#   make library-speed [SCENE=flake:n=4] [RAYS=1000000]
+.PHONY: library-speed
+$(B)/library_speed: $(B)/obj/tests/library/library_speed.o $(B)/libraydiff.a
+	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS)
+library-speed: all lib $(B)/library_speed
+	@sh tests/library/speed.sh $(B) '$(or $(SCENE),flake:n=4)' $(or $(RAYS),1000000)
+
 # The campaign of truth. It needs GMP, so it is not part of the program.
 TRUTH_OBJ := $(patsubst %.c,$(B)/obj/%.o,$(wildcard tests/truth/*.c tests/exact/exact_gmp*.c tests/exact/gmp_*.c) \
                $(wildcard cmd/common/cmd_rows*.c) $(addprefix cmd/common/cmd_,tables.c options.c progress.c screen.c))
