@@ -13,7 +13,7 @@ uint32_t raydiff_version(void)
            (uint32_t)RAYDIFF_VERSION_PATCH;
 }
 
-enum raydiff_error library_end(enum status status, const struct reason *reason,
+enum raydiff_error library_end(unsigned long modes, enum status status, const struct reason *reason,
                                struct raydiff_why *why)
 {
     static const enum raydiff_error error[] = {
@@ -22,6 +22,7 @@ enum raydiff_error library_end(enum status status, const struct reason *reason,
         [STATUS_REFUSED] = RAYDIFF_ERROR_STOPPED, [STATUS_UNSUPPORTED] = RAYDIFF_ERROR_UNSUPPORTED,
         [STATUS_DEVICE] = RAYDIFF_ERROR_INTERNAL, [STATUS_INTERNAL] = RAYDIFF_ERROR_INTERNAL,
     };
+    library_modes(modes);
     if (why)
         snprintf(why->line, sizeof why->line, "%s", reason->text);
     return error[status];
@@ -81,12 +82,13 @@ enum raydiff_error raydiff_oracle_make(const float *vertex, uint32_t vertex_coun
                                        const uint32_t *index, uint32_t triangle_count,
                                        struct raydiff_oracle **out, struct raydiff_why *why)
 {
+    const unsigned long modes = library_begin();
     const struct raydiff_case from = {vertex, index, vertex_count, triangle_count, NULL};
     struct reason reason = {""};
     struct raydiff_oracle *oracle = NULL;
     enum status status = library_given(out, "out", &reason);
     if (status)
-        return library_end(status, &reason, why);
+        return library_end(modes, status, &reason, why);
     *out = NULL;
     oracle = alloc_zeroed(1, sizeof *oracle);
     if (!oracle)
@@ -99,7 +101,7 @@ enum raydiff_error raydiff_oracle_make(const float *vertex, uint32_t vertex_coun
         raydiff_oracle_free(oracle);
     else
         *out = oracle;
-    return library_end(status, &reason, why);
+    return library_end(modes, status, &reason, why);
 }
 
 void raydiff_oracle_free(struct raydiff_oracle *oracle)
@@ -108,5 +110,6 @@ void raydiff_oracle_free(struct raydiff_oracle *oracle)
         return;
     oracle_free(oracle->oracle);
     scene_free(&oracle->scene);
+    world_free(&oracle->world);
     free(oracle);
 }

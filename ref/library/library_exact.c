@@ -36,28 +36,46 @@ static enum status check(const struct raydiff_oracle *oracle, const void *ray, c
     return status;
 }
 
-enum raydiff_error raydiff_exact(const struct raydiff_oracle *oracle, const float *ray,
-                                 size_t count, uint32_t threads, struct raydiff_nearest *out,
-                                 struct raydiff_why *why)
+/* Exact answers to a part of the rays; `mode` has room for them if there are masks. */
+static enum status decide(const struct raydiff_oracle *oracle, const struct ray *ray,
+                          const uint32_t *mask, struct ray_mode *mode, size_t count,
+                          unsigned threads, struct oracle_answer *out, struct reason *reason)
 {
+    if (!oracle->is_world)
+        return oracle_closest(oracle->oracle, ORACLE_TREE, ORACLE_CLOSED, ray, count, threads, out,
+                              NULL, reason);
+    for (size_t i = 0; i < count && mask; i++)
+        mode[i] = library_mode(mask, i);
+    return oracle_closest_world(oracle->oracle, ORACLE_TREE, ORACLE_CLOSED, ray, mask ? mode : NULL,
+                                count, threads, out, NULL, reason);
+}
+
+enum raydiff_error raydiff_exact(const struct raydiff_oracle *oracle, const float *ray,
+                                 const uint32_t *mask, size_t count, uint32_t threads,
+                                 struct raydiff_nearest *out, struct raydiff_why *why)
+{
+    const unsigned long modes = library_begin();
     struct reason reason = {""};
     enum status status = check(oracle, ray, out, count, &reason);
-    const size_t room = count < CHUNK ? count : CHUNK;
-    struct oracle_answer *answer = status ? NULL : alloc_zeroed(room, sizeof *answer);
-    if (!status && !answer)
+    if (!status)
+        status = library_masks(oracle, mask, count, &reason);
+    const size_t room = status ? 0 : count < CHUNK ? count : CHUNK;
+    struct oracle_answer *answer = alloc_zeroed(room, sizeof *answer);
+    struct ray_mode *mode = alloc_zeroed(mask ? room : 0, sizeof *mode);
+    if (!status && (!answer || !mode))
         status = fail(&reason, STATUS_MEMORY, "no memory for %zu rays", room);
     for (size_t first = 0; first < count && !status; first += CHUNK) {
         const size_t part = count - first < CHUNK ? count - first : CHUNK;
-        status = oracle_closest(oracle->oracle, ORACLE_TREE, ORACLE_CLOSED,
-                                library_rays(ray) + first, part, threads, answer, NULL, &reason);
+        status = decide(oracle, library_rays(ray) + first, mask ? mask + first : NULL, mode, part,
+                        threads, answer, &reason);
         for (size_t i = 0; i < part && !status; i++)
             out[first + i] = exact_of(&answer[i]);
     }
-    if (status && out)
-        for (size_t i = 0; i < count; i++)
-            out[i] = (struct raydiff_nearest){0};
+    for (size_t i = 0; status && out && i < count; i++)
+        out[i] = (struct raydiff_nearest){0};
     free(answer);
-    return library_end(status, &reason, why);
+    free(mode);
+    return library_end(modes, status, &reason, why);
 }
 
 /* As oracle_closest takes rays. */
@@ -75,6 +93,7 @@ enum raydiff_error raydiff_exact_all(const struct raydiff_oracle *oracle, const 
                                      size_t capacity, struct raydiff_crossing *out, size_t *found,
                                      struct raydiff_why *why)
 {
+    const unsigned long modes = library_begin();
     struct reason reason = {""};
     struct oracle_crossing *list = NULL;
     size_t room = 0, count = 0;
@@ -87,7 +106,10 @@ enum raydiff_error raydiff_exact_all(const struct raydiff_oracle *oracle, const 
         status = check(oracle, ray, out, capacity, &reason);
     if (!status)
         status = check_ray(library_rays(ray), &reason);
-    if (!status)
+    if (!status && oracle->is_world)
+        status = oracle_crossings_world(oracle->oracle, library_rays(ray), ray_mode_all(),
+                                        (double)INFINITY, &list, &room, &count, &reason);
+    else if (!status)
         status = oracle_crossings(oracle->oracle, library_rays(ray), (double)INFINITY, &list, &room,
                                   &count, &reason);
     for (size_t i = 0; i < capacity && out; i++)
@@ -98,13 +120,14 @@ enum raydiff_error raydiff_exact_all(const struct raydiff_oracle *oracle, const 
     if (!status)
         *found = count;
     free(list);
-    return library_end(status, &reason, why);
+    return library_end(modes, status, &reason, why);
 }
 
 enum raydiff_error raydiff_exact_text(const struct raydiff_oracle *oracle, const float *ray,
                                       uint32_t triangle, char *text, size_t bytes,
                                       struct raydiff_why *why)
 {
+    const unsigned long modes = library_begin();
     struct reason reason = {""};
     struct oracle_pair pair;
     enum status status = library_given(oracle, "oracle", &reason);
@@ -116,9 +139,9 @@ enum raydiff_error raydiff_exact_text(const struct raydiff_oracle *oracle, const
         text[0] = '\0';
     if (!status)
         status = check_ray(library_rays(ray), &reason);
-    if (!status && triangle >= oracle->scene.tri_count)
+    if (!status && triangle >= library_triangles(oracle))
         status = fail(&reason, STATUS_INPUT, "triangle %u: there are %u", triangle,
-                      oracle->scene.tri_count);
+                      library_triangles(oracle));
     if (!status) {
         oracle_pair(oracle->oracle, library_rays(ray), triangle, &pair);
         if (!oracle_is_hit(&pair))
@@ -128,5 +151,5 @@ enum raydiff_error raydiff_exact_text(const struct raydiff_oracle *oracle, const
         text[0] = '\0';
         status = fail(&reason, STATUS_LIMIT, "%zu bytes are too few for this fraction", bytes);
     }
-    return library_end(status, &reason, why);
+    return library_end(modes, status, &reason, why);
 }

@@ -2,8 +2,7 @@
  * (ref/outside/pipe.h, ref/judge/judge.h, ref/match/match_judge.h). */
 #include "ref/library/library.h"
 
-#include "ref/base/float_mode.h"
-#include "ref/judge/judge.h"
+#include "ref/judge/judge_world.h"
 #include "ref/match/match_judge.h"
 #include "ref/outside/pipe.h"
 
@@ -36,15 +35,17 @@ struct library_judging {
     const struct raydiff_oracle *oracle;
     const struct ray *ray;
     const struct raydiff_answer *answer;
+    const uint32_t *mask;
     unsigned threads;
     struct judge *judge;
     struct judge *fans;          /* demand_watertight: finds hits that closed fans lost; or NULL */
     struct oracle_answer *truth; /* CHUNK of each */
     struct hit *hit;
     struct judgement *judgement;
+    struct ray_mode *mode; /* of a world */
 };
 
-static enum status model_of(const struct raydiff_judging *how, struct model *out,
+static enum status model_of(const struct raydiff_judging *how, bool of_world, struct model *out,
                             struct reason *reason)
 {
     uint32_t formula, rounding;
@@ -65,6 +66,9 @@ static enum status model_of(const struct raydiff_judging *how, struct model *out
         status = fail(reason, STATUS_INPUT, "displacement: the formula is known");
     if (!status)
         out->displacement = (double)how->displacement;
+    if (!status && of_world && out->formula != TWIN_UNKNOWN)
+        status = fail(reason, STATUS_INPUT,
+                      "formula: in a world transforms are the tracer's own: it is unknown");
     return status;
 }
 
@@ -72,7 +76,7 @@ static enum status judges_make(struct library_judging *j, const struct raydiff_j
                                size_t room, struct model *model, struct reason *reason)
 {
     const enum query query = how->any ? QUERY_ANY : QUERY_CLOSEST;
-    enum status status = model_of(how, model, reason);
+    enum status status = model_of(how, j->oracle->is_world, model, reason);
     if (!status)
         status = judge_make(j->oracle->oracle, model, query, &j->judge, reason);
     const struct model geometry = {.formula = TWIN_UNKNOWN, .open = how->open};
@@ -83,7 +87,8 @@ static enum status judges_make(struct library_judging *j, const struct raydiff_j
     j->truth = alloc_zeroed(room, sizeof *j->truth);
     j->hit = alloc_zeroed(room, sizeof *j->hit);
     j->judgement = alloc_zeroed(room, sizeof *j->judgement);
-    return j->truth && j->hit && j->judgement
+    j->mode = alloc_zeroed(j->oracle->is_world ? room : 0, sizeof *j->mode);
+    return j->truth && j->hit && j->judgement && j->mode
                ? STATUS_OK
                : fail(reason, STATUS_MEMORY, "no memory to judge %zu answers", room);
 }
@@ -95,6 +100,31 @@ static void judges_free(struct library_judging *j)
     free(j->truth);
     free(j->hit);
     free(j->judgement);
+    free(j->mode);
+}
+
+/* The tag of a right answer that names this triangle: the interface has none. */
+static uint32_t tag_of(const struct raydiff_oracle *oracle, const struct ray *ray, uint32_t prim)
+{
+    struct oracle_pair pair;
+    if (prim >= library_triangles(oracle)) /* a miss, or no triangle */
+        return 0;
+    oracle_pair(oracle->oracle, ray, prim, &pair);
+    const bool front = pair.det != 0 && oracle_is_front(oracle->oracle, &pair, prim);
+    return oracle->world.instance[world_instance_of(&oracle->world, prim)].custom |
+           (front ? ABI_TAG_FRONT : 0);
+}
+
+/* Judges answer `at` of the chunk, alone. */
+static enum status judge_one(const struct library_judging *j, const struct judge *judge,
+                             size_t from, size_t at, struct judgement *out)
+{
+    const struct ray *ray = &j->ray[from + at];
+    const struct hit *hit = &j->hit[at];
+    if (!j->oracle->is_world)
+        return judge_answer(judge, ray, &j->truth[at], hit, out);
+    return judge_world_answer(judge, ray, j->mode[at], &j->truth[at], hit,
+                              tag_of(j->oracle, ray, hit->prim), out);
 }
 
 /* Judges answers of the chunk that begins at ray `from`; returns how many could not be. */
@@ -105,24 +135,40 @@ static int judge_part(const struct library_judging *j, size_t from, size_t first
     for (size_t i = 0; i < count; i++)
         question[i] = (struct judge_question){&j->ray[from + first + i], &j->truth[first + i],
                                               &j->hit[first + i]};
-    failed += judge_answers(j->judge, question, count, &j->judgement[first]) != STATUS_OK;
+    if (!j->oracle->is_world)
+        failed += judge_answers(j->judge, question, count, &j->judgement[first]) != STATUS_OK;
+    for (size_t i = 0; i < count && j->oracle->is_world; i++)
+        failed += judge_one(j, j->judge, from, first + i, &j->judgement[first + i]) != STATUS_OK;
     for (size_t i = 0; i < count && j->fans; i++) {
         struct judgement fan, *out = &j->judgement[first + i];
         if (out->verdict == VERDICT_OUT_OF_CONTRACT)
             continue;
-        failed += judge_answer(j->fans, question[i].ray, question[i].truth, question[i].answer,
-                               &fan) != STATUS_OK;
+        failed += judge_one(j, j->fans, from, first + i, &fan) != STATUS_OK;
         out->fan = out->fan || fan.fan;
     }
     return failed;
+}
+
+/* The exact answers to a chunk. */
+static enum status decide(struct library_judging *j, size_t from, size_t count,
+                          struct reason *reason)
+{
+    const struct oracle *oracle = j->oracle->oracle;
+    const struct ray *ray = j->ray + from;
+    if (!j->oracle->is_world)
+        return oracle_closest(oracle, ORACLE_TREE, ORACLE_CLOSED, ray, count, j->threads, j->truth,
+                              NULL, reason);
+    for (size_t i = 0; i < count; i++)
+        j->mode[i] = library_mode(j->mask, from + i);
+    return oracle_closest_world(oracle, ORACLE_TREE, ORACLE_CLOSED, ray, j->mode, count, j->threads,
+                                j->truth, NULL, reason);
 }
 
 static enum status judge_chunk(struct library_judging *j, size_t from, size_t count,
                                struct reason *reason)
 {
     int failed = 0;
-    enum status status = oracle_closest(j->oracle->oracle, ORACLE_TREE, ORACLE_CLOSED,
-                                        j->ray + from, count, j->threads, j->truth, NULL, reason);
+    enum status status = decide(j, from, count, reason);
     if (status)
         return status;
     for (size_t i = 0; i < count; i++) {
@@ -136,14 +182,13 @@ static enum status judge_chunk(struct library_judging *j, size_t from, size_t co
     team = parts < team ? (int)parts : team;
 #pragma omp parallel num_threads(team) reduction(+ : failed)
     {
-        const unsigned long saved = float_mode(); /* whatever the program's flags have set */
-        float_mode_set(saved & ~(unsigned long)FLOAT_MODES);
+        const unsigned long saved = library_begin(); /* each thread has modes of its own */
 #pragma omp for schedule(dynamic, 1)
         for (long long part = 0; part < parts; part++) {
             const size_t first = (size_t)part * PART;
             failed += judge_part(j, from, first, count - first < PART ? count - first : PART);
         }
-        float_mode_set(saved);
+        library_modes(saved);
     }
     return failed ? fail(reason, STATUS_MEMORY, "no memory to judge %zu answers", count)
                   : STATUS_OK;
@@ -186,12 +231,15 @@ static enum status judge_all(struct library_judging *j, const struct raydiff_jud
                              const struct model *model, size_t count, struct raydiff_judged *out,
                              struct raydiff_counts *counts, struct reason *reason)
 {
-    struct row row = {.rays = count, .judged = true, .unknown = model->formula == TWIN_UNKNOWN};
+    struct row row = {.rays = count,
+                      .judged = true,
+                      .unknown = model->formula == TWIN_UNKNOWN,
+                      .of_world = j->oracle->is_world};
     const struct match match = {.ray = j->ray, .ray_count = count};
     struct match_tally tally = {.row = &row};
     double displacement = 0.0;
     enum status status = STATUS_OK;
-    if (row.unknown && !(tally.note = alloc_zeroed(count, 1)))
+    if (row.unknown && !row.of_world && !(tally.note = alloc_zeroed(count, 1)))
         status = fail(reason, STATUS_MEMORY, "no memory to judge %zu answers", count);
     for (size_t from = 0; from < count && !status; from += CHUNK) {
         const size_t part = count - from < CHUNK ? count - from : CHUNK;
@@ -229,6 +277,9 @@ static enum status judge(struct library_judging *j, const struct raydiff_judging
     if (!status && count)
         status = library_given(j->answer, "answers", reason);
     if (!status)
+        status = library_masks(j->oracle, how->mask, count, reason);
+    j->mask = how->mask;
+    if (!status)
         status = judges_make(j, how, count < CHUNK ? count : CHUNK, &model, reason);
     if (!status)
         status = judge_all(j, how, &model, count, out, counts, reason);
@@ -244,6 +295,7 @@ enum raydiff_error raydiff_judge(const struct raydiff_oracle *oracle,
                                  uint32_t threads, struct raydiff_judged *out,
                                  struct raydiff_counts *counts, struct raydiff_why *why)
 {
+    const unsigned long modes = library_begin();
     struct reason reason = {""};
     struct library_judging j = {
         .oracle = oracle, .ray = library_rays(ray), .answer = answer, .threads = threads};
@@ -252,7 +304,7 @@ enum raydiff_error raydiff_judge(const struct raydiff_oracle *oracle,
     enum status status = judge(&j, how, count, out, counts, NULL, &reason);
     for (size_t i = 0; status && out && i < count; i++)
         out[i] = (struct raydiff_judged){0};
-    return library_end(status, &reason, why);
+    return library_end(modes, status, &reason, why);
 }
 
 enum raydiff_error raydiff_reason(const struct raydiff_oracle *oracle,
@@ -260,13 +312,14 @@ enum raydiff_error raydiff_reason(const struct raydiff_oracle *oracle,
                                   const struct raydiff_answer *answer, char *text,
                                   struct raydiff_why *why)
 {
+    const unsigned long modes = library_begin();
     struct reason reason = {""};
     struct library_judging j = {
         .oracle = oracle, .ray = library_rays(ray), .answer = answer, .threads = 1};
     struct judgement one;
     enum status status = library_given(text, "text", &reason);
     if (status)
-        return library_end(status, &reason, why);
+        return library_end(modes, status, &reason, why);
     text[0] = '\0';
     status = judge(&j, how, 1, NULL, NULL, &one, &reason);
     if (!status) {
@@ -275,5 +328,5 @@ enum raydiff_error raydiff_reason(const struct raydiff_oracle *oracle,
                               one.wrong ? " " : "", one.wrong ? wrong_name(one.wrong) : "");
         judge_line(j.ray, &one, &hit, text + length, RAYDIFF_REASON_BYTES - (size_t)length);
     }
-    return library_end(status, &reason, why);
+    return library_end(modes, status, &reason, why);
 }

@@ -14,6 +14,7 @@ struct raydiff_small {
 struct library_asking {
     raydiff_fails *fails;
     void *user;
+    unsigned long modes; /* the caller's, in which `fails` runs */
 };
 
 static struct raydiff_case case_of(const struct fuzz_trial *trial)
@@ -35,7 +36,10 @@ static enum status ask(void *user, const struct fuzz_trial *candidate, size_t co
         if (candidate[i].ray_count != 1)
             continue;
         const struct raydiff_case what = case_of(&candidate[i]);
+        const unsigned long modes = float_mode();
+        library_modes(asking->modes);
         const int fails = asking->fails(asking->user, &what);
+        library_modes(modes);
         if (fails < 0)
             return fail(reason, STATUS_REFUSED, "the callback ended the shrinking");
         if (fails > 0) {
@@ -88,11 +92,12 @@ enum raydiff_error raydiff_shrink(const struct raydiff_case *what, raydiff_fails
                                   uint64_t calls, struct raydiff_small **out,
                                   struct raydiff_why *why)
 {
-    struct library_asking asking = {fails, user};
+    const unsigned long modes = library_begin();
+    struct library_asking asking = {fails, user, modes};
     struct reason reason = {""};
     enum status status = library_given(out, "out", &reason);
     if (status)
-        return library_end(status, &reason, why);
+        return library_end(modes, status, &reason, why);
     *out = NULL;
     struct raydiff_small *small = alloc_zeroed(1, sizeof *small);
     status = small ? shrink(what, &asking, calls, small, &reason)
@@ -101,7 +106,7 @@ enum raydiff_error raydiff_shrink(const struct raydiff_case *what, raydiff_fails
         raydiff_small_free(small);
     else
         *out = small;
-    return library_end(status, &reason, why);
+    return library_end(modes, status, &reason, why);
 }
 
 struct raydiff_case raydiff_small_case(const struct raydiff_small *small)

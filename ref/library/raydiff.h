@@ -4,12 +4,11 @@
  *   cc test.c $(pkg-config --cflags --libs libraydiff)       the shared library
  *   cc test.c $(pkg-config --cflags --libs raydiff)          the static one
  *
- * Plain C11, or C++11. The library prints nothing, never ends the program, reads no file and no
- * environment, and keeps no state of its own: everything belongs to a handle. Functions on
- * different handles may run at the same time; so may functions on one oracle, which none of them
- * changes.
- * They may be called in any floating-point mode of the thread (a program compiled with -ffast-math
- * flushes subnormals) and leave it as it was.
+ * Plain C11, or C++11. The library prints nothing, never ends the program, reads no file but what
+ * the system tells of free memory, and keeps no state of its own: everything belongs to a handle.
+ * Any functions may run at the same time, on one oracle, too, which only raydiff_oracle_free
+ * changes. They may be called in any floating-point mode of the thread (a program compiled with
+ * -ffast-math flushes subnormals) and leave it as it was.
  *
  * Arrays that are given are read during the call and not kept. Rays are 8 floats each:
  *
@@ -83,6 +82,47 @@ raydiff_oracle_make(const float *vertex, uint32_t vertex_count, const uint32_t *
 
 RAYDIFF_PUBLIC void raydiff_oracle_free(struct raydiff_oracle *oracle); /* NULL is fine */
 
+/* --- worlds: meshes, placed by instances ------------------------------------------------------ */
+
+struct raydiff_mesh {
+    const float *vertex; /* as of raydiff_oracle_make */
+    const uint32_t *index;
+    uint32_t vertex_count, triangle_count;
+};
+
+/* A placed mesh. */
+struct raydiff_instance {
+    float
+        transform[12]; /* 3 rows of 4: p is placed at M p + T, T being the last column; finite, and
+                            det M is not 0 */
+    uint32_t mesh;
+    uint32_t mask; /* 8 bits: a ray meets the instance if its own mask has a bit in common */
+};
+
+/* Makes the oracle of a world, which all functions below take, but for raydiff_check_tree. Its
+ * triangles are placed ones: triangle k of the mesh of instance i has number first + k, where first
+ * is the number of triangles of all instances before i (raydiff_placed). Their vertices are M p + T
+ * of real numbers, exactly; t counts in multiples of the ray's direction in the world. All meshes
+ * are opaque; nothing is culled.
+ *   mesh, instance  copied. Many instances of a mesh cost little
+ * Errors: INPUT an array is NULL; the first mesh or instance with something wrong, and the rule;
+ * LIMIT more than 2^32 - 2 placed triangles; MEMORY; UNSUPPORTED. */
+RAYDIFF_PUBLIC enum raydiff_error
+raydiff_oracle_make_world(const struct raydiff_mesh *mesh, uint32_t mesh_count,
+                          const struct raydiff_instance *instance, uint32_t instance_count,
+                          struct raydiff_oracle **out, struct raydiff_why *why);
+
+/* Where triangle `number` is: its instance, and its number in the mesh; of triangles without
+ * instances 0 and `number`. Errors: INPUT an argument is NULL; there is no such triangle. */
+RAYDIFF_PUBLIC enum raydiff_error raydiff_placed(const struct raydiff_oracle *oracle,
+                                                 uint32_t number, uint32_t *instance,
+                                                 uint32_t *triangle, struct raydiff_why *why);
+
+/* The number of the first triangle of an instance, or with `instance` their count the number of all
+ * triangles; RAYDIFF_NOTHING if there is no such instance. Triangles without instances are those of
+ * instance 0. */
+RAYDIFF_PUBLIC uint32_t raydiff_first_of(const struct raydiff_oracle *oracle, uint32_t instance);
+
 /* --- exact answers ---------------------------------------------------------------------------- */
 
 /* How a ray meets a triangle. The triangle is closed: its edges and vertices belong to it. */
@@ -112,14 +152,14 @@ struct raydiff_nearest {
 /* Decides `count` rays, whatever their scale, in integer arithmetic where doubles do not suffice.
  * Something is hit at all (an any-hit) exactly if `triangle` is not RAYDIFF_NOTHING.
  *   ray      8 * count floats
+ *   mask     of a world: the mask of each ray, at most 255; NULL: 255 each
  *   threads  0: all that OpenMP gives
  *   out      room for `count`
  * The result depends on the triangles and the ray alone. About 1 us a ray for 10^4 triangles.
- * Errors: INPUT an argument is NULL; MEMORY. */
-RAYDIFF_PUBLIC enum raydiff_error raydiff_exact(const struct raydiff_oracle *oracle,
-                                                const float *ray, size_t count, uint32_t threads,
-                                                struct raydiff_nearest *out,
-                                                struct raydiff_why *why);
+ * Errors: INPUT an argument is NULL; a mask over 255, or masks without a world; MEMORY. */
+RAYDIFF_PUBLIC enum raydiff_error
+raydiff_exact(const struct raydiff_oracle *oracle, const float *ray, const uint32_t *mask,
+              size_t count, uint32_t threads, struct raydiff_nearest *out, struct raydiff_why *why);
 
 /* One of all hits of a ray. */
 struct raydiff_crossing {
@@ -129,7 +169,7 @@ struct raydiff_crossing {
 };
 
 /* Finds every triangle that one ray meets in its range, ends included: sorted by exact t (in plane:
- * by t_lo), then by number.
+ * by t_lo), then by number. In a world its mask is 255.
  *   ray       8 floats
  *   capacity  the most that are written to `out`, which may be NULL if it is 0
  *   found     receives how many there are, which may be more
@@ -161,21 +201,22 @@ struct raydiff_answer {
 
 /* How answers are judged. All zero: nearest hits of an unknown formula. */
 struct raydiff_judging {
-    /* The formula of the triangle test: "mt", "woop", "embree", "embree_robust", "pluecker",
-     * "baldwin_webber"; answers are then held to its proven bounds. NULL or "unknown": by how far
-     * vertices must move to make an answer right. */
+    /* The formula of the triangle test, not in a world: "mt", "woop", "embree", "embree_robust",
+     * "pluecker", "baldwin_webber"; answers are then held to its proven bounds. NULL or "unknown":
+     * by how far vertices must move to make an answer right. */
     const char *formula;
     /* The arithmetic of a known formula: NULL or "ieee", "flushed" (subnormals are 0), "vulkan",
      * "vulkan_rte", "embree". It does not matter for an unknown one, but must be one of these. */
     const char *rounding;
-    float displacement; /* unknown formula: what an answer may need, in units of 2^-24 of the
+    const uint32_t *mask; /* in a world: the mask of each ray, at most 255; NULL: 255 each */
+    float displacement;   /* unknown formula: what an answer may need, in units of 2^-24 of the
                            vertex' distance from the ray's origin; 0: 32, and more where the worst
                            published test needs it; finite */
-    bool any;           /* answers are any hit, not the nearest one */
-    bool open;          /* the tracer's range is tmin < t < tmax; else ends are hits, too */
-    bool watertight;    /* the tracer promises that no ray passes between two triangles that share
+    bool any;             /* answers are any hit, not the nearest one */
+    bool open;            /* the tracer's range is tmin < t < tmax; else ends are hits, too */
+    bool watertight;      /* the tracer promises that no ray passes between two triangles that share
                            an edge */
-    bool unnamed;       /* its any-hits name no triangle: any number but RAYDIFF_NOTHING is a hit */
+    bool unnamed; /* its any-hits name no triangle: any number but RAYDIFF_NOTHING is a hit */
     bool demand_watertight; /* count hits lost inside closed fans of triangles as faults, whatever
                                the tracer promises */
 };
@@ -203,6 +244,8 @@ enum raydiff_fault {
     RAYDIFF_FAULT_DISTANCE = 4,    /* t is too far off, or out of the range */
     RAYDIFF_FAULT_BARYCENTRIC = 5, /* u or v is too far off */
     RAYDIFF_FAULT_NOT_FINITE = 6,  /* t, u or v is NaN or infinite */
+    RAYDIFF_FAULT_MASKED = 11,     /* worlds: of an instance that the ray does not meet */
+    RAYDIFF_FAULT_INSTANCE = 14,   /* worlds: the same triangle of another instance is hit */
     RAYDIFF_FAULTS = 16            /* further numbers are of other judges of raydiff */
 };
 
@@ -249,8 +292,10 @@ struct raydiff_counts {
  *   counts   NULL: not counted
  * The verdict on an answer does not depend on the others, nor on threads. Setting up costs as much
  * as looking at each triangle once, so that many answers are best given together.
- * Errors: INPUT an argument is NULL; a formula or a rounding that there is not (the line names a
- * near one); a displacement that is negative, not finite, or of a known formula; MEMORY. */
+ * Errors: INPUT an argument is NULL; a mask over 255, or masks without a world; a formula or a
+ * rounding that there is not (the line names a near one); a displacement that is negative, not
+ * finite, or of a known formula; a formula in a world, where transforms are the tracer's own; LIMIT
+ * the inverse of a transform is beyond float32; MEMORY. */
 RAYDIFF_PUBLIC enum raydiff_error
 raydiff_judge(const struct raydiff_oracle *oracle, const struct raydiff_judging *how,
               const float *ray, const struct raydiff_answer *answer, size_t count, uint32_t threads,
@@ -260,7 +305,7 @@ raydiff_judge(const struct raydiff_oracle *oracle, const struct raydiff_judging 
 
 /* Judges one answer and writes the reason as a line: verdict and kind of fault, the ray and the
  * answer in hexadecimal floats, and what is expected, as `raydiff judge` prints it.
- *   ray   8 floats
+ *   ray   8 floats; of how->mask the first is read
  *   text  room for RAYDIFF_REASON_BYTES
  * Errors: as raydiff_judge. */
 RAYDIFF_PUBLIC enum raydiff_error raydiff_reason(const struct raydiff_oracle *oracle,
@@ -289,8 +334,8 @@ struct raydiff_faults {
  *   faults  may be NULL
  * Returns RAYDIFF_ERROR_NONE for a tree that can be traversed: it is right if *why is empty, else
  * *why has its first fault.
- * Errors: INPUT an argument is NULL, no such file, or no tree of these triangles that can be
- * traversed (the line names the rule; *faults is zero); MEMORY. */
+ * Errors: INPUT an argument is NULL, the oracle is of a world, no such file, or no tree of these
+ * triangles that can be traversed (the line names the rule; *faults is zero); MEMORY. */
 RAYDIFF_PUBLIC enum raydiff_error raydiff_check_tree(const struct raydiff_oracle *oracle,
                                                      const void *bytes, size_t size,
                                                      struct raydiff_faults *faults,

@@ -51,7 +51,7 @@ class _Why(ctypes.Structure):
 
 
 class _Judging(ctypes.Structure):
-    _fields_ = [('formula', ctypes.c_char_p), ('rounding', ctypes.c_char_p),
+    _fields_ = [('formula', ctypes.c_char_p), ('rounding', ctypes.c_char_p), ('mask', ctypes.c_void_p),
                 ('displacement', ctypes.c_float), ('any', ctypes.c_bool), ('open', ctypes.c_bool),
                 ('watertight', ctypes.c_bool), ('unnamed', ctypes.c_bool),
                 ('demand_watertight', ctypes.c_bool)]
@@ -69,6 +69,14 @@ class _Faults(ctypes.Structure):
     _fields_ = [(name, ctypes.c_uint32) for name in (
         'loose_boxes', 'bad_references', 'cycles', 'lost_triangles', 'double_triangles',
         'bad_triangles', 'too_deep', 'bad_vertices')]
+
+
+class _Mesh(ctypes.Structure):
+    _fields_ = [('vertex', ctypes.c_void_p), ('index', ctypes.c_void_p),
+                ('vertex_count', ctypes.c_uint32), ('triangle_count', ctypes.c_uint32)]
+
+
+_INSTANCE = np.dtype([('transform', 'f4', 12), ('mesh', 'u4'), ('mask', 'u4')])
 
 
 class _Case(ctypes.Structure):
@@ -101,7 +109,10 @@ def _open():
         'rays_name': (_TEXT, (_U32,)),
         'oracle_make': (_U32, (_POINTER, _U32, _POINTER, _U32, _POINTER, _POINTER)),
         'oracle_free': (None, (_POINTER,)),
-        'exact': (_U32, (_POINTER, _POINTER, _SIZE, _U32, _POINTER, _POINTER)),
+        'oracle_make_world': (_U32, (_POINTER, _U32, _POINTER, _U32, _POINTER, _POINTER)),
+        'placed': (_U32, (_POINTER, _U32, _POINTER, _POINTER, _POINTER)),
+        'first_of': (_U32, (_POINTER, _U32)),
+        'exact': (_U32, (_POINTER, _POINTER, _POINTER, _SIZE, _U32, _POINTER, _POINTER)),
         'exact_all': (_U32, (_POINTER, _POINTER, _SIZE, _POINTER, _POINTER, _POINTER)),
         'exact_text': (_U32, (_POINTER, _POINTER, _U32, _TEXT, _SIZE, _POINTER)),
         'judge': (_U32, (_POINTER, _POINTER, _POINTER, _POINTER, _SIZE, _U32, _POINTER, _POINTER,
@@ -198,11 +209,21 @@ def _answers(hits, count):
     return out
 
 
+def _masks(masks, count):
+    """An array that must live during the call, and its address."""
+    if masks is None:
+        return None, None
+    masks = _whole('masks', masks, 0, 255)
+    if masks.shape != (count,):
+        raise Error('masks: shape %s, for %d rays' % (masks.shape, count))
+    return masks, masks.ctypes.data
+
+
 def _how(query='closest', formula=None, rounding=None, displacement=0.0, open=False,
          watertight=False, unnamed=False, demand_watertight=False):
     if query not in ('closest', 'any'):
         raise Error("query: '%s' is neither closest nor any" % query)
-    return _Judging(formula and formula.encode(), rounding and rounding.encode(), displacement,
+    return _Judging(formula and formula.encode(), rounding and rounding.encode(), None, displacement,
                     query == 'any', open, watertight, unnamed, demand_watertight)
 
 
@@ -280,11 +301,11 @@ class Scene:
         if _library is not None: # else the interpreter is ending
             self.close()
 
-    def exact(self, rays, threads=0):
-        """The nearest hits: an array of dtype EXACT. threads 0: all."""
+    def exact(self, rays, threads=0, masks=None):
+        """The nearest hits: an array of dtype EXACT. threads 0: all. masks: of rays in a World."""
         rays = _rays(rays)
-        out = np.empty(len(rays), EXACT)
-        _call('exact', self._oracle, rays.ctypes.data, len(rays), threads, out.ctypes.data)
+        out, (kept, mask) = np.empty(len(rays), EXACT), _masks(masks, len(rays))
+        _call('exact', self._oracle, rays.ctypes.data, mask, len(rays), threads, out.ctypes.data)
         return out
 
     def exact_all(self, ray):
@@ -304,7 +325,7 @@ class Scene:
         _call('exact_text', self._oracle, ray.ctypes.data, triangle, text, len(text))
         return text.value.decode()
 
-    def judge(self, rays, hits, threads=0, **how):
+    def judge(self, rays, hits, threads=0, masks=None, **how):
         """Judges answers: a Judged. threads 0: all. What may be stated of the tracer:
             query         'closest' or 'any'
             formula       'unknown', 'mt', 'woop', 'embree', 'embree_robust', 'pluecker',
@@ -312,16 +333,19 @@ class Scene:
             rounding      of a known formula: 'ieee', 'flushed', 'vulkan', 'vulkan_rte', 'embree'
             displacement  of an unknown one, see raydiff.h
             open, watertight, unnamed, demand_watertight   booleans, see raydiff.h
+        masks: of rays in a World.
         """
         how, rays = _how(**how), _rays(rays)
-        answers = _answers(hits, len(rays))
+        answers, (kept, how.mask) = _answers(hits, len(rays)), _masks(masks, len(rays))
         records, counts = np.empty(len(rays), JUDGED), _Counts()
         _call('judge', self._oracle, ctypes.byref(how), rays.ctypes.data, answers.ctypes.data,
               len(rays), threads, records.ctypes.data, ctypes.byref(counts))
-        return Judged(records, counts, lambda i: self._reason(how, rays[i], answers[i:][:1]))
+        return Judged(records, counts, lambda i: self._reason(
+            how, rays[i], answers[i:][:1], None if kept is None else kept[i:][:1]))
 
-    def _reason(self, how, ray, answer):
+    def _reason(self, how, ray, answer, mask):
         text = ctypes.create_string_buffer(512)
+        how.mask = None if mask is None else mask.ctypes.data
         _call('reason', self._oracle, ctypes.byref(how), ray.ctypes.data, answer.ctypes.data, text)
         return text.value.decode()
 
@@ -337,6 +361,41 @@ class Scene:
         line = _call('check_tree', self._oracle, bytes, len(bytes), ctypes.byref(faults))
         out = {name: getattr(faults, name) for name, _ in _Faults._fields_ if getattr(faults, name)}
         return dict(out, first=line) if line else out
+
+
+class World(Scene):
+    """Meshes, placed by instances; they are copied. Everything that a Scene has, but check_tree.
+        meshes     list of (vertices, indices)
+        instances  list of (mesh, transform, mask): the mesh' number in the list, 3 rows of 4 numbers that
+                   float32 holds, and 8 bits; a ray meets it whose own mask has a bit in common
+    Triangle k of instance i has number first[i] + k in what is answered and expected. There is no
+    formula: transforms are the tracer's own."""
+
+    def __init__(self, meshes, instances):
+        self._oracle = None
+        arrays = [(_floats('vertices', v, 3), _whole('indices', i, 0, NOTHING)) for v, i in meshes]
+        for number, (_, indices) in enumerate(arrays):
+            if indices.ndim != 2 or indices.shape[1] != 3:
+                raise Error('mesh %d: indices: shape %s is not (m, 3)' % (number, indices.shape))
+        mesh = (_Mesh * len(arrays))(*(
+            _Mesh(v.ctypes.data, i.ctypes.data, len(v), len(i)) for v, i in arrays))
+        placed = np.zeros(len(instances), _INSTANCE)
+        for number, (which, transform, mask) in enumerate(instances):
+            rows = _floats('instance %d: transform' % number, transform, 4)
+            if rows.shape != (3, 4):
+                raise Error('instance %d: transform: shape %s is not (3, 4)' % (number, rows.shape))
+            placed[number] = (rows.ravel(), which, mask)
+        oracle = ctypes.c_void_p()
+        _call('oracle_make_world', mesh, len(arrays), placed.ctypes.data, len(placed),
+              ctypes.byref(oracle))
+        self._oracle = oracle
+        self.first = np.array([_library.raydiff_first_of(oracle, i) for i in range(len(placed) + 1)])
+
+    def placed(self, numbers):
+        """Instances, and triangles of their meshes, of triangles of the world: two arrays."""
+        numbers = np.asarray(numbers)
+        instance = np.searchsorted(self.first, numbers, side='right') - 1
+        return instance, numbers - self.first[instance]
 
 
 def judge(vertices, indices, rays, hits, threads=0, **how):

@@ -37,7 +37,8 @@ for name, size in (('answer', raydiff.ANSWER.itemsize), ('nearest', raydiff.EXAC
                    ('crossing', raydiff.CROSSING.itemsize), ('judged', raydiff.JUDGED.itemsize),
                    ('counts', raydiff.ctypes.sizeof(raydiff._Counts)), ('why', raydiff.ctypes.sizeof(raydiff._Why)),
                    ('judging', raydiff.ctypes.sizeof(raydiff._Judging)),
-                   ('faults', raydiff.ctypes.sizeof(raydiff._Faults)), ('case', raydiff.ctypes.sizeof(raydiff._Case))):
+                   ('faults', raydiff.ctypes.sizeof(raydiff._Faults)), ('mesh', raydiff.ctypes.sizeof(raydiff._Mesh)),
+                   ('instance', raydiff._INSTANCE.itemsize), ('case', raydiff.ctypes.sizeof(raydiff._Case))):
     assert int(sizes[name]) == size, (name, size)
 assert raydiff.VERDICTS[0] == 'right' and raydiff.VERDICTS[-1] == 'wrong' and len(raydiff.FAULTS) == 16
 
@@ -75,6 +76,7 @@ for bug, kind in (('wide', 'phantom'), ('culled', 'missed'), ('first', 'missed')
     assert judged.reasons().count('\n') == 3
 hits = np.zeros(4000, raydiff.ANSWER)
 hits['t'], hits['u'], hits['v'], hits['triangle'] = t, u, v, triangle.astype(np.uint32)
+hits_of_scene = hits
 assert np.array_equal(scene.judge(rays, hits).records, scene.judge(rays, (t, u, v, triangle)).records)
 off = (t, u + np.float32(2e-4), v, triangle)
 assert scene.judge(rays, off).faults > 100 and scene.judge(rays, off, query='any').faults > 100
@@ -111,7 +113,29 @@ try:
 except ZeroDivisionError:
     pass
 
+# A world: the mesh twice, the second one larger and met by masks with bit 2 alone.
+world = raydiff.World([(vertices, indices)], [(0, np.eye(3, 4), 1), (0, [[2, 0, 0, 5], [0, 2, 0, 0], [0, 0, 2, 0]], 2)])
+assert list(world.first) == [0, len(indices), 2 * len(indices)]
+rays = world.hard_rays(2000, seed=3)
+masks = np.arange(2000) % 4
+every, met = world.exact(rays), world.exact(rays, masks=masks)
+instance, triangle = world.placed(met['triangle'][met['triangle'] != raydiff.NOTHING])
+assert set(instance) == {0, 1} and triangle.min() >= 0 and triangle.max() < len(indices)
+assert (met['triangle'][masks == 0] == raydiff.NOTHING).all() and np.array_equal(every[masks == 3], met[masks == 3])
+assert (met['triangle'][masks == 1] >= len(indices)).sum() == (met['triangle'][(masks == 1)] == raydiff.NOTHING).sum()
+copies = np.concatenate([vertices, 2 * vertices + np.array([5, 0, 0], np.float32)])
+hits = trace(copies, np.concatenate([indices, indices + len(vertices)]), rays)
+assert world.judge(rays, hits).faults == 0
+masked = world.judge(rays, hits, masks=masks)
+assert masked.counts['masked'] > 50 and 'wrong masked' in masked.reason(masked.wrong[0]), masked.reasons()
+refused('input', 'formula: in a world', lambda: world.judge(rays, hits, formula='mt'))
+refused('input', 'masks: there are no instances', lambda: scene.exact(rays, masks=masks))
+refused('input', 'masks: shape (3,)', lambda: world.exact(rays, masks=[1, 2, 3]))
+refused('input', 'instance 0: mesh 1, but', lambda: raydiff.World([(vertices, indices)], [(1, np.eye(3, 4), 1)]))
+refused('input', 'instance 0: transform: shape', lambda: raydiff.World([(vertices, indices)], [(0, np.eye(4), 1)]))
+
 # What breaks a rule.
+rays, hits = scene.hard_rays(4000, seed=7), hits_of_scene
 refused('input', 'triangle 2: vertex index', lambda: raydiff.Scene(vertices, [[0, 1, 2], [2, 1, 0], [0, 1, 999]]))
 refused('input', 'vertex 0: coordinate x is not finite', lambda: raydiff.Scene(vertices + np.inf, indices))
 refused('input', 'float32 does not hold', lambda: raydiff.Scene(vertices.astype(float) + 1e-9, indices))

@@ -85,11 +85,11 @@ static void no_triangles_are_hit_by_nothing(void **state)
     const float ray[] = {1, 1, 1, 0, 0, 0, -1, 2};
     struct raydiff_nearest exact;
     assert_int_equal(raydiff_oracle_make(NULL, 0, NULL, 0, &oracle, NULL), RAYDIFF_ERROR_NONE);
-    assert_int_equal(raydiff_exact(oracle, ray, 1, 1, &exact, NULL), RAYDIFF_ERROR_NONE);
+    assert_int_equal(raydiff_exact(oracle, ray, NULL, 1, 1, &exact, NULL), RAYDIFF_ERROR_NONE);
     assert_int_equal(exact.triangle, RAYDIFF_NOTHING);
     assert_int_equal(exact.ties, 0);
     assert_true(exact.t_lo == 0 && exact.t_hi == 0 && isinf(exact.t_next));
-    assert_int_equal(raydiff_exact(oracle, NULL, 0, 1, NULL, NULL), RAYDIFF_ERROR_NONE);
+    assert_int_equal(raydiff_exact(oracle, NULL, NULL, 0, 1, NULL, NULL), RAYDIFF_ERROR_NONE);
     raydiff_oracle_free(oracle);
 }
 
@@ -109,7 +109,7 @@ static void triangles_are_copied(void **state)
     memset(index, 0xFF, sizeof library_index);
     free(vertex);
     free(index);
-    assert_int_equal(raydiff_exact(oracle, ray, 1, 1, &exact, NULL), RAYDIFF_ERROR_NONE);
+    assert_int_equal(raydiff_exact(oracle, ray, NULL, 1, 1, &exact, NULL), RAYDIFF_ERROR_NONE);
     assert_int_equal(exact.triangle, 0);
     assert_int_equal(exact.kind, RAYDIFF_CLASS_INSIDE);
     assert_true(exact.t_lo <= 1 && exact.t_hi >= 1 && exact.t_hi - exact.t_lo <= 0x1p-40);
@@ -131,9 +131,9 @@ static void exact_answers_are_the_oracles_on_any_threads(void **state)
     assert_int_equal(
         oracle_closest(oracle, ORACLE_BRUTE, ORACLE_CLOSED, ray, RAYS, 0, truth, NULL, NULL),
         STATUS_OK);
-    assert_int_equal(raydiff_exact(stand.oracle, ray->org, RAYS, 0, exact, NULL),
+    assert_int_equal(raydiff_exact(stand.oracle, ray->org, NULL, RAYS, 0, exact, NULL),
                      RAYDIFF_ERROR_NONE);
-    assert_int_equal(raydiff_exact(stand.oracle, ray->org, RAYS, 1, again, NULL),
+    assert_int_equal(raydiff_exact(stand.oracle, ray->org, NULL, RAYS, 1, again, NULL),
                      RAYDIFF_ERROR_NONE);
     assert_memory_equal(exact, again, RAYS * sizeof *exact);
     for (size_t i = 0; i < RAYS; i++) {
@@ -147,10 +147,10 @@ static void exact_answers_are_the_oracles_on_any_threads(void **state)
         else
             assert_true(exact[i].t_lo == 0 && exact[i].t_hi == 0);
     }
-    ASSERT_INPUT("rays: is NULL", raydiff_exact(stand.oracle, NULL, 1, 0, exact, &why));
+    ASSERT_INPUT("rays: is NULL", raydiff_exact(stand.oracle, NULL, NULL, 1, 0, exact, &why));
     assert_int_equal(exact[0].triangle | exact[0].ties, 0);
-    ASSERT_INPUT("out: is NULL", raydiff_exact(stand.oracle, ray->org, 1, 0, NULL, &why));
-    ASSERT_INPUT("oracle: is NULL", raydiff_exact(NULL, ray->org, 1, 0, exact, &why));
+    ASSERT_INPUT("out: is NULL", raydiff_exact(stand.oracle, ray->org, NULL, 1, 0, NULL, &why));
+    ASSERT_INPUT("oracle: is NULL", raydiff_exact(NULL, ray->org, NULL, 1, 0, exact, &why));
     oracle_free(oracle);
     free(truth);
     free(exact);
@@ -170,7 +170,8 @@ static void all_hits_stand_in_the_order_of_t(void **state)
     assert_int_equal(raydiff_exact_all(stand.oracle, ray, 8, list, &found, NULL),
                      RAYDIFF_ERROR_NONE);
     assert_int_equal(found, 2);
-    assert_int_equal(raydiff_exact(stand.oracle, ray, 1, 0, &exact, NULL), RAYDIFF_ERROR_NONE);
+    assert_int_equal(raydiff_exact(stand.oracle, ray, NULL, 1, 0, &exact, NULL),
+                     RAYDIFF_ERROR_NONE);
     assert_int_equal(list[0].triangle, exact.triangle);
     assert_int_equal(list[0].kind, RAYDIFF_CLASS_INSIDE);
     assert_true(list[0].t_lo == exact.t_lo && list[1].t_lo > list[0].t_hi);

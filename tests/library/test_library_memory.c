@@ -40,7 +40,7 @@ static enum raydiff_error make(const struct library_stand *stand, struct raydiff
 static enum raydiff_error exact(const struct library_stand *stand, struct raydiff_why *why)
 {
     struct raydiff_nearest out[RAYS];
-    return raydiff_exact(stand->oracle, rays, RAYS, 1, out, why);
+    return raydiff_exact(stand->oracle, rays, NULL, RAYS, 1, out, why);
 }
 
 static enum raydiff_error all(const struct library_stand *stand, struct raydiff_why *why)
@@ -59,6 +59,29 @@ static enum raydiff_error judge(const struct library_stand *stand, struct raydif
     struct raydiff_judged out[RAYS];
     struct raydiff_counts counts;
     return raydiff_judge(stand->oracle, &how, rays, answers, RAYS, 1, out, &counts, why);
+}
+
+static enum raydiff_error world(const struct library_stand *stand, struct raydiff_why *why)
+{
+    const struct scene *scene = &stand->scene;
+    const struct raydiff_mesh mesh = {scene->vertex, scene->index, scene->vertex_count,
+                                      scene->tri_count};
+    const struct raydiff_instance instance = {{2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, 0, 1};
+    struct raydiff_nearest out[RAYS];
+    struct raydiff_counts counts;
+    static const uint32_t mask[RAYS];
+    const struct raydiff_judging how = {.mask = mask};
+    struct raydiff_oracle *oracle;
+    enum raydiff_error error = raydiff_oracle_make_world(&mesh, 1, &instance, 1, &oracle, why);
+    assert_int_equal(oracle == NULL, error != RAYDIFF_ERROR_NONE);
+    if (!error)
+        error = raydiff_exact(oracle, rays, mask, RAYS, 1, out, why);
+    if (!error)
+        error = raydiff_judge(oracle, &how, rays, answers, RAYS, 1, NULL, &counts, why);
+    if (!error)
+        error = raydiff_hard_rays(oracle, NULL, 1, RAYS, rays, why);
+    raydiff_oracle_free(oracle);
+    return error;
 }
 
 static enum raydiff_error hard(const struct library_stand *stand, struct raydiff_why *why)
@@ -83,8 +106,8 @@ static void every_allocation_may_fail(void **state)
     static const struct {
         const char *name;
         library_call *call;
-    } calls[] = {{"make", make},   {"exact", exact}, {"all", all},
-                 {"judge", judge}, {"hard", hard},   {"shrink", shrink}};
+    } calls[] = {{"make", make}, {"exact", exact},   {"all", all},    {"judge", judge},
+                 {"hard", hard}, {"shrink", shrink}, {"world", world}};
     struct library_stand stand = library_stand("sphere:n=3");
     for (size_t c = 0; c < sizeof calls / sizeof *calls; c++) {
         enum raydiff_error error = RAYDIFF_ERROR_MEMORY;

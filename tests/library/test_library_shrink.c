@@ -1,6 +1,6 @@
 /* Laws of raydiff_shrink: what is left fails, is small, and is the caller's. */
+#include "ref/base/float_mode.h"
 #include "ref/library/raydiff.h"
-
 #include "scenes/rays/rays.h"
 
 #include <stdarg.h>
@@ -30,7 +30,8 @@ static int misses(void *user, const struct raydiff_case *what)
     if (raydiff_oracle_make(what->vertex, what->vertex_count, what->index, what->triangle_count,
                             &oracle, NULL))
         return 0;
-    assert_int_equal(raydiff_exact(oracle, what->ray, 1, 1, &exact, NULL), RAYDIFF_ERROR_NONE);
+    assert_int_equal(raydiff_exact(oracle, what->ray, NULL, 1, 1, &exact, NULL),
+                     RAYDIFF_ERROR_NONE);
     raydiff_oracle_free(oracle);
     return exact.kind == RAYDIFF_CLASS_INSIDE &&
            what->vertex[3 * what->index[3 * exact.triangle]] < 0;
@@ -145,6 +146,31 @@ static void a_callback_can_end_it(void **state)
     library_stand_free(&stand);
 }
 
+static int notes_modes(void *user, const struct raydiff_case *what)
+{
+    (void)what;
+    *(unsigned long *)user = float_mode() & FLOAT_MODES;
+    return 0;
+}
+
+static void the_callback_has_its_own_modes(void **state)
+{
+    (void)state;
+    float ray[] = {1, 1, 1, 0, 0, 0, -1, 2};
+    const struct raydiff_case what = {library_vertex, library_index, 3, 1, ray};
+    struct raydiff_small *small;
+    const unsigned long saved = float_mode(), set = FLOAT_FLUSH | FLOAT_UP;
+    unsigned long seen = 0;
+    float_mode_set(saved | set);
+    enum raydiff_error error = raydiff_shrink(&what, notes_modes, &seen, 0, &small, NULL);
+    const unsigned long after = float_mode();
+    float_mode_set(saved);
+    assert_int_equal(error, RAYDIFF_ERROR_NONE);
+    assert_int_equal(seen, set);
+    assert_int_equal(after & FLOAT_MODES, set);
+    raydiff_small_free(small);
+}
+
 static void what_is_no_case_is_refused(void **state)
 {
     (void)state;
@@ -179,6 +205,7 @@ int main(void)
         cmocka_unit_test(calls_are_as_many_as_allowed),
         cmocka_unit_test(what_does_not_fail_is_copied),
         cmocka_unit_test(a_callback_can_end_it),
+        cmocka_unit_test(the_callback_has_its_own_modes),
         cmocka_unit_test(what_is_no_case_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
