@@ -130,7 +130,7 @@ static enum status judge_one(const struct library_judging *j, const struct judge
 /* Judges answers of the chunk that begins at ray `from`; returns how many could not be. */
 static int judge_part(const struct library_judging *j, size_t from, size_t first, size_t count)
 {
-    struct judge_question question[PART] = {{NULL}};
+    struct judge_question question[PART] = {{.ray = NULL}};
     int failed = 0;
     for (size_t i = 0; i < count; i++)
         question[i] = (struct judge_question){&j->ray[from + first + i], &j->truth[first + i],
@@ -268,7 +268,7 @@ static enum status judge(struct library_judging *j, const struct raydiff_judging
                          struct raydiff_judged *out, struct raydiff_counts *counts,
                          struct judgement *line, struct reason *reason)
 {
-    static const struct raydiff_judging standard = {NULL};
+    static const struct raydiff_judging standard = {.formula = NULL};
     struct model model;
     how = how ? how : &standard;
     enum status status = library_given(j->oracle, "oracle", reason);

@@ -41,7 +41,7 @@ struct library_race {
     judge_fn *judge;
 };
 
-static void must(int failed, const char *line)
+static void must(bool failed, const char *line)
 {
     if (!failed)
         return;

@@ -7,6 +7,7 @@
 #include "ref/outside/recorded.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdarg.h>
 #include <setjmp.h>
 #include <stdint.h>
@@ -290,6 +291,54 @@ static void modes_of_the_thread_change_nothing(void **state)
     both_free(b);
 }
 
+#define THREADS 4
+
+/* A thread's share: the same oracle, and one of its own. */
+struct library_share {
+    const struct library_both *b;
+    struct raydiff_judged judged[RAYS];
+    bool same;
+};
+
+static void *judge_beside(void *user)
+{
+    struct library_share *share = user;
+    const struct library_both *b = share->b;
+    const struct scene *scene = &b->f->scene;
+    share->same = true;
+    for (int i = 0; i < 4 && share->same; i++) {
+        struct raydiff_oracle *own = NULL;
+        share->same =
+            raydiff_oracle_make(scene->vertex, scene->vertex_count, scene->index, scene->tri_count,
+                                &own, NULL) == RAYDIFF_ERROR_NONE &&
+            raydiff_judge(i % 2 ? own : b->oracle, NULL, b->f->ray->org, b->answer, RAYS,
+                          1 + (uint32_t)i % 2, share->judged, NULL, NULL) == RAYDIFF_ERROR_NONE &&
+            memcmp(share->judged, b->judged, sizeof b->judged) == 0;
+        raydiff_oracle_free(own);
+    }
+    return NULL;
+}
+
+static void threads_may_share_an_oracle(void **state)
+{
+    (void)state;
+    struct library_both *b = both_make("sphere:n=8", QUERY_CLOSEST);
+    struct library_share *share = calloc(THREADS, sizeof *share);
+    pthread_t thread[THREADS];
+    spoil(b, 3);
+    judge_both(b, &(struct raydiff_judging){.formula = NULL}, 0);
+    for (int i = 0; i < THREADS; i++) {
+        share[i].b = b;
+        assert_int_equal(pthread_create(&thread[i], NULL, judge_beside, &share[i]), 0);
+    }
+    for (int i = 0; i < THREADS; i++) {
+        assert_int_equal(pthread_join(thread[i], NULL), 0);
+        assert_true(share[i].same);
+    }
+    free(share);
+    both_free(b);
+}
+
 static void what_cannot_be_judged_is_refused(void **state)
 {
     (void)state;
@@ -339,6 +388,7 @@ int main(void)
         cmocka_unit_test(what_is_right_has_no_fault),
         cmocka_unit_test(few_hits_prove_nothing),
         cmocka_unit_test(modes_of_the_thread_change_nothing),
+        cmocka_unit_test(threads_may_share_an_oracle),
         cmocka_unit_test(what_cannot_be_judged_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
