@@ -3,6 +3,7 @@
 #include "ref/library/raydiff.h"
 #include "ref/plugin.h" /* both in one file */
 
+#include "ref/base/rng.h"
 #include "ref/oracle/oracle.h"
 #include "ref/packed/packed_file.h"
 #include "scenes/rays/rays.h"
@@ -285,6 +286,49 @@ static void packed_trees_are_checked(void **state)
     library_stand_free(&other);
 }
 
+/* Words of a tree, changed: what is found is what packed_file_read finds, each number in its place. */
+static void faults_are_those_of_the_file(void **state)
+{
+    (void)state;
+    struct library_stand stand = library_stand("soup:n=60");
+    struct raydiff_faults faults;
+    size_t size, kinds[5] = {0};
+    char *bytes = packed_bytes(&stand.scene, &size);
+    struct rng rng = rng_make(3, 0);
+    for (int i = 0; i < 4000; i++) {
+        struct packed packed;
+        struct packed_faults wanted;
+        struct reason reason = {""};
+        uint32_t old, word;
+        const size_t at = 52 + 4 * (size_t)rng_below(&rng, (uint32_t)(size - 52) / 4);
+        memcpy(&old, bytes + at, 4);
+        word = i % 2 ? rng_below(&rng, 64) : old ^ 1u << rng_below(&rng, 32);
+        memcpy(bytes + at, &word, 4);
+        const enum status status =
+            packed_file_read("tree", bytes, size, &stand.scene, &packed, &wanted, &reason);
+        packed_free(&packed);
+        assert_int_equal(raydiff_check_tree(stand.oracle, bytes, size, &faults, &why),
+                         status ? RAYDIFF_ERROR_INPUT : RAYDIFF_ERROR_NONE);
+        memcpy(bytes + at, &old, 4);
+        assert_string_equal(why.line, reason.text);
+        if (status)
+            wanted = (struct packed_faults){0};
+        const struct raydiff_faults same = {
+            wanted.loose_boxes,  wanted.bad_refs,  wanted.cycles,   wanted.lost_prims,
+            wanted.double_prims, wanted.bad_prims, wanted.too_deep, wanted.bad_tris};
+        assert_memory_equal(&faults, &same, sizeof faults);
+        kinds[0] += status != STATUS_OK;
+        kinds[1] += faults.loose_boxes > 0;
+        kinds[2] += faults.lost_triangles > 0;
+        kinds[3] += faults.double_triangles > 0;
+        kinds[4] += why.line[0] == '\0';
+    }
+    for (size_t k = 0; k < ARRAY_COUNT(kinds); k++)
+        assert_true(kinds[k] > 10);
+    free(bytes);
+    library_stand_free(&stand);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -298,6 +342,7 @@ int main(void)
         cmocka_unit_test(a_fraction_is_exact),
         cmocka_unit_test(hard_rays_are_those_of_the_set),
         cmocka_unit_test(packed_trees_are_checked),
+        cmocka_unit_test(faults_are_those_of_the_file),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
-"""trimesh's own tracer, judged where trimesh is installed (Debian 13: python3-trimesh)."""
+"""trimesh's own tracer, judged where trimesh is installed (Debian 13: python3-trimesh python3-rtree
+python3-scipy). Its rays have no range: those of the set edges go from 0 to beyond the mesh."""
 import numpy as np
 import raydiff
 
@@ -12,7 +13,7 @@ except ImportError as error:
 ball = trimesh.creation.icosphere(subdivisions=3)
 mesh = trimesh.Trimesh(ball.vertices.astype(np.float32), ball.faces, process=False)
 scene = raydiff.Scene(mesh.vertices, mesh.faces)
-rays = scene.hard_rays(3000, 'random', seed=3)
+rays = scene.hard_rays(3000, 'edges', seed=3)
 
 
 def answers(offset):
@@ -30,8 +31,13 @@ def answers(offset):
     return out
 
 
-judged = scene.judge(rays, answers(0.0))
+try:
+    hits = answers(0.0)
+except ImportError as error: # a package that trimesh recommends
+    print('SKIP trimesh: its tracer needs more: %s' % error)
+    raise SystemExit(0)
+judged = scene.judge(rays, hits)
 print('trimesh %s: %d of %d answers at fault: %s' % (trimesh.__version__, judged.faults, len(rays), judged.counts))
-assert judged.hits > 1000 and judged.counts['right'] > 2900, judged.reasons()
+assert judged.hits > 2500 and judged.counts['right'] > 2900 and judged.faults < 10, judged.reasons()
 spoiled = scene.judge(rays, answers(1e-3))
-assert spoiled.counts['distance'] > 1000, spoiled.reasons()
+assert spoiled.counts['distance'] > 2000, spoiled.reasons()
