@@ -286,7 +286,7 @@ static void packed_trees_are_checked(void **state)
     library_stand_free(&other);
 }
 
-/* Words of a tree, changed: what is found is what packed_file_read finds, each number in its place. */
+/* Words of a tree, changed: what is found is what packed_file_read finds, number by number. */
 static void faults_are_those_of_the_file(void **state)
 {
     (void)state;
