@@ -110,8 +110,8 @@ enum raydiff_error raydiff_placed(const struct raydiff_oracle *oracle, uint32_t 
 
 uint32_t raydiff_first_of(const struct raydiff_oracle *oracle, uint32_t instance)
 {
-    const uint32_t instances = oracle->is_world ? oracle->world.instance_count : 1;
-    if (instance > instances)
+    const uint32_t instances = oracle && oracle->is_world ? oracle->world.instance_count : 1;
+    if (!oracle || instance > instances)
         return RAYDIFF_NOTHING;
     if (instance == instances)
         return library_triangles(oracle);

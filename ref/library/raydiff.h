@@ -119,8 +119,8 @@ RAYDIFF_PUBLIC enum raydiff_error raydiff_placed(const struct raydiff_oracle *or
                                                  uint32_t *triangle, struct raydiff_why *why);
 
 /* The number of the first triangle of an instance, or with `instance` their count the number of all
- * triangles; RAYDIFF_NOTHING if there is no such instance. Triangles without instances are those of
- * instance 0. */
+ * triangles; RAYDIFF_NOTHING without such an instance, or oracle. Triangles without instances are
+ * those of instance 0. */
 RAYDIFF_PUBLIC uint32_t raydiff_first_of(const struct raydiff_oracle *oracle, uint32_t instance);
 
 /* --- exact answers ---------------------------------------------------------------------------- */

@@ -248,6 +248,7 @@ static void triangles_are_instance_0(void **state)
     assert_int_equal(raydiff_first_of(oracle, 0), 0);
     assert_int_equal(raydiff_first_of(oracle, 1), 2);
     assert_int_equal(raydiff_first_of(oracle, 2), RAYDIFF_NOTHING);
+    assert_int_equal(raydiff_first_of(NULL, 0), RAYDIFF_NOTHING);
     raydiff_oracle_free(oracle);
 }
 
