@@ -127,6 +127,7 @@ $(B)/gen/baseline.c $(B)/gen/waivers.c $(B)/gen/turn.c:
 	  echo 'const char $(basename $(@F))_shipped[] =' && \
 	  sed -e 's/[\\"?]/\\&/g' -e 's/^/    "/' -e 's/$$/\\n"/' $< && echo ';'; } >$@
 
+include ref/library/library.mk    # the shared library, and what is installed of it
 include fuzz/export/templates.mk  # $(B)/gen/templates.c
 include tests/tests.mk            # $(TESTS), $(SAMPLES), and what they are linked with
 include tests/checks.mk           # check and slower checks
@@ -170,12 +171,9 @@ BASH_DIR := share/bash-completion/completions
 ZSH_DIR  := share/zsh/site-functions
 install: all lib
 	install -Dm755 $(B)/raydiff $(DESTDIR)$(PREFIX)/bin/raydiff
-	install -Dm644 $(B)/libraydiff.a $(DESTDIR)$(LIBDIR)/libraydiff.a
 	for h in $(HEADERS); do \
 	    install -Dm644 $$h $(DESTDIR)$(PREFIX)/include/raydiff/$$h || exit 1; done
-	install -d $(DESTDIR)$(LIBDIR)/pkgconfig $(DESTDIR)$(PREFIX)/share/man/man1
-	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(LIBDIR)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@LIBS@|$(LDLIBS)|' \
-	    ref/raydiff.pc.in > $(DESTDIR)$(LIBDIR)/pkgconfig/raydiff.pc
+	install -d $(DESTDIR)$(PREFIX)/share/man/man1
 	$(B)/raydiff help --man | cat - ref/raydiff.1 > $(DESTDIR)$(PREFIX)/share/man/man1/raydiff.1
 	for c in $$($(B)/raydiff help --commands); do \
 	    $(B)/raydiff help --man $$c > $(DESTDIR)$(PREFIX)/share/man/man1/raydiff-$$c.1 || exit 1; done
@@ -184,8 +182,7 @@ install: all lib
 	$(B)/raydiff help --zsh > $(DESTDIR)$(PREFIX)/$(ZSH_DIR)/_raydiff
 
 uninstall:
-	rm -f $(DESTDIR)$(PREFIX)/bin/raydiff $(DESTDIR)$(LIBDIR)/libraydiff.a \
-	      $(DESTDIR)$(LIBDIR)/pkgconfig/raydiff.pc \
+	rm -f $(DESTDIR)$(PREFIX)/bin/raydiff \
 	      $(DESTDIR)$(PREFIX)/share/man/man1/raydiff.1 $(DESTDIR)$(PREFIX)/share/man/man1/raydiff-*.1 \
 	      $(DESTDIR)$(PREFIX)/$(BASH_DIR)/raydiff $(DESTDIR)$(PREFIX)/$(ZSH_DIR)/_raydiff
 	rm -rf $(DESTDIR)$(PREFIX)/include/raydiff

@@ -22,6 +22,8 @@ step() { # NAME COMMAND
     exit 1
 }
 
+packages='raydiff libraydiff-dev libraydiff1 python3-raydiff raydiff-doc'
+
 build() {
     enter_system git make dpkg-dev lintian || exit 1
     step depends 'apt-get -q -y --no-install-recommends build-dep /root/raydiff'
@@ -32,13 +34,13 @@ build() {
     cp "$root"/root/*.deb "$logs/"
     {
         echo "build without network $seconds s, lintian $(version lintian) finds no error and no warning;"
-        for package in raydiff libraydiff-dev raydiff-doc; do
+        for package in $packages; do
             stat -c "$package %s bytes," "$root/root/${package}_"*.deb
         done
     } | tr '\n' ' ' >"$line"
 }
 
-followed='docs/quickstart.md docs/my-layout.md docs/my-engine.md docs/my-shader.md'
+followed='docs/quickstart.md docs/my-layout.md docs/my-engine.md docs/my-shader.md docs/library.md'
 
 # All files but those that packages of any kind write: dpkg's own, caches, logs.
 files='find / -xdev \( -path /proc -o -path /root -o -path /tmp -o -path /var/lib/dpkg -o -path /var/cache
@@ -49,7 +51,8 @@ use() {
     mkdir "$root/root/packages"
     cp $(ls "$logs"/*.deb | grep -v dbgsym) "$root/root/packages"
     step needs 'cd /root/packages &&
-        for deb in *.deb; do dpkg-deb -f "$deb" Depends; done | grep . | paste -sd, >needs &&
+        for deb in *.deb; do dpkg-deb -f "$deb" Depends; done | tr , "\n" | grep -vE "^ *($|(lib|python3-)?raydiff)" |
+            paste -sd, >needs &&
         apt-get -q -y --no-install-recommends satisfy "$(cat needs)"'
     step before "$files >/root/before"
     step install 'dpkg -i /root/packages/*.deb'
@@ -67,7 +70,7 @@ use() {
     started=$(date +%s)
     step follow "cd /root/raydiff && SLOW=1 perl tests/docs/pages.pl /usr/bin $followed"
     seconds=$(($(date +%s) - started))
-    step purge 'dpkg --purge raydiff libraydiff-dev raydiff-doc'
+    step purge "dpkg --purge $packages"
     step after "$files >/root/after; diff /root/before /root/after"
     echo "dpkg -i, program, man pages, completions, pkg-config," \
         "$(echo $followed | wc -w) pages followed in $seconds s, purged without a trace" >"$line"

@@ -12,9 +12,11 @@ libpng-dev:pictures'
 check="$run glslang-dev:shaders_of_layouts_from_outside g++:the_C++_library_that_glslang_wants
 libcmocka-dev:unit_tests spirv-tools:validates_SPIR-V
 vulkan-validationlayers:Vulkan_validation libgmp-dev:rationals_that_check_the_oracle
-tmux:screens_of_terminals libsdl2-dev:the_window xvfb:a_screen_for_it xdotool:presses_its_keys"
+tmux:screens_of_terminals libsdl2-dev:the_window xvfb:a_screen_for_it xdotool:presses_its_keys
+python3-numpy:the_library_from_Python"
 deep="$check clang:second_compiler,_TSan libomp-dev:OpenMP_that_TSan_understands
-clang-format:make_format zsh:reads_its_completion"
+clang-format:make_format zsh:reads_its_completion
+abigail-tools:abidiff"
 parallel="$run parallel:shards_on_many_machines"
 report="$check chromium:opens_the_report"
 site=pandoc:the_pages_as_HTML

@@ -5,7 +5,7 @@
 
 check:
 	@sh .ci/deps.sh check
-	@$(MAKE) --no-print-directory -s -j$(JOBS) $(CHECKED) all tests
+	@$(MAKE) --no-print-directory -s -j$(JOBS) $(CHECKED) all lib tests
 	@sh tests/run.sh $(B)
 
 # Fetches more Vulkan drivers that need no GPU, next to the system's. Exit code 77: not available.
@@ -102,7 +102,7 @@ site:
 
 rooms-graph:
 	@command -v dot >/dev/null || { echo "SKIPPED $@: apt-get install graphviz"; exit 77; }
-	@sh docs/rooms_graph.sh | dot -Tsvg >docs/rooms.svg
+	@sh tests/house/rooms_graph.sh | dot -Tsvg >docs/rooms.svg
 
 lint:
 	@sh tests/house/rules.sh

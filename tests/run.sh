@@ -146,6 +146,8 @@ plain)
     suite mutate sh tests/mutation/selftest.sh "$build"
     alone selftest make -s selftest-quick
     suite install sh tests/house/install.sh
+    suite library sh tests/library/abi.sh "$build"
+    suite library_python sh tests/library/python.sh "$build"
     suite tutorial sh tests/house/tutorial.sh "$build"
     suite plugin sh tests/scripts/plugin.sh "$build"
     suite plugin_findings sh tests/scripts/plugin_findings.sh "$build/raydiff"

@@ -75,7 +75,7 @@ $(B)/obj/tests/judge/honest_fast.o: CFLAGS += -ffast-math -ffp-contract=fast $(i
 $(B)/tests/test_adversaries: $(addprefix $(B)/obj/tests/adversaries/,cheats.o outsiders.o outsiders_table.o table.o)
 
 # Their allocations are made to fail, or measured.
-MEMORY_TESTS := $(addprefix $(B)/tests/test_,out_of_memory text_memory explain_memory cache_sim judge_memory oracle_world_memory hits_memory hits_tagged memory vulkan_memory world_memory worlds_memory)
+MEMORY_TESTS := $(addprefix $(B)/tests/test_,out_of_memory text_memory explain_memory cache_sim judge_memory oracle_world_memory hits_memory hits_tagged memory vulkan_memory world_memory worlds_memory library_memory)
 $(MEMORY_TESTS): TEST_LIBS += \
     -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 
@@ -86,6 +86,14 @@ $(B)/tests/test_judge_many: TEST_LIBS += -Wl,--wrap=twin_eval_many
 FAKE_VULKAN_TESTS := $(addprefix $(B)/tests/,test_card $(addprefix test_vulkan_,faults answers refusals frame_faults memory parts))
 $(FAKE_VULKAN_TESTS): $(addprefix $(B)/obj/tests/gpu/,fake_vulkan.o fake_vulkan_device.o fake_vulkan_command.o)
 $(FAKE_VULKAN_TESTS): TEST_LIBS += -rdynamic
+
+# Time of the library's judging beside the command's, and from Python. It measures: nothing else may run.
+#   make library-speed [SCENE=flake:n=4] [RAYS=1000000]
+.PHONY: library-speed
+$(B)/library_speed: $(B)/obj/tests/library/library_speed.o $(B)/libraydiff.a
+	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS)
+library-speed: all lib $(B)/library_speed
+	@sh tests/library/speed.sh $(B) '$(or $(SCENE),flake:n=4)' $(or $(RAYS),1000000)
 
 # The campaign of truth. It needs GMP, so it is not part of the program.
 TRUTH_OBJ := $(patsubst %.c,$(B)/obj/%.o,$(wildcard tests/truth/*.c tests/exact/exact_gmp*.c tests/exact/gmp_*.c) \

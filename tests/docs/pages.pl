@@ -10,6 +10,8 @@
 #                  tests/house/tutorial.sh follows
 # <!-- slow --> before a block: it is played with SLOW=1 alone. <!-- needs: COMMAND -->: only where that ends
 # with 0. A block of another kind, without a mark, is an error: nothing is shown that nothing checks.
+# Where BUILD has the shared library (make lib) it is installed in a folder that pkg-config, the loader and Python
+# search, as they do that of a user.
 # Times, speeds, versions of others and the width of gaps are masked. Each line of a page is also held against the
 # output with a letter of it changed: that must be noticed.
 # No two of the pages given have a campaign in the same folder.
@@ -23,6 +25,8 @@ my ($build, @pages) = @ARGV;
 $build = abs_path($build);
 my $root = getcwd();
 my $copy;
+# numpy is a package of the system's Python, where another comes first in PATH.
+my $other_python = -e '/usr/bin/python3' && system("python3 -c 'import numpy' 2>/dev/null") != 0;
 my ($bad, $skipped, $commands, $lines, $slow) = (0, 0, 0, 0, 0);
 
 sub breach {
@@ -141,6 +145,7 @@ sub follow {
     chdir $dir or die;
     symlink "$copy/$_", $_ for grep { !/\./ } map { m{([^/]*)$} } glob("$copy/*");
     mkdir 'bin' and symlink "$build/raydiff", 'bin/raydiff';
+    symlink '/usr/bin/python3', 'bin/python3' if $other_python;
     local $ENV{PATH} = "$dir/bin:$ENV{PATH}";
     my (%mark, @text, $language, $first);
     while (my $line = <$in>) {
@@ -175,6 +180,12 @@ for my $page (@pages) {
 $copy = tempdir(CLEANUP => 1);
 system("git ls-files -z | tar --null -T - -cf - | tar -xf - -C $copy") == 0 or die "no copy of the sources\n";
 symlink "$root/scenes/fetched", "$copy/scenes/fetched";
+my $prefix = tempdir(CLEANUP => 1);
+if (-e "$build/shared") {
+    system("make -s install-library PREFIX=$prefix >&2") == 0 or die "the library cannot be installed\n";
+    my %search = (PKG_CONFIG_PATH => 'lib/pkgconfig', LD_LIBRARY_PATH => 'lib', PYTHONPATH => 'share/raydiff/python');
+    $ENV{$_} = join ':', "$prefix/$search{$_}", $ENV{$_} // () for keys %search;
+}
 follow($_) for @pages;
 printf "%d pages: %d commands followed in %d s, %d lines seen to matter, %d slow blocks left out\n",
     scalar @pages, $commands, time - $^T, $lines, $slow;

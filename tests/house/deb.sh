@@ -21,7 +21,7 @@ echo "$last" | tr '\n' ' ' >>"$NOTES/typed"
 echo >>"$NOTES/typed"
 case $last in
 *dpkg-buildpackage*)
-    for name in raydiff libraydiff-dev raydiff-doc raydiff-dbgsym; do
+    for name in raydiff libraydiff-dev libraydiff1 python3-raydiff raydiff-doc raydiff-dbgsym; do
         echo "$name" >"$1/root/${name}_0.2.0_amd64.deb"
     done ;;
 *'dpkg -i '*) ls "$1/root/packages" >"$NOTES/installed" ;;
@@ -43,17 +43,20 @@ says() { grep -qE -- "$1" "$dir/out" || bad "no line like /$1/"; }
 unset http_proxy https_proxy HTTP_PROXY HTTPS_PROXY
 
 run 0 'both releases'
-sizes='raydiff 8 bytes, libraydiff-dev 15 bytes, raydiff-doc 12 bytes,'
+sizes='raydiff 8 bytes, libraydiff-dev 15 bytes, libraydiff1 12 bytes, python3-raydiff 16 bytes, raydiff-doc 12 bytes,'
 line="build without network [0-9]+ s, lintian 2.116.3 finds no error and no warning; $sizes *dpkg -i, program, .* without a trace"
 [ "$(grep -cE "^packages (bookworm|trixie): $line\$" "$dir/results")" -eq 2 ] || bad 'the results are two lines'
 [ "$(wc -l <"$dir/results")" -eq 2 ] || bad 'nothing else is kept'
 # The build has no network, the packages of debug symbols stay behind, and what was built lies where it is told.
 isolated() { [ "$(grep -c 'unshare --net dpkg-buildpackage' "$dir/notes/typed")" -eq 2 ]; }
-three() { [ "$(tr '\n' ' ' <"$dir/notes/installed")" = 'libraydiff-dev_0.2.0_amd64.deb raydiff-doc_0.2.0_amd64.deb raydiff_0.2.0_amd64.deb ' ]; }
+five() {
+    [ "$(sed 's/_0.2.0_amd64.deb//' "$dir/notes/installed" | LC_ALL=C sort | tr '\n' ' ')" = \
+        'libraydiff-dev libraydiff1 python3-raydiff raydiff raydiff-doc ' ]
+}
 isolated || bad 'the build has a network'
-three || bad 'other packages are installed'
+five || bad 'other packages are installed'
 for release in bookworm trixie; do
-    [ "$(ls "$dir/repository/build/deb/$release" | grep -c 'deb$')" -eq 4 ] || bad "the packages of $release are not kept"
+    [ "$(ls "$dir/repository/build/deb/$release" | grep -c 'deb$')" -eq 6 ] || bad "the packages of $release are not kept"
 done
 grep -n . "$dir/notes/typed" | sed -n '/:dpkg -i \/root/{s/:.*//;p;}' >"$dir/installs"
 grep -n . "$dir/notes/typed" | sed -n '/:dpkg --purge /{s/:.*//;p;}' >"$dir/purges"
@@ -95,9 +98,9 @@ planted 's/^    exit 1$/    :/' fails_unseen
 planted 's/worst=1; continue/continue/' fails_unseen
 rm "$dir/notes/fails"
 still_isolated() { (run 0 planted) >"$dir/said"; isolated; }
-still_three() { (run 0 planted) >"$dir/said"; three; }
+still_five() { (run 0 planted) >"$dir/said"; five; }
 planted 's/unshare --net //' still_isolated
-planted 's/grep -v dbgsym/cat/' still_three
+planted 's/grep -v dbgsym/cat/' still_five
 cp "$dir/sound" "$dir/repository/.ci/deb.sh"
 
 run 2 'a release that is not supported' potato

@@ -7,8 +7,9 @@ prefix=$dir/opt
 make -s install "PREFIX=$prefix" >"$dir/log" 2>&1 || { cat "$dir/log"; echo "make install failed"; exit 1; }
 for file in bin/raydiff lib/libraydiff.a lib/pkgconfig/raydiff.pc share/man/man1/raydiff.1 \
     share/bash-completion/completions/raydiff share/zsh/site-functions/_raydiff \
-    include/raydiff/ref/engine.h include/raydiff/ref/plugin.h \
-    include/raydiff/ref/raydiff_engine.h; do
+    include/raydiff/ref/engine.h include/raydiff/ref/plugin.h include/raydiff/ref/raydiff_engine.h \
+    include/raydiff/raydiff.h lib/libraydiff.so \
+    lib/libraydiff.so.1 lib/pkgconfig/libraydiff.pc share/raydiff/python/raydiff.py; do
     [ -s "$prefix/$file" ] || { echo "not installed: $file"; exit 1; }
 done
 "$prefix/bin/raydiff" help --commands >"$dir/commands" || exit 1
@@ -18,10 +19,10 @@ while read -r command; do
 done <"$dir/commands"
 grep -q '^.SH COMMANDS' "$prefix/share/man/man1/raydiff.1" && grep -q '^.SH KNOWN FINDINGS' "$prefix/share/man/man1/raydiff.1" ||
     { echo "raydiff.1 lacks a part"; exit 1; }
-grep -q '@' "$prefix/lib/pkgconfig/raydiff.pc" && { echo "raydiff.pc has unfilled fields"; exit 1; }
+grep '@' "$prefix"/lib/pkgconfig/*.pc && { echo "unfilled fields"; exit 1; }
 PKG_CONFIG_PATH="$prefix/lib/pkgconfig" sh tests/house/user_program.sh "$prefix/include/raydiff" || exit
 "$prefix/bin/raydiff" --version || exit 1
 make -s uninstall "PREFIX=$prefix" >"$dir/log" 2>&1
-left=$(find "$prefix" -type f)
+left=$(find "$prefix" ! -type d)
 [ -z "$left" ] || { echo "make uninstall left: $left"; exit 1; }
 echo "install: built, ran, removed"

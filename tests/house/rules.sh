@@ -95,7 +95,7 @@ git grep -nE '\.\./shared/|(^|[^a-z./])shared/(scenes|design|notes)' -- . ':!tes
     breach "what is not part of the project is named by an option or a variable"
 
 # The picture of the rooms.
-sh docs/rooms_graph.sh edges | sort >"$scratch"
+sh tests/house/rooms_graph.sh edges | sort >"$scratch"
 sed -n 's|^<title>\(.*\)&#45;&gt;\(.*\)</title>$|\1 \2|p' docs/rooms.svg | sort | diff "$scratch" - ||
     breach "docs/rooms.svg is not docs/rooms.txt: make rooms-graph"
 

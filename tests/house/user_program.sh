@@ -1,5 +1,5 @@
 #!/bin/sh
-# A C program that is built against the installed library, as pkg-config says, and run; headers that stand alone.
+# C programs that are built against the installed libraries, as pkg-config says, and run; headers that stand alone.
 #   sh tests/house/user_program.sh INCLUDE/raydiff       exit code 77: pkg-config is not installed
 set -u
 include=$1
@@ -53,9 +53,40 @@ if ! command -v pkg-config >/dev/null 2>&1; then
 fi
 gcc -std=c17 $(pkg-config --cflags raydiff) -o "$dir/user" "$dir/user.c" $(pkg-config --libs raydiff) ||
     { echo "a user's program does not build"; exit 1; }
-# Seven headers, the plugin's and the engine's are all; each compiles alone, so none needs one that is not there.
+# The public header with the shared library and with the static one.
+cat >"$dir/public.c" <<'C'
+#include <raydiff.h>
+
+#include <stdio.h>
+
+int main(void)
+{
+    static const float vertex[] = {0, 0, 1, 4, 0, 1, 0, 4, 1}, ray[] = {1, 1, 4, 0, 0, 0, -2, 100};
+    static const uint32_t triangle[] = {0, 1, 2};
+    const struct raydiff_answer answer = {2.0f, 0.25f, 0.25f, 0}; /* t is 1.5 */
+    struct raydiff_oracle *oracle;
+    struct raydiff_judged judged;
+    struct raydiff_why why;
+    char text[RAYDIFF_REASON_BYTES];
+    if (raydiff_oracle_make(vertex, 3, triangle, 1, &oracle, &why) ||
+        raydiff_judge(oracle, NULL, ray, &answer, 1, 0, &judged, NULL, &why) ||
+        raydiff_reason(oracle, NULL, ray, &answer, text, &why))
+        return puts(why.line), 1;
+    raydiff_oracle_free(oracle);
+    puts(text);
+    return judged.verdict != RAYDIFF_VERDICT_WRONG || judged.fault != RAYDIFF_FAULT_DISTANCE;
+}
+C
+for how in libraydiff raydiff; do
+    gcc -std=c11 $(pkg-config --cflags $how) -o "$dir/$how" "$dir/public.c" $(pkg-config --libs $how) ||
+        { echo "a user of raydiff.h does not build with pkg-config $how"; exit 1; }
+    LD_LIBRARY_PATH=$(pkg-config --variable=libdir $how) "$dir/$how" || { echo "a user of raydiff.h fails: $how"; exit 1; }
+    LD_LIBRARY_PATH=$(pkg-config --variable=libdir $how) ldd "$dir/$how" | grep -c 'libraydiff\.so\.[0-9]' >>"$dir/shared"
+done
+[ "$(tr '\n' ' ' <"$dir/shared")" = '1 0 ' ] || { echo "libraydiff is shared, raydiff is static: $(cat "$dir/shared")"; exit 1; }
+# The public header, seven of the parts, the plugin's and the engine's are all; each compiles alone, so none needs one that is not there.
 find "$include" -type f | sort >"$dir/headers"
-[ "$(wc -l <"$dir/headers")" = 9 ] || { echo "installed headers are not nine:"; cat "$dir/headers"; exit 1; }
+[ "$(wc -l <"$dir/headers")" = 10 ] || { echo "installed headers are not ten:"; cat "$dir/headers"; exit 1; }
 while read -r header; do
     gcc -std=c17 -fsyntax-only -I"$include" -x c "$header" || { echo "$header does not stand alone"; exit 1; }
 done <"$dir/headers"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # The rooms of docs/rooms.txt as a Graphviz text: an arrow from each room to those that it includes, without
 # arrows that longer paths make obvious, and without tests. `make rooms-graph` draws docs/rooms.svg of it.
-#   sh docs/rooms_graph.sh [edges]    edges: an arrow a line, as ROOM ROOM
+#   sh tests/house/rooms_graph.sh [edges]    edges: an arrow a line, as ROOM ROOM
 set -eu
 awk -v only="${1-}" '
     /^#/ { next }
