@@ -78,7 +78,7 @@ objdump -t "$library" | awk '$4 == ".data" || $4 == ".bss" || $3 == ".data" || $
     breach "it has state of its own"
 
 # As users compile it.
-printf '#include <raydiff.h>\n#include "ref/plugin.h"\n#include <raydiff.h>\nint main(void) { return raydiff_version() == 0; }\n' >"$dir/user.c"
+printf '#include <raydiff.h>\n#include "ref/plugin.h"\n#include "ref/raydiff_engine.h"\n#include <raydiff.h>\nint main(void) { return raydiff_version() == 0; }\n' >"$dir/user.c"
 cp "$dir/user.c" "$dir/user.cc"
 strict='-Wall -Wextra -Wpedantic -Wconversion -Wundef -Werror'
 for compiler in gcc clang; do
