@@ -18,11 +18,10 @@ static struct {
     off_t given;          /* bytes in the file */
 } peer;
 
-enum status __wrap_pipe_child_start(const char *command, uint32_t megabytes, struct pipe_child *out,
-                                    struct reason *reason);
-void __wrap_pipe_child_stop(struct pipe_child *child);
-bool __wrap_pipe_child_is_early(struct pipe_child *child);
-bool __real_pipe_child_is_early(struct pipe_child *child);
+/* Of the same types, so that the compiler tells where one is changed. */
+__typeof__(pipe_child_start) __wrap_pipe_child_start;
+__typeof__(pipe_child_stop) __wrap_pipe_child_stop;
+__typeof__(pipe_child_is_early) __wrap_pipe_child_is_early, __real_pipe_child_is_early;
 
 /* Puts the next answer where the engine will look for it; past the last it finds the end. */
 static void give_next(const struct pipe_child *child)
@@ -36,11 +35,11 @@ static void give_next(const struct pipe_child *child)
     peer.given += (off_t)length;
 }
 
-enum status __wrap_pipe_child_start(const char *command, uint32_t megabytes, struct pipe_child *out,
+enum status __wrap_pipe_child_start(const struct pipe_order *order, struct pipe_child *out,
                                     struct reason *reason)
 {
     char path[READER_PATH_MOST];
-    (void)command, (void)megabytes, (void)reason;
+    (void)order, (void)reason;
     *out = (struct pipe_child){.guardian = {.pid = 0x7FFFFFFF}, .mute = true};
     out->from = reader_file("", 0, path);
     out->to = open("/dev/null", O_WRONLY | O_CLOEXEC);
