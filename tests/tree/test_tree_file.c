@@ -218,7 +218,10 @@ static void expect_foreign(const char *spec, const char *other_spec, bool apart)
         enum status status = tree_file_read("t", bytes, size, &other, &file, &reason);
         if (status != STATUS_INPUT)
             fail_msg("%s for %s, %s: taken", spec, other_spec, layout ? layout->name : "JSON");
+        char counted[64];
+        snprintf(counted, sizeof counted, " of %u triangles have", other.tri_count);
         assert_non_null(strstr(reason.text, "t: is the tree of another scene"));
+        assert_non_null(strstr(reason.text, counted)); /* each once */
         assert_null(file.bvh.node);
         assert_null(file.packed.word);
         free(bytes);
