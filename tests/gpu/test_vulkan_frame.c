@@ -75,6 +75,29 @@ static void all_plans_have_the_same_bits(void **state)
     stand_close(&stand);
 }
 
+/* Materials of exponent 0 shine where the light is mirrored away from the eye only as published;
+ * and of other exponents nowhere there. */
+static void shine_of_any_exponent_has_the_bits_of_c(void **state)
+{
+    (void)state;
+    struct drawn_stand stand = stand_or_skip(false);
+    for (size_t i = 0; i < 4; i++) {
+        struct scene scene = mirrors("soup:n=150", 3, 0.25f);
+        for (size_t m = 0; m < scene.material_count; m++) {
+            scene.material[m].albedo[1] = 1;
+            scene.material[m].spec = i & 1 ? 0.0f : (float)(m % 3);
+        }
+        struct picture p = picture_of(scene, i & 2 ? rtrs : repaired, false, 31, 23);
+        struct frame got = drawn_make(&p);
+        assert_true(picture_draw(&p, "cpu", 1, true, &p.frame));
+        draw(&stand, &p, &got);
+        as_in_c("shine", &p, &p.frame, &got);
+        frame_free(&got);
+        picture_free(&p);
+    }
+    stand_close(&stand);
+}
+
 /* More triangles than one dispatch of a step tests. */
 static void brute_force_has_the_bits_of_c(void **state)
 {
@@ -235,6 +258,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(paths_have_the_bits_of_c),
         cmocka_unit_test(all_plans_have_the_same_bits),
+        cmocka_unit_test(shine_of_any_exponent_has_the_bits_of_c),
         cmocka_unit_test(brute_force_has_the_bits_of_c),
         cmocka_unit_test(tiles_of_any_side_cover_the_picture),
         cmocka_unit_test(empty_jobs_are_black),
