@@ -2,6 +2,8 @@
  * in one keeps to it. */
 #include "ref/trace/trace.h"
 
+#include <stdio.h>
+
 #include "tests/support/many_jobs.h"
 
 static const char *const names[] = {"cpu", "vulkan"};
@@ -41,6 +43,8 @@ static void a_broken_job_keeps_to_itself(void **state)
     (void)state;
     enum { CYCLE = 7, SHORT = 21, DEEP = 33, WILD = 45 };
     static const size_t broken[] = {CYCLE, SHORT, DEEP, WILD};
+    static bool is_open[RAYS]; /* of the cycle, on engine cpu */
+    char first[24] = "";
     make_jobs();
     /* f32: the second child of the root is the root. */
     struct node_f32 *node = (struct node_f32 *)jobs[CYCLE].packed.word;
@@ -70,9 +74,18 @@ static void a_broken_job_keeps_to_itself(void **state)
             }
         }
         size_t unfinished = 0;
-        for (uint32_t r = 0; r < jobs[CYCLE].trial.ray_count; r++)
-            unfinished += jobs[CYCLE].flag[r] != ABI_FLAG_DONE;
+        for (uint32_t r = jobs[CYCLE].trial.ray_count; r-- > 0;) {
+            const bool open = jobs[CYCLE].flag[r] != ABI_FLAG_DONE;
+            unfinished += open;
+            if (cpu)
+                is_open[r] = open;
+            assert_int_equal(open, is_open[r]); /* the same rays on all, in whatever order */
+            if (open)
+                snprintf(first, sizeof first, "ray %u ", r);
+        }
         assert_int_equal(tasks[CYCLE].status, STATUS_DEVICE);
+        if (!cpu && !strstr(tasks[CYCLE].reason.text, first))
+            fail_msg("%s: '%s' has no %s", engine->name, tasks[CYCLE].reason.text, first);
         assert_true(unfinished > 0 && unfinished < jobs[CYCLE].trial.ray_count);
         assert_true(strlen(tasks[CYCLE].reason.text) > 0);
         if (cpu) /* the shader's smallest stack has 16 entries */
