@@ -107,8 +107,8 @@ static void every_kind_is_told_from_the_others(void **state)
     const struct hit miss = {0, 0, 0, ABI_NO_PRIM};
     struct ray through = down(0.25f, 0.125f, 1, 1), outside = down(5, 5, 1, 1);
     struct ray inside_plane = down(0.25f, 0.25f, 1, 1), nan = through, past = through;
-    nan.dir[0] = NAN;
-    past.tmin = 1.5f;
+    struct ray alone = inside_plane; /* its range ends before what it would hit */
+    nan.dir[0] = NAN, past.tmin = 1.5f, alone.tmax = 0.875f;
     const struct {
         struct ray ray;
         struct hit answer;
@@ -120,12 +120,12 @@ static void every_kind_is_told_from_the_others(void **state)
         {past, {2, 0.25f, 0.125f, 2}, ERROR_RIGHT},
         {past, {1, 0.25f, 0.125f, 0}, ERROR_WRONG}, /* before the range */
         {through, {1, 0.25f, 0.125f, 77}, ERROR_WRONG},
-        {through, {NAN, 0.25f, 0.125f, 0}, ERROR_RIGHT},
-        {through, miss, ERROR_LOST},
+        {through, {NAN, 0.25f, 0.125f, 0}, ERROR_RIGHT}, {through, miss, ERROR_LOST},
         {outside, miss, ERROR_RIGHT},
         {outside, {1, 5, 5, 0}, ERROR_PHANTOM},
         {outside, {1, 5, 5, 77}, ERROR_PHANTOM},
         {inside_plane, {0.75f, 0.5f, 0.25f, 3}, ERROR_FREE},
+        {alone, {0.75f, 0.5f, 0.25f, 3}, ERROR_FREE},
         {inside_plane, {1, 0.25f, 0.25f, 1}, ERROR_RIGHT},
         {nan, {1, 0.25f, 0.125f, 0}, ERROR_REFUSED},
     };
