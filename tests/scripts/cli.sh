@@ -196,6 +196,9 @@ awk '/"sah_before"/ { before = $2 + 0 } /"sah_after"/ { after = $2 + 0 }
         ok += ratio - time < off && time - ratio < off; n++ }
     END { exit !(before < after && told - before < 0.06 && before - told < 0.06 && anew - after < 0.06 && after - anew < 0.06 && n > 1 && ok == n) }' \
     "$dir/moved.json" "$dir/out" || bad "--move: costs and times do not belong together"
+expect 0 . check soup:n=300 --move 0.02 --layout f32,half4 --store indexed,compact --engine cpu --count 200 --repeat 1 --wide
+[ "$(sed -n 's/^  \([a-z0-9/]*\): refitted in .*/\1/p' "$dir/out" | tr '\n' ' ')" = 'f32 f32/compact half4 half4/compact ' ] ||
+    bad "--move: not a line for each layout and storage"
 expect 2 . check --wide sphere $small --move 0.5 --layout bvh2_u8_scene
 grep -q 'rebuild: bvh2_u8_scene: a box' "$dir/out" || bad "--move says what is to be built anew"
 expect 2 'is below 0' check --wide sphere $small --move -1
