@@ -145,7 +145,8 @@ struct raydiff_engine_model {
     uint32_t formula, rounding; /* enum raydiff_engine_formula, raydiff_engine_rounding */
     uint32_t flags;             /* RAYDIFF_ENGINE_OPEN_RANGE, ... */
     /* UNKNOWN only: an own bound, how far vertices move at most, in 2^-24 of their distance; above
-     * 0, at most 2^20. 0: raydiff's own, 32. */
+     * 0, at most 2^13, which is what half precision rounds by. 0: raydiff's own, 32. Another one
+     * is told with the results. */
     float displacement;
 };
 
@@ -184,8 +185,9 @@ struct raydiff_engine {
     int (*trace_world)(void *self, const struct raydiff_engine_world_ray *ray, size_t count,
                        uint32_t query, struct raydiff_engine_world_hit *hit, char *reason);
 
-    /* Rays of scenes in a form of its own. rays_make and hits_read are not timed, rays_trace is;
-     * it may be called several times for the same rays. With NATIVE `trace` is still needed: it is
+    /* Rays of scenes in a form of its own. rays_trace is timed; of rays_make and hits_read together
+     * only what takes longer than half of it: they convert, and do not trace. rays_trace may be
+     * called several times for the same rays. With NATIVE `trace` is still needed: it is
      * what runs in a process of its own, with the same answers. */
     int (*rays_make)(void *self, const struct raydiff_engine_ray *ray, size_t count, uint32_t query,
                      void **rays, char *reason);

@@ -96,9 +96,11 @@ static json_t *displacement_json(const struct row *row)
                                                  row->edges[c].lost,
                                                  match_edges_limit(c, row->edges[c].hits)));
     return json_record(
-        "answers=%zu p50=%g p99=%g max=%g lost_in_closed_fans=%zu lost_beside_edges=%p beyond=%zu",
-        row->displacement.count, row->displacement.p50, row->displacement.p99,
-        finite(row->displacement.most), row->displacement.fan_lost, edges, row->edges_beyond);
+        "answers=%zu allowed=%g p50=%g p99=%g max=%g lost_in_closed_fans=%zu lost_beside_edges=%p "
+        "beyond=%zu",
+        row->displacement.count, row->displacement.allowed, row->displacement.p50,
+        row->displacement.p99, finite(row->displacement.most), row->displacement.fan_lost, edges,
+        row->edges_beyond);
 }
 
 static json_t *lists_json(const struct row *row)

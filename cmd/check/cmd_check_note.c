@@ -2,6 +2,7 @@
 #include "cmd/check/cmd_check.h"
 #include "ref/base/text.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -64,6 +65,9 @@ void check_row_note(const struct row *row, char text[CHECK_NOTE_MOST])
         add(&note, "%s displacement p50 %.2g p99 %.2g max %.3g uM, %zu lost in closed fans", end,
             row->displacement.p50, row->displacement.p99, row->displacement.most,
             row->displacement.fan_lost);
+    if (row->displacement.count && fabs(row->displacement.allowed - JUDGE_DISPLACEMENT_MOST) > 0)
+        add(&note, "; allowed are %g uM, not %g", row->displacement.allowed,
+            JUDGE_DISPLACEMENT_MOST);
     match_edges_text(row->edges, edges);
     if (row->edges_beyond)
         add(&note, "%s lost beside edges %s", note.at ? ";" : "", edges);

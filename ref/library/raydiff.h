@@ -71,8 +71,8 @@ struct raydiff_oracle; /* triangles, and all that is needed to decide rays into 
 /* Makes the oracle of triangles.
  *   vertex  3 * vertex_count finite floats; copied
  *   index   3 * triangle_count numbers of vertices, each below vertex_count; copied
- * A triangle may be degenerate: without an area it is never hit. Some 0.7 us and 200 bytes a
- * triangle. The caller frees *out with raydiff_oracle_free.
+ * A triangle may be degenerate: without an area it is never hit. The caller frees *out with
+ * raydiff_oracle_free.
  * Errors: INPUT an array is NULL; a vertex that is not finite; a triangle with a vertex that is
  * not there (the line names the first one); LIMIT more than 2^32 - 2 triangles; MEMORY;
  * UNSUPPORTED. */
@@ -155,7 +155,7 @@ struct raydiff_nearest {
  *   mask     of a world: the mask of each ray, at most 255; NULL: 255 each
  *   threads  0: all that OpenMP gives
  *   out      room for `count`
- * The result depends on the triangles and the ray alone. About 1 us a ray for 10^4 triangles.
+ * The result depends on the triangles and the ray alone.
  * Errors: INPUT an argument is NULL; a mask over 255, or masks without a world; MEMORY. */
 RAYDIFF_PUBLIC enum raydiff_error
 raydiff_exact(const struct raydiff_oracle *oracle, const float *ray, const uint32_t *mask,

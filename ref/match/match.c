@@ -290,6 +290,8 @@ static enum status play_row(struct match *match, const struct engine *engine, vo
     row->formula = row_formula_name(model.formula);
     if (match->options.demands.displacement > 0.0f)
         model.displacement = (double)match->options.demands.displacement;
+    row->displacement.allowed =
+        model.displacement > 0.0 ? model.displacement : JUDGE_DISPLACEMENT_MOST;
     if (!match_keeps_watertight(match, engine))
         model.watertight = false; /* the triangle test is, but its boxes are not */
     row->judged = is_judged(match, engine);

@@ -125,6 +125,7 @@ struct row {
         size_t count;          /* answers that have one: an unknown formula's hits and lost hits */
         double p50, p99, most; /* displacement, see struct judgement */
         size_t fan_lost;       /* hits lost inside a closed fan */
+        double allowed;        /* by the tracer's own word, or by demand; else what is usual */
     } displacement;
     struct edges_lost edges[MATCH_EDGES]; /* hits of an unknown formula, one of each list, by
                                              distance from edges: see ref/match/match_edges.c */

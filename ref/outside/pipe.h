@@ -84,8 +84,9 @@ const char *pipe_rounding_name(uint32_t rounding);
 
 /* Sets what a peer of unknown formula promises: vertices move by at most so many units
  * (ref/twin/model.h); 0 promises nothing. Errors: STATUS_INPUT negative, not finite, over
- * PIPE_DISPLACEMENT_MOST, or beside a known formula. */
-#define PIPE_DISPLACEMENT_MOST 0x1p20f
+ * PIPE_DISPLACEMENT_MOST, or beside a known formula. A tracer that may move vertices as it likes is
+ * never wrong: the most is what vertices in half precision move by, 2^-11 of their distance. */
+#define PIPE_DISPLACEMENT_MOST 0x1p13f
 enum status pipe_displacement(float units, struct model *model, struct reason *reason) MUST_USE;
 
 /* Whether a name is that of an engine in a process of its own: "pipe:COMMAND", or "FILE.so", a

@@ -57,7 +57,7 @@ static void same_as_written_where_nothing_is_rounded(void **state)
     (void)state;
     struct rng rng = rng_make(3, 17);
     uint32_t hits[8] = {0}, played = 0;
-    while (played < 20000) {
+    while (played < 60000) {
         struct ray ray;
         float v[3][3];
         if (!draw(&rng, &ray, v))
@@ -78,7 +78,7 @@ static void same_as_written_where_nothing_is_rounded(void **state)
         }
     }
     for (size_t i = 0; tri_tests[i]; i++)
-        assert_true(hits[i] > 200);
+        assert_true(hits[i] > 500);
 }
 
 /* Else they are other numbers, near those as written. */

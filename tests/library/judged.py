@@ -1,4 +1,4 @@
-"""Laws of raydiff.py: a right tracer is right, planted bugs are found, and what is wrong is said."""
+"""Laws of raydiff.py: a right tracer is right, planted bugs are found, and each error has its line."""
 import re
 
 import numpy as np

@@ -197,14 +197,16 @@ static int rays_make(void *self, const struct raydiff_engine_ray *ray, size_t co
     (void)self, (void)reason;
     *made = (struct bad_rays){ray, count, query};
     *rays = made;
-    if (is("slow_rays"))
-        usleep(300000);
+    if (is("slow_rays") || is("slow_rays_and_trace"))
+        usleep(20000);
     return RAYDIFF_ENGINE_OK;
 }
 
 static int rays_trace(void *self, void *rays, char *reason)
 {
     struct bad_rays *made = rays;
+    if (is("slow_rays_and_trace"))
+        usleep(200000);
     return trace(self, made->ray, made->count, made->query, made->hit, reason);
 }
 
@@ -213,8 +215,8 @@ static void hits_read(void *self, const void *rays, struct raydiff_engine_hit *h
     const struct bad_rays *made = rays;
     (void)self;
     memcpy(hit, made->hit, made->count * sizeof *hit);
-    if (is("slow_rays"))
-        usleep(300000);
+    if (is("slow_rays") || is("slow_rays_and_trace"))
+        usleep(20000);
 }
 
 static void rays_free(void *self, void *rays)
@@ -239,6 +241,8 @@ static void model(void *self, struct raydiff_engine_model *out)
         out->flags = 8;
     if (is("model_both"))
         *out = (struct raydiff_engine_model){RAYDIFF_ENGINE_MT, 0, 0, 7};
+    if (is("model_generous"))
+        out->displacement = 8193;
     if (is("model_endless"))
         out->displacement = 1e30f;
 }

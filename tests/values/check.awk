@@ -162,6 +162,8 @@ rows && NF >= 7 {
         same(name "displacement p99", part[3], "%.2g", v[p ".displacement.p99"])
         same(name "displacement max", part[5], "%.3g", v[p ".displacement.max"])
         equal(name "lost in closed fans", part[7], v[p ".displacement.lost_in_closed_fans"])
+        if (v[p ".displacement.allowed"] + 0 == 32) truth(name "what is usual", $0 !~ /allowed are/)
+        else truth(name "what is allowed", index($0, "; allowed are " v[p ".displacement.allowed"] + 0 " uM, not 32"))
         if (v[p ".displacement.p50"] > v[p ".displacement.p99"] + 0 || v[p ".displacement.p99"] > v[p ".displacement.max"] + 0)
             bad(name "percentiles of the displacement")
     } else

@@ -42,6 +42,8 @@ both 60 check sphere:n=4 --engine cpu --layout f32 --box robust,watertight --que
 sed 's/q.rays, 1, 0, 0, 0}/q.rays, 0, 0, 0, 0}/' fuzz/samples/sample_tracer.c >"$dir/unknown.c"
 cc -O1 -o "$dir/unknown" "$dir/unknown.c" || bad 'a tracer is not compiled'
 both 40 check soup:n=100 --engine "cpu,pipe:$dir/unknown" --layout f32 --count 2000 --repeat 1
+both 40 check soup:n=100 --engine "cpu,pipe:$dir/unknown" --layout f32 --count 500 --repeat 1 --displacement 64
+grep -q '; allowed are 64 uM, not 32' "$dir/whole" || bad "$ran: another bound than the usual one is not told"
 both 30 check soup:n=100 --engine cpu --layout f32 --query all --count 200 --repeat 1
 # Worlds; engines that trace none are told, not played.
 both 100 check crowd:n=12 sphere:n=4 mixed:count=20 --layout f32,rf16 --engine cpu,brute $small
