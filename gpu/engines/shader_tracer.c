@@ -5,6 +5,7 @@
 #include "gpu/trace/batch.h"
 #include "gpu/trace/vulkan_options.h"
 #include "ref/files/file.h"
+#include "ref/outside/named_engines.h"
 #include "ref/outside/shared_object.h"
 #include "ref/twin/model.h"
 
@@ -192,27 +193,34 @@ static struct model outsider_model(void *self, const struct tri_test *tri)
 
 /* --- the engines ------------------------------------------------------------------------------ */
 
-#define PLACE(n)                                                                                   \
-    static enum status open_##n(const struct engine_options *options, void **self,                 \
-                                struct reason *reason)                                             \
-    {                                                                                              \
-        return outsider_open(&named[n], options, self, reason);                                    \
-    }
+static enum status open_place(size_t place, const struct engine_options *options, void **self,
+                              struct reason *reason)
+{
+    return outsider_open(&named[place], options, self, reason);
+}
+
+static void describe_place(size_t place, const struct engine_options *options, char *text,
+                           size_t text_bytes)
+{
+    (void)place;
+    vulkan_describe(options, text, text_bytes);
+}
+
+ENGINE_PLACES(ENGINE_PLACE)
 
 #define ENGINE(n)                                                                                  \
-    {                                                                                              \
-        .name = named[n].name, .summary = "a compute shader from outside", .gpu = true,            \
-        .own_tri = true, .open = open_##n, .prepare = outsider_prepare, .trace = batch_trace,      \
-        .model = outsider_model, .close = outsider_close, .describe = vulkan_describe              \
-    }
+    {.name = named[n].name,                                                                        \
+     .summary = "a compute shader from outside",                                                   \
+     .gpu = true,                                                                                  \
+     .own_tri = true,                                                                              \
+     .open = open_##n,                                                                             \
+     .prepare = outsider_prepare,                                                                  \
+     .trace = batch_trace,                                                                         \
+     .model = outsider_model,                                                                      \
+     .close = outsider_close,                                                                      \
+     .describe = describe_##n},
 
-PLACE(0)
-PLACE(1)
-PLACE(2)
-PLACE(3)
-
-static const struct engine engine_of[] = {ENGINE(0), ENGINE(1), ENGINE(2), ENGINE(3)};
-_Static_assert(ARRAY_COUNT(engine_of) == ENGINES_ADDED_MOST, "a place for each");
+static const struct engine engine_of[] = {ENGINE_PLACES(ENGINE)};
 
 static enum status read_spirv(const char *path, uint32_t **word, size_t *count,
                               struct reason *reason)
@@ -273,12 +281,10 @@ enum status shader_tracer(const char *name, const struct engine **out, struct re
     strcpy(one->name, name);
     enum status status = read_module(name + prefix, one, reason);
     if (!status)
-        status = engine_add(&engine_of[named_count], reason);
+        status = engine_place_take(engine_of, &named_count, out, reason);
     if (status) {
         free(one->word);
         *one = (struct shader_named){.count = 0};
-        return status;
     }
-    *out = &engine_of[named_count++];
-    return STATUS_OK;
+    return status;
 }

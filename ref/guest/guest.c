@@ -1,26 +1,15 @@
-#define _POSIX_C_SOURCE 200809L /* strnlen */
 #include "ref/guest/guest.h"
 
 #include "ref/base/text.h"
 #include "ref/outside/pipe.h"
 #include "ref/outside/shared_object.h"
 
-#include <ctype.h>
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define NAME_MOST 31
-
-static bool name_is_fine(const char *name)
-{
-    size_t length = name ? strnlen(name, NAME_MOST + 1) : 0;
-    bool fine = length > 0 && length <= NAME_MOST && isalpha((unsigned char)name[0]);
-    for (size_t i = 0; i < length && fine; i++)
-        fine = isalnum((unsigned char)name[i]) || name[i] == '_';
-    return fine;
-}
 
 /* The name of the first function that the table needs and does not have; NULL: none. */
 static const char *missing(const struct raydiff_engine *table)
@@ -59,7 +48,7 @@ enum status guest_check(const char *path, const struct raydiff_engine *table, st
                     "%.120s: version %u of %u bytes, this raydiff has %u of %zu: compile it with "
                     "its ref/raydiff_engine.h",
                     path, table->version, table->bytes, RAYDIFF_ENGINE_VERSION, sizeof *table);
-    if (!name_is_fine(table->name))
+    if (!object_name_is_fine(table->name, NAME_MOST))
         return fail(reason, STATUS_INPUT,
                     "%.120s: its name must be a letter, then letters, digits and _, at most %d",
                     path, NAME_MOST);

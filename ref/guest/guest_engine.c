@@ -1,6 +1,7 @@
 #include "ref/guest/guest_engine.h"
 
 #include "ref/guest/guest.h"
+#include "ref/outside/named_engines.h"
 #include "ref/outside/pipe.h"
 #include "ref/outside/pipe_world.h"
 #include "ref/outside/shared_object.h"
@@ -263,33 +264,35 @@ static struct model inmate_model(void *self, const struct tri_test *tri)
 static char name_of[ENGINES_ADDED_MOST][GUEST_PATH_MOST + sizeof GUEST_PREFIX];
 static size_t name_count;
 
-#define PLACE(n)                                                                                   \
-    static enum status open_##n(const struct engine_options *options, void **self,                 \
-                                struct reason *reason)                                             \
-    {                                                                                              \
-        return inmate_open(name_of[n], options, self, reason);                                     \
-    }                                                                                              \
-    static void describe_##n(const struct engine_options *options, char *text, size_t text_bytes)  \
-    {                                                                                              \
-        (void)options;                                                                             \
-        snprintf(text, text_bytes, "the shared object %s", name_of[n] + strlen(GUEST_PREFIX));     \
-    }
+static enum status open_place(size_t place, const struct engine_options *options, void **self,
+                              struct reason *reason)
+{
+    return inmate_open(name_of[place], options, self, reason);
+}
+
+static void describe_place(size_t place, const struct engine_options *options, char *text,
+                           size_t text_bytes)
+{
+    (void)options;
+    snprintf(text, text_bytes, "the shared object %s", name_of[place] + strlen(GUEST_PREFIX));
+}
+
+ENGINE_PLACES(ENGINE_PLACE)
 
 #define ENGINE(n)                                                                                  \
-    {                                                                                              \
-        .name = name_of[n], .summary = "a tracer in a shared object", .own_tri = true,             \
-        .open = open_##n, .prepare = inmate_prepare, .trace = inmate_trace,                        \
-        .trace_all = inmate_trace_all, .model = inmate_model, .worlds = &inmate_worlds,            \
-        .close = inmate_close, .describe = describe_##n                                            \
-    }
+    {.name = name_of[n],                                                                           \
+     .summary = "a tracer in a shared object",                                                     \
+     .own_tri = true,                                                                              \
+     .open = open_##n,                                                                             \
+     .prepare = inmate_prepare,                                                                    \
+     .trace = inmate_trace,                                                                        \
+     .trace_all = inmate_trace_all,                                                                \
+     .model = inmate_model,                                                                        \
+     .worlds = &inmate_worlds,                                                                     \
+     .close = inmate_close,                                                                        \
+     .describe = describe_##n},
 
-PLACE(0)
-PLACE(1)
-PLACE(2)
-PLACE(3)
-
-static const struct engine engine_of[] = {ENGINE(0), ENGINE(1), ENGINE(2), ENGINE(3)};
-_Static_assert(ARRAY_COUNT(engine_of) == ENGINES_ADDED_MOST, "a place for each");
+static const struct engine engine_of[] = {ENGINE_PLACES(ENGINE)};
 
 enum status guest_engine(const char *name, const struct engine **out, struct reason *reason)
 {
@@ -306,9 +309,5 @@ enum status guest_engine(const char *name, const struct engine **out, struct rea
         return fail(reason, STATUS_LIMIT, "%.80s: more than %d engines from outside", name,
                     ENGINES_ADDED_MOST);
     strcpy(name_of[name_count], name);
-    enum status status = engine_add(&engine_of[name_count], reason);
-    if (status)
-        return status;
-    *out = &engine_of[name_count++];
-    return STATUS_OK;
+    return engine_place_take(engine_of, &name_count, out, reason);
 }

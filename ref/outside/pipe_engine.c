@@ -1,4 +1,5 @@
 /* The engine "pipe:COMMAND". */
+#include "ref/outside/named_engines.h"
 #include "ref/outside/pipe_peer.h"
 #include "ref/outside/pipe_world.h"
 #include "ref/outside/shared_object.h"
@@ -258,46 +259,43 @@ static struct model tracer_model(void *self, const struct tri_test *tri)
     return model;
 }
 
-static void tracer_describe(const char *name, char *text, size_t text_bytes)
+static char name_of[ENGINES_ADDED_MOST][PIPE_NAME_MOST];
+static size_t name_count;
+
+static enum status open_place(size_t place, const struct engine_options *options, void **self,
+                              struct reason *reason)
 {
+    return tracer_open(name_of[place], options, self, reason);
+}
+
+static void describe_place(size_t place, const struct engine_options *options, char *text,
+                           size_t text_bytes)
+{
+    const char *name = name_of[place];
     const size_t prefix = strlen(PIPE_PREFIX);
+    (void)options;
     if (strncmp(name, PIPE_PREFIX, prefix) == 0)
         snprintf(text, text_bytes, "the command %s", name + prefix);
     else
         snprintf(text, text_bytes, "the shared object %s, in a process of its own", name);
 }
 
-/* Engines are constant tables of functions, so each name is bound to one by its index here. */
-static char name_of[ENGINES_ADDED_MOST][PIPE_NAME_MOST];
-static size_t name_count;
-
-#define PLACE(n)                                                                                   \
-    static enum status open_##n(const struct engine_options *options, void **self,                 \
-                                struct reason *reason)                                             \
-    {                                                                                              \
-        return tracer_open(name_of[n], options, self, reason);                                     \
-    }                                                                                              \
-    static void describe_##n(const struct engine_options *options, char *text, size_t text_bytes)  \
-    {                                                                                              \
-        (void)options;                                                                             \
-        tracer_describe(name_of[n], text, text_bytes);                                             \
-    }
+ENGINE_PLACES(ENGINE_PLACE)
 
 #define ENGINE(n)                                                                                  \
-    {                                                                                              \
-        .name = name_of[n], .summary = "a tracer in a process of its own", .own_tri = true,        \
-        .open = open_##n, .prepare = tracer_prepare, .trace = tracer_trace, .model = tracer_model, \
-        .fault = tracer_fault, .worlds = &tracer_worlds, .close = tracer_close,                    \
-        .describe = describe_##n                                                                   \
-    }
+    {.name = name_of[n],                                                                           \
+     .summary = "a tracer in a process of its own",                                                \
+     .own_tri = true,                                                                              \
+     .open = open_##n,                                                                             \
+     .prepare = tracer_prepare,                                                                    \
+     .trace = tracer_trace,                                                                        \
+     .model = tracer_model,                                                                        \
+     .fault = tracer_fault,                                                                        \
+     .worlds = &tracer_worlds,                                                                     \
+     .close = tracer_close,                                                                        \
+     .describe = describe_##n},
 
-PLACE(0)
-PLACE(1)
-PLACE(2)
-PLACE(3)
-
-static const struct engine engine_of[] = {ENGINE(0), ENGINE(1), ENGINE(2), ENGINE(3)};
-_Static_assert(ARRAY_COUNT(engine_of) == ENGINES_ADDED_MOST, "a place for each");
+static const struct engine engine_of[] = {ENGINE_PLACES(ENGINE)};
 
 const char *pipe_engines_behind(const char *name)
 {
@@ -328,9 +326,5 @@ enum status pipe_engine(const char *name, const struct engine **out, struct reas
     if (name_count == ARRAY_COUNT(engine_of))
         return fail(reason, STATUS_LIMIT, "%.80s: more than %d peers", name, ENGINES_ADDED_MOST);
     memcpy(name_of[name_count], name, length + 1);
-    enum status status = engine_add(&engine_of[name_count], reason);
-    if (status)
-        return status;
-    *out = &engine_of[name_count++];
-    return STATUS_OK;
+    return engine_place_take(engine_of, &name_count, out, reason);
 }

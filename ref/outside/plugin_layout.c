@@ -1,7 +1,7 @@
-#define _POSIX_C_SOURCE 200809L /* strnlen */
 #include "ref/outside/plugin_layout.h"
 
-#include <ctype.h>
+#include "ref/outside/shared_object.h"
+
 #include <string.h>
 
 #define NAME_MOST 15 /* limit in files of packed trees (ref/packed/packed_file.h) */
@@ -110,14 +110,11 @@ enum packed_rule plugin_rule(void)
     return last_rule;
 }
 
+/* Words of --layout are no names. */
 static bool name_is_fine(const char *name)
 {
-    size_t length = name ? strnlen(name, NAME_MOST + 1) : 0;
-    bool fine = length > 0 && length <= NAME_MOST && isalpha((unsigned char)name[0]);
-    for (size_t i = 0; i < length && fine; i++)
-        fine = isalnum((unsigned char)name[i]) || name[i] == '_';
-    return fine && strcmp(name, "all") != 0 && strcmp(name, "every") != 0 &&
-           strcmp(name, "auto") != 0;
+    return object_name_is_fine(name, NAME_MOST) && strcmp(name, "all") != 0 &&
+           strcmp(name, "every") != 0 && strcmp(name, "auto") != 0;
 }
 
 enum status plugin_check(const char *name, const struct raydiff_plugin *plugin,

@@ -3,6 +3,7 @@
 
 #include "ref/outside/pipe.h"
 
+#include <ctype.h>
 #include <dlfcn.h>
 #include <stdio.h>
 #include <string.h>
@@ -58,6 +59,15 @@ void *object_open(const char *path, struct reason *reason)
     (void)fail(reason, STATUS_INPUT, "%.120s: cannot be loaded as a shared object: %.150s", path,
                why);
     return NULL;
+}
+
+bool object_name_is_fine(const char *name, size_t most)
+{
+    size_t length = name ? strnlen(name, most + 1) : 0;
+    bool fine = length > 0 && length <= most && isalpha((unsigned char)name[0]);
+    for (size_t i = 0; i < length && fine; i++)
+        fine = isalnum((unsigned char)name[i]) || name[i] == '_';
+    return fine;
 }
 
 void object_limit_memory(uint32_t megabytes)

@@ -27,6 +27,9 @@ enum status object_check_file(const char *path, struct reason *reason) MUST_USE;
  * is one of the working folder, not of the system's. */
 void *object_open(const char *path, struct reason *reason) MUST_USE;
 
+/* Whether what an object calls itself is a letter, then letters, digits and _, `most` in all. */
+bool object_name_is_fine(const char *name, size_t most);
+
 /* Limits the address space of this process to so many MB more than it has now; UINT32_MAX: does
  * not. */
 void object_limit_memory(uint32_t megabytes);

@@ -4,29 +4,10 @@
 # findings, and the campaign goes on; what is wrong with a file is told in one line.
 # usage: sh tests/guest/guest.sh PATH/raydiff
 set -u
-raydiff=$(cd "$(dirname "${1?PATH/raydiff}")" && pwd)/raydiff
-root=$(pwd)
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-cd "$dir" || exit 4
-failed=0
-bad() {
-    echo "FAILED: $1"
-    sed 's/^/    /' out
-    failed=1
-}
-# expect CODE TEXT ARGUMENTS...: the exit code, and a regular expression of what is printed
-expect() {
-    want=$1 text=$2
-    shift 2
-    "$raydiff" "$@" >out 2>&1
-    code=$?
-    [ "$code" -eq "$want" ] && grep -Eq -- "$text" out || bad "$* ends with $code, not $want and '$text'"
-}
+. tests/guest/outsiders.sh
 
 samples=$root/fuzz/samples/engine
 strict='-Wall -Wextra -Werror -O2 -shared -fPIC'
-: >out
 cc -std=c11 $strict "-I$root" -o brute.so "$samples/brute_engine.c" || bad 'the template in C'
 cc -std=c11 $strict "-I$root" -DBUG=1 -o brute_bug.so "$samples/brute_engine.c" || bad 'its bug'
 c++ -std=c++11 $strict "-I$root" -o bvh.so "$samples/bvh_engine.cpp" || bad 'the tracer in C++'

@@ -3,25 +3,8 @@
 # planted bug is found by a campaign and shrunk; what is wrong with a file is told in one line.
 # usage: sh tests/guest/shader.sh PATH/raydiff
 set -u
-raydiff=$(cd "$(dirname "${1?PATH/raydiff}")" && pwd)/raydiff
-sample=$(pwd)/fuzz/samples/engine/trace.comp
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-cd "$dir" || exit 4
-failed=0
-bad() {
-    echo "FAILED: $1"
-    sed 's/^/    /' out
-    failed=1
-}
-# expect CODE TEXT ARGUMENTS...: the exit code, and a regular expression of what is printed
-expect() {
-    want=$1 text=$2
-    shift 2
-    "$raydiff" "$@" >out 2>&1
-    code=$?
-    [ "$code" -eq "$want" ] && grep -Eq -- "$text" out || bad "$* ends with $code, not $want and '$text'"
-}
+. tests/guest/outsiders.sh
+sample=$root/fuzz/samples/engine/trace.comp
 changed() { sed "$2" "$sample" >"$1" && ! cmp -s "$1" "$sample" || bad "$1 is the sample"; }
 
 cp "$sample" trace.comp

@@ -4,32 +4,17 @@
 #include "tests/guest/guest_ways.h"
 
 #include "ref/twin/model.h"
-#include "scenes/rays/world_rays.h"
-#include "scenes/worlds.h"
 
 #define RAYS 150
 
-static struct world world;
-static struct ray *ray;
-static struct ray_mode *mode;
+#include "tests/support/mixed_rays.h"
 
 static enum status play(bool inside, enum query query, struct hit *hit, uint32_t *tag,
                         struct model *model, struct reason *reason)
 {
-    const struct engine *engine = engine_way("guest_bad.so", inside);
     const struct engine_options options = {.peer_ms = 20000, .peer_mb = UINT32_MAX};
-    const struct world_job job = {.world = &world, .tri = tri_test_find("mt"), .query = query};
-    struct trace_report report;
-    void *self;
-    enum status status = engine->open(&options, &self, reason);
-    if (status)
-        return status;
-    status = engine->worlds->prepare_world(self, &job, reason);
-    if (!status)
-        status = engine->worlds->trace_world(self, ray, mode, RAYS, hit, tag, &report, reason);
-    *model = engine->model(self, job.tri);
-    engine->close(self);
-    return status;
+    return play_world(engine_way("guest_bad.so", inside), &options, query, 1, hit, tag, model,
+                      reason);
 }
 
 /* What tests/peers/guest_bad.c answers to ray i, from the world itself. */
@@ -111,27 +96,6 @@ static void a_guest_without_worlds_is_skipped(void **state)
                          STATUS_UNSUPPORTED);
         assert_non_null(strstr(reason.text, "traces scenes, not worlds"));
     }
-}
-
-static int make_world(void **state)
-{
-    (void)state;
-    struct reason reason = {""};
-    if (world_open("mixed", 1, &world, &reason) ||
-        world_rays_new(&world, ray_sets[0], RAY_MODES_MIXED, 1, RAYS, &ray, &mode, &reason)) {
-        print_error("%s\n", reason.text);
-        return -1;
-    }
-    return 0;
-}
-
-static int free_world(void **state)
-{
-    (void)state;
-    world_free(&world);
-    free(ray);
-    free(mode);
-    return 0;
 }
 
 int main(int argc, char **argv)

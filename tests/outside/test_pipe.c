@@ -26,13 +26,7 @@
 
 #define RAYS 200
 
-static struct scene scene;
-static struct ray rays[RAYS];
-
-static struct job job_of(enum query query)
-{
-    return (struct job){.scene = &scene, .tri = tri_test_find("mt"), .query = query};
-}
+#include "tests/outside/pipe_stand.h"
 
 /* Opens the peer, prepares and traces once; the first status that is not OK. */
 static enum status play(const char *what, enum query query, uint32_t ms, struct hit hit[RAYS],
@@ -57,13 +51,6 @@ static enum status play(const char *what, enum query query, uint32_t ms, struct 
         status = engine->trace(self, rays, RAYS, hit, &report, reason);
     engine->close(self);
     return status;
-}
-
-/* No child is left, dead or alive. */
-static void must_have_no_children(void)
-{
-    assert_int_equal(waitpid(-1, NULL, WNOHANG), -1);
-    assert_int_equal(errno, ECHILD);
 }
 
 static void an_honest_peer_gives_the_bits_of_its_formula(void **state)
@@ -310,22 +297,6 @@ static void engines_behind_a_command_are_found(void **state)
         if ((found ? (int)(found - known[i].name) : -1) != known[i].at)
             fail_msg("%s", known[i].name);
     }
-}
-
-static int make_scene(void **state)
-{
-    (void)state;
-    struct reason reason;
-    if (scene_open("sphere", 1, &scene, &reason))
-        return -1;
-    return ray_set_make(ray_sets[0], &scene, 1, RAYS, rays, &reason) ? -1 : 0;
-}
-
-static int free_scene(void **state)
-{
-    (void)state;
-    scene_free(&scene);
-    return 0;
 }
 
 int main(int argc, char **argv)

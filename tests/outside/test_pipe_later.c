@@ -1,20 +1,7 @@
 /* Engine "pipe:COMMAND" on peers that fail later: in a request behind the first, or one after
  * another. */
-#define _GNU_SOURCE /* environ, usleep */
-#include "ref/outside/pipe.h"
-#include "ref/base/rng.h"
-#include "ref/trace/trace.h"
-#include "scenes/rays/rays.h"
-#include "scenes/scenes.h"
+#define _GNU_SOURCE /* setenv, usleep */
 #include "tests/outside/peers.h"
-#include "ref/twin/model.h"
-
-#include <errno.h>
-#include <signal.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -25,20 +12,7 @@
 
 #define RAYS 200
 
-static struct scene scene;
-static struct ray rays[RAYS];
-
-static struct job job_of(enum query query)
-{
-    return (struct job){.scene = &scene, .tri = tri_test_find("mt"), .query = query};
-}
-
-/* No child is left, dead or alive. */
-static void must_have_no_children(void)
-{
-    assert_int_equal(waitpid(-1, NULL, WNOHANG), -1);
-    assert_int_equal(errno, ECHILD);
-}
+#include "tests/outside/pipe_stand.h"
 
 /* Rays are sent in several requests; what a later one fails at is told by its place among all. */
 static void places_are_counted_over_all_requests(void **state)
@@ -113,22 +87,6 @@ static void a_fault_is_that_of_the_last_call(void **state)
     }
     engine->close(self);
     must_have_no_children();
-}
-
-static int make_scene(void **state)
-{
-    (void)state;
-    struct reason reason;
-    if (scene_open("sphere", 1, &scene, &reason))
-        return -1;
-    return ray_set_make(ray_sets[0], &scene, 1, RAYS, rays, &reason) ? -1 : 0;
-}
-
-static int free_scene(void **state)
-{
-    (void)state;
-    scene_free(&scene);
-    return 0;
 }
 
 int main(int argc, char **argv)

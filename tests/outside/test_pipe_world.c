@@ -10,24 +10,10 @@
 static enum status play(const char *what, enum query query, struct hit hit[RAYS],
                         uint32_t tag[RAYS], struct model *model, struct reason *reason)
 {
-    const struct engine *engine = peer_engine(what);
     const bool late = strcmp(what, "hangs") == 0;
-    struct engine_options options = {.peer_ms = late ? 300 : 20000, .peer_mb = UINT32_MAX};
-    struct world_job job = job_of(query);
-    struct trace_report report;
-    void *self;
-    enum status status = engine->open(&options, &self, reason);
-    if (status)
-        return status;
-    status = engine->worlds->prepare_world(self, &job, reason);
-    if (!status)
-        status = engine->worlds->trace_world(self, ray, mode, RAYS, hit, tag, &report, reason);
-    if (!status) /* the world is not sent again */
-        status = engine->worlds->trace_world(self, ray, mode, RAYS, hit, tag, &report, reason);
-    if (model)
-        *model = engine->model(self, job.tri);
-    engine->close(self);
-    return status;
+    const struct engine_options options = {.peer_ms = late ? 300 : 20000, .peer_mb = UINT32_MAX};
+    /* Twice: the world is not sent again. */
+    return play_world(peer_engine(what), &options, query, 2, hit, tag, model, reason);
 }
 
 static void a_peer_has_the_world_to_the_bit(void **state)
