@@ -56,7 +56,7 @@ static enum status copy_world(const struct raydiff_mesh *mesh, uint32_t mesh_cou
         memcpy(to->m, instance[i].transform, sizeof to->m);
         to->mesh = instance[i].mesh;
         to->mask = instance[i].mask;
-        if (to->mesh >= mesh_count)
+        if (to->mesh == WORLD_NO_MESH) /* worlds have such instances, the interface has not */
             status = fail(reason, STATUS_INPUT, "instance %u: mesh %u, but the world has %u", i,
                           to->mesh, mesh_count);
     }
