@@ -93,6 +93,11 @@ mutants: all tests
 hardware: all
 	@sh bench/hardware.sh $(B)/raydiff $(or $(FOLDER),$(OUT)/hardware) $(or $(DRIVER),hardware) $(SECONDS)
 
+# Holds the speed of engine embree to a plain loop of rtcIntersect1. Exit code 77: without Embree.
+.PHONY: bench-fair
+bench-fair: all
+	@sh tests/bench/fair.sh $(B)/raydiff
+
 # Draws docs/rooms.txt. Exit code 77: Graphviz is not installed.
 .PHONY: site
 # The pages as HTML, to read without network.

@@ -27,6 +27,8 @@ struct embree {
     bool masks; /* the library was built with masks of rays */
     unsigned threads;
     enum query query;
+    void *rays; /* the structures of a batch of rays (embree_rays.c), or NULL */
+    size_t rays_bytes;
     atomic_llong bytes; /* currently allocated by Embree */
 };
 
@@ -49,6 +51,9 @@ bool embree_takes(const struct embree *embree, const struct ray *ray);
 
 /* The ray as Embree reads it, with no hit yet. */
 struct RTCRayHit embree_query(const struct ray *ray);
+
+/* Makes a context of rays, with no filter. */
+void embree_start(embree_context *context);
 
 /* Traces one ray with the caller's context. */
 void embree_intersect(RTCScene scene, embree_context *context, struct RTCRayHit *query);
