@@ -16,7 +16,7 @@ struct engine_options {
                            crash */
     bool compact;       /* Embree: build the scene with its compact flag */
     bool avx512;        /* Embree: use AVX-512 if available; by default up to AVX2 */
-    bool alone;         /* fast: never trace two rays at once, whatever the size of the tree */
+    bool alone;         /* fast: never trace several rays at once */
     uint32_t peer_ms;   /* pipe: and FILE.so: time limit of a request to a peer; 0: PEER_MS */
     uint32_t peer_mb;   /* the same: address space in MB; 0: PEER_MB, UINT32_MAX: unlimited */
 };

@@ -294,9 +294,10 @@ const struct benchmark bench_fast = {
              "warm, the last of three more traces in a row. Each is called as its own users would "
              "(called): its rays are filled before, its answers read behind. --engine races those "
              "engines against embree, such as inside:FILE.so. Shadow rays go from primary hits to "
-             "a light and ask for any hit. fast takes two rays at once in trees over 8 MB; 'fast "
-             "alone' takes one, always. byte/tri: what the engine holds, of fast all that it "
-             "reads; missed: rays that another one hits; mean: geometric, of the ratios.",
+             "a light and ask for any hit. fast takes rays together that are alike, and two at "
+             "once in trees over 8 MB; 'fast alone' takes one, always. byte/tri: what the engine "
+             "holds, of fast all that it reads; missed: rays that another one hits; mean: "
+             "geometric, of the ratios.",
     .scenes = "scenes/fetched/dragon-11k.ply.gz;scenes/fetched/dragon-203k.ply.gz;"
               "scenes/fetched/dragon-871k.ply.gz",
     .made = "terrain:k=6;terrain:k=8;terrain:k=9",
