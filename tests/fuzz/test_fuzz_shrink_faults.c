@@ -250,7 +250,7 @@ static void the_cause_behind_another_is_kept(void **state)
     fuzz_player_close(player);
 }
 
-/* The signature of what is found on one ray of a trial, played alone; false: nothing is missed on it. */
+/* The signature of what is missed on one ray of a trial, played alone; false: nothing is. */
 static bool missed_on(struct fuzz_player *player, const struct fuzz_trial *trial, uint32_t ray,
                       struct fuzz_signature *out)
 {
@@ -269,8 +269,8 @@ static bool missed_on(struct fuzz_player *player, const struct fuzz_trial *trial
 }
 
 /* Asked of every cause in a trial, however many rays of other causes are before it: the ray that is
- * told is the first which shows it when it is played alone. Returns how many were behind two rays of
- * other causes, or more. */
+ * told is the first which shows it when it is played alone. Returns how many were behind two rays
+ * of other causes, or more. */
 static size_t rays_told(struct fuzz_player *player, const struct fuzz_trial *trial)
 {
     const struct shrink_options options = {.asks = 1}; /* which nothing is smaller for */
