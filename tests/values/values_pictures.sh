@@ -84,6 +84,19 @@ play_images() {
             [ "$code" -eq $((most > max)) ] || bad "$ran: exit $code, differs by $most"
         done
     done
+    # Two pictures are compared if one is named, by whatever ending the other has; not if an option writes one.
+    run diff "$dir/a.png" "$dir/b.png"
+    cp "$dir/text" "$dir/both" && cp "$dir/b.png" "$dir/b.picture"
+    for way in "$dir/a.png $dir/b.picture" "-- $dir/a.png $dir/b.picture"; do
+        run diff $way && sed 's/b\.picture/b.png/' "$dir/text" | cmp -s - "$dir/both" || bad "$ran: not as with b.png"
+    done
+    "$raydiff" diff "$dir/a.png" >"$dir/text" 2>"$dir/err"
+    [ $? -eq 2 ] && grep -q 'two PNG files are compared, not 1' "$dir/err" || bad 'diff A.png: one picture is no scene'
+    for way in "--out $dir/out.png" "--out=$dir/out.png"; do
+        rm -f "$dir/out.png"
+        run diff rtrs $small --engine cpu,brute $way && [ -s "$dir/out.png" ] && grep -q '^brute against cpu: ' "$dir/text" ||
+            bad "$ran: engines are not compared"
+    done
     # Where the heat map has each pixel.
     for ambience in 0 0.5; do
         run render sphere:n=6 -w 7 -h 5 --ambience $ambience --out "$dir/h$ambience.png"
