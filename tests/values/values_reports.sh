@@ -7,6 +7,18 @@ raydiff=$1
 
 run doctor --json "$dir/json" && values doctor 80 processors="$(getconf _NPROCESSORS_ONLN)" "$dir/text"
 
+# What a report says of the machine, and of two cards whose numbers are all different.
+perl tests/values/findings/machine.pl --two "$dir/json" >"$dir/two.json"
+case $? in
+0)
+    run report --doctor "$dir/two.json" --parts machine --out "$dir/page.html" &&
+        perl tests/values/findings/machine.pl "$dir/two.json" "$dir/page.html" "$("$raydiff" --version | awk '{ print $2 }')" ||
+        bad 'report: another machine, or other cards'
+    ;;
+77) echo 'SKIP a report on cards: doctor has not both, one that runs and one that does not' ;;
+*) bad 'report: no file of two cards' ;;
+esac
+
 # findings, of these failing, least number of values, arguments
 reported() {
     findings=$1 failing=$2 least=$3
