@@ -35,6 +35,14 @@ awk -f tests/values/flat.awk "$dir/check.json" >"$dir/other.flat"
 reported 0 0 15 --check "$dir/check.json" --parts check
 [ "$(sed -n 's/^wrong=//p' "$dir/flat")" -ge 50 ] || bad "report: nothing is WRONG"
 
+# The tables of a page, cell by cell: rows that are WRONG, as published, refused and skipped; any benchmark.
+run check sphere:n=4 soup:n=100 --engine "cpu,cpu_stackless,rayquery,pipe:$dir/blind" --layout f32,rtrs_rf,tiny8 --query closest,any \
+    --driver no-such-driver --tri mt,woop --count 300 --repeat 2 --threads 1 --brute 0 --json "$dir/rows.json"
+run bench layouts --scene sphere:n=4 --count 200 --rounds 2 --threads 1 --json "$dir/layouts.json"
+run bench error --scene sphere:n=4 --count 60 --rounds 1 --engine cpu,brute --layout f32 --tri mt,woop --json "$dir/error.json"
+run report --check "$dir/rows.json" --bench "$dir/layouts.json" --bench "$dir/error.json" --parts check,bench --out "$dir/page.html" &&
+    perl tests/values/findings/page.pl "$dir/page.html" "$dir/rows.json" "$dir/layouts.json" "$dir/error.json" || bad 'report: tables'
+
 # Findings: as many as the folder has, all of them still there, or none of them.
 : >"$dir/other.flat"
 run fuzz --rays 40 --jobs 2 --corpus none --engine cpu --layout rtrs_rf --faithful --trials 64 --no-shrink --until 3 --dir "$dir/found"
