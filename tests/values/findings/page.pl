@@ -62,6 +62,54 @@ sub check_row {
     same("$name bits", $cells->[19][1], $row->{bit_differences} ? 'n bad' : 'n z');
 }
 
+# What a cell of the matrix has of a row: its class and its text.
+sub cell_of {
+    my ($row) = @_;
+    my $counts = $row->{counts};
+    return ('none', $row->{status}) if $row->{status} =~ /^(refused|skipped)$/;
+    return ('bad', $row->{status}) if $row->{status} !~ /^(ok|vacuous)$/;
+    my $allowed = 0;
+    $allowed += $counts->{$_} for @classes;
+    my $bits = $row->{bit_differences} // 0;
+    my $after = "$allowed allowed" . ($bits && $counts->{wrong} ? ", $bits bits" : '');
+    return ('bad', ($counts->{wrong} ? "$counts->{wrong} WRONG" : $bits ? "$bits other bits" : 'proves nothing') . $after)
+        if $row->{differences} || $row->{status} ne 'ok';
+    return ('pub', "$counts->{wrong} wrong$after") if $counts->{wrong};
+    return ('good', "agrees$after");
+}
+
+# Every row stands in its line and column: of an engine without a tree in all columns of its test and query.
+sub matrix {
+    my ($name, $table, @all) = @_;
+    my ($head, $body) = $table =~ /<thead>(.*?)<\/thead>.*?<tbody>(.*?)<\/tbody>/s;
+    my @columns = map { /^(\w+) hit<br\/>triangle (\S+)<br\/>box (\S+)$/ ? { query => $1, tri => $2, box => $3 } : () } $head =~ /<th>(.*?)<\/th>/gs;
+    my $builders = $head =~ /<th>builder<\/th>/;
+    my %met;
+    for my $line ($body =~ /<tr>(.*?)<\/tr>/gs) {
+        my @of = map { plain($_) } $line =~ /<th>(.*?)<\/th>/gs;
+        my @cells;
+        while ($line =~ /<td class="(\w+)"(?: colspan="(\d+)")?(?: title="([^"]*)")?>(.*?)<\/td>/gs) {
+            my ($class, $wide, $title, $text) = ($1, $2 // 1, $3 // '', $4);
+            push @cells, [$class, plain($text), plain($title)] for 1 .. $wide;
+        }
+        same("$name line @of: columns", scalar @cells, scalar @columns);
+        for my $c (0 .. ($#cells < $#columns ? $#cells : $#columns)) {
+            my ($row) = grep {
+                ($_->{layout} // $none) eq $of[0] && $_->{engine} eq $of[1] && (!$builders || ($_->{builder} // '') eq $of[2]) &&
+                    $_->{query} eq $columns[$c]{query} && ($_->{tri} // '-') eq $columns[$c]{tri} &&
+                    (!defined $_->{box} || $_->{box} eq $columns[$c]{box})
+            } @all;
+            my ($class, $text) = $row ? cell_of($row) : ('none', '');
+            same("$name line @of column $c", "$cells[$c][0] $cells[$c][1]", "$class $text");
+            same("$name line @of column $c: reason", $cells[$c][2], $row && $row->{reason} ? $row->{reason} : '');
+            $met{$row}++ if $row;
+        }
+    }
+    # An engine with tests of its own may have several rows of one name, of which the first is shown.
+    my %names = map { (join ' ', map { $_ // '-' } @{$_}{qw(layout engine builder box tri query)}) => 1 } @all;
+    same("$name rows in the matrix", scalar(keys %met), scalar(keys %names));
+}
+
 sub check {
     my ($text, $json) = @_;
     my %seen;
@@ -82,6 +130,7 @@ sub check {
             push @reasons, ($row->{engine} // $row->{layout}) . " $row->{status}: $row->{reason}" if !$told{ $row->{reason} }++;
         }
         same("$name reasons", join("\n", map { plain($_) } $part =~ /<p class="note">(.*?)<\/p>/gs), join("\n", @reasons));
+        matrix($name, $part =~ /<table class="matrix">(.*?)<\/table>/s, @all);
         my @ran = grep { $_->{status} eq 'ok' || $_->{status} eq 'vacuous' } @all;
         my ($table) = $part =~ /<details>(.*)/s;
         my @rows = rows_of($table);
