@@ -83,6 +83,12 @@ for file in cut-box sentinel; do
     rm "$dir/small.trial"
 done
 
+# Ended by few asks, and what is the smallest already.
+try 0 min fuzz/corpus/slot-not-read.trial --asks 40 --out "$dir/small.trial"
+laws min 20
+try 0 min "$dir/small.trial" --asks 1 --out "$dir/same.trial"
+laws min 20
+rm "$dir/small.trial" "$dir/same.trial"
 # Asks count more than trials where rays or triangles are many.
 try 1 fuzz --rays 400 --jobs 1 --corpus none --faithful --seed 9 --engine cpu --layout rtrs_rf --trials 64 --no-shrink --dir "$dir/many"
 try 0 min "$(ls -d "$dir"/many/*.missed.* | head -n 1)/first.trial" --out "$dir/small.trial"
