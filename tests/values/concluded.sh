@@ -68,6 +68,12 @@ ends 0 'conclusion: 2 of 2 rows agree, 0 of 1000 answers WRONG; speeds cannot be
     check sphere:n=8 $few --layout f32,rf16 --engine cpu
 grep -q "rf16 on cpu: .* times its speed, within noise\$" "$dir/out" || bad 'check: a speed of one run is told'
 
+# What is told of a scene, and of named engines, does not depend on one that cannot be read before or behind it.
+for scenes in "$dir/nothing.obj sphere:n=4" "sphere:n=4 $dir/nothing.obj"; do
+    ends 2 'conclusion: 1 of 1 rows agree, 0 of 500 answers WRONG' check $scenes $few --layout rf16 --engine cpu
+    grep -qx 'engine cpu answered 1 of 1' "$dir/out" || bad "check $scenes: it is not told what engine cpu answered"
+done
+
 # No row twice: an engine with tests of its own is one row, whatever tests are named.
 expect 0 . leaks sphere:n=4 --engine cpu,fast,embree,brute,"pipe:$samples/tracer" --layout f32 --count 2000
 sed -n '/^verdict/,/^what it means/p' "$dir/out" | sort | uniq -d | grep -q . && bad 'leaks: a row twice'
