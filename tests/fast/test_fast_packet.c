@@ -3,7 +3,7 @@
 #include "tests/fast/fast_fixture.h"
 
 #define GROUP  16u
-#define GROUPS 60u
+#define GROUPS 132u
 #define ALL    (GROUP * GROUPS + 7u) /* the last ones fill no group */
 
 enum company {
@@ -17,6 +17,7 @@ enum company {
     AWAY,       /* all miss */
     DIAGONAL,   /* two axes are the main one */
     MIXED,      /* four of them are any rays */
+    VERTICES,   /* from one place to vertices, where boxes end */
     COMPANIES
 };
 
@@ -70,12 +71,30 @@ static void make_group(struct rng *rng, enum company company, struct ray ray[GRO
         ray[odd].dir[other] = rng_below(rng, 2) ? NAN : INFINITY;
 }
 
-static void make_groups(uint64_t seed, struct ray ray[ALL])
+/* From a corner, so that all go the same way; one in two along an axis to a vertex. */
+static void aim_at_vertices(struct rng *rng, const struct scene *scene, struct ray ray[GROUP])
+{
+    const bool parallel = rng_below(rng, 2);
+    const float from[3] = {-3, -4, 7};
+    for (uint32_t i = 0; i < GROUP; i++) {
+        const float *vertex = scene->vertex + 3 * (size_t)rng_below(rng, scene->vertex_count);
+        ray[i] = (struct ray){.tmax = INFINITY};
+        for (int k = 0; k < 3; k++) {
+            ray[i].org[k] = parallel ? vertex[k] + (k == 2 ? from[k] : 0.0f) : from[k];
+            ray[i].dir[k] = vertex[k] - ray[i].org[k];
+        }
+    }
+}
+
+static void make_groups(uint64_t seed, const struct scene *scene, struct ray ray[ALL])
 {
     struct rng rng = rng_make(seed, 1);
     struct ray last[GROUP];
     for (uint32_t g = 0; g < GROUPS; g++)
-        make_group(&rng, (enum company)(g % COMPANIES), &ray[g * GROUP]);
+        if (g % COMPANIES == VERTICES)
+            aim_at_vertices(&rng, scene, &ray[g * GROUP]);
+        else
+            make_group(&rng, (enum company)(g % COMPANIES), &ray[g * GROUP]);
     make_group(&rng, PINHOLE, last);
     memcpy(&ray[GROUPS * GROUP], last, (ALL - GROUPS * GROUP) * sizeof *ray);
 }
@@ -89,19 +108,34 @@ static struct scene open_scene(const char *spec)
     return scene;
 }
 
+/* Ranges that begin or end at a hit exactly. */
+static void end_at_hits(const struct scene *scene, struct ray ray[ALL])
+{
+    struct hit hit;
+    for (size_t i = 0; i < ALL; i++) {
+        if (!isfinite(ray[i].dir[0] + ray[i].dir[1] + ray[i].dir[2]))
+            continue;
+        trace_brute(scene, woop(), QUERY_CLOSEST, &ray[i], &hit);
+        if (hit.prim != ABI_NO_PRIM)
+            *(i % 3 ? &ray[i].tmin : &ray[i].tmax) = hit.t;
+    }
+}
+
 /* Also beside a ray that no kernel traces, which has the careful way's answer. */
 static void rays_together_answer_as_alone(void **state)
 {
     (void)state;
-    static const char *const scenes[] = {"soup:n=400", "sphere:n=9", "needles:n=200", "soup:n=1",
-                                         "terrain:k=4"};
+    static const char *const scenes[] = {"soup:n=400",  "sphere:n=9", "needles:n=200", "soup:n=1",
+                                         "terrain:k=4", "grid:n=12",  "platonic"};
     static struct ray ray[ALL];
     static struct hit truth[ALL];
     size_t hits = 0, misses = 0;
     for (size_t s = 0; s < ARRAY_COUNT(scenes); s++) {
         struct scene scene = open_scene(scenes[s]);
         struct fast_tree tree = make_tree(&scene, 1);
-        make_groups(s, ray);
+        make_groups(s, &scene, ray);
+        if (s % 2)
+            end_at_hits(&scene, ray);
         for (size_t i = 0; i < ALL; i++) {
             if (isfinite(ray[i].dir[0] + ray[i].dir[1] + ray[i].dir[2]))
                 trace_brute(&scene, woop(), QUERY_CLOSEST, &ray[i], &truth[i]);
@@ -131,7 +165,7 @@ static void the_order_of_rays_changes_nothing(void **state)
     struct scene scene = open_scene("sphere:n=12");
     struct fast_tree tree = make_tree(&scene, 1);
     struct rng rng = rng_make(9, 1);
-    make_groups(7, ray);
+    make_groups(7, &scene, ray);
     for (size_t i = 0; i < ALL; i++)
         place[i] = i;
     for (size_t i = ALL - 1; i > 0; i--) {
