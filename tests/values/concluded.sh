@@ -79,6 +79,12 @@ expect 0 . leaks sphere:n=4 --engine cpu,fast,embree,brute,"pipe:$samples/tracer
 sed -n '/^verdict/,/^what it means/p' "$dir/out" | sort | uniq -d | grep -q . && bad 'leaks: a row twice'
 expect 0 . leaks sphere:n=4 --engine fast --layout f32 --count 2000
 grep -q '  1 of 1 rows promise' "$dir/out" || bad 'leaks: engine fast is one row'
+expect 0 . check sphere:n=4 --engine cpu,fast,embree,brute,"pipe:$samples/tracer" --layout f32 --tri mt,woop --box robust,watertight \
+    --count 200 --repeat 1 --json "$dir/json"
+perl -MJSON::PP -0ne 'my %seen; $seen{join " ", map { $_ // "-" } @$_{qw(engine layout box tri query builder store)}}++ for @{decode_json($_)->{rows}};
+    my %count; for (keys %seen) { print "twice: $_\n" if $seen{$_} > 1; $count{(split)[0] =~ s/:.*//r}++ }
+    print "$count{cpu} $count{fast} $count{embree} $count{brute} $count{pipe}\n"' "$dir/json" >"$dir/out2"
+[ "$(cat "$dir/out2")" = '4 1 1 2 1' ] || bad "check: a row twice: $(cat "$dir/out2")"
 
 # Each command that judges ends with a conclusion.
 dxr='leaks sphere:n=4 --engine cpu --layout f32 --tri woop --box watertight --count 2000'

@@ -57,6 +57,7 @@ function player(p,  head, k, q, text) {
         if (v[q ".expected"] == "true" && v[p ".layout"] == "null" && v["files.0.expect"] !~ /\.-\./)
             equal("what was expected", kind_of(v[q ".signature"]), kind_of(v["files.0.expect"]))
         else if (v[q ".expected"] == "true") equal("what was expected", v[q ".signature"], v["files.0.expect"])
+        if (v[q ".signature"] ~ /\.(tree|refused)\./) equal("ray of what is on none", v[q ".ray"], "null")
         truth("ray " v[q ".ray"], v[q ".ray"] == "null" || v[q ".ray"] < v["files.0.rays"])
         # The ray that is shown is the trial's of that number.
         if (match(v[q ".text"], /o=\(.*\) d=\(.*\) t=\[[^]]*/)) {
