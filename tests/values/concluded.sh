@@ -87,6 +87,7 @@ perl -MJSON::PP -0ne 'my %seen; $seen{join " ", map { $_ // "-" } @$_{qw(engine 
 [ "$(cat "$dir/out2")" = '4 1 1 2 1' ] || bad "check: a row twice: $(cat "$dir/out2")"
 
 # Each command that judges ends with a conclusion.
+ends 0 'conclusion: 1 of 1 comparison with cpu as it should be' diff sphere:n=4 --engine cpu,brute -w 16 -h 12 --out "$dir/heat.png"
 dxr='leaks sphere:n=4 --engine cpu --layout f32 --tri woop --box watertight --count 2000'
 ends 0 'conclusion: 3 rows: [12] kept, 0 broken, [12] counted' leaks sphere:n=4 --engine cpu,embree --layout f32 --tri woop --count 2000
 ends 1 'conclusion: 1 row: 0 kept, 1 broken, 0 counted' $dxr --profile dxr
