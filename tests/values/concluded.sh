@@ -16,6 +16,7 @@ ends() {
     shift 2
     expect "$code" . "$@"
     tail -n 1 "$dir/out" | grep -qE -- "^$line\$" || bad "raydiff $*: the last line is not /$line/"
+    [ "$(grep -c '^conclusion: ' "$dir/out")" -le 1 ] || bad "raydiff $*: two conclusions"
 }
 
 # Answers that are WRONG are no result that proves nothing.
