@@ -36,6 +36,17 @@ struct embree {
  * on. */
 #define EMBREE_MOST 1e18f
 
+#define EMBREE_BATCH ((size_t)1 << 17) /* rays filled at once */
+
+/* Makes room in `rays` for the structures of so many rays, or of a batch. Errors:
+ * STATUS_MEMORY. */
+enum status embree_room(struct embree *embree, size_t rays, struct reason *reason) MUST_USE;
+
+/* Traces the first `count` structures of `rays` through a scene, and adds the time to the
+ * report. */
+void embree_time_spans(const struct embree *embree, RTCScene scene, size_t count,
+                       struct trace_report *report);
+
 /* Takes the device's error. Returns STATUS_OK if there is none. */
 enum status embree_error(struct embree *embree, const char *doing, struct reason *reason) MUST_USE;
 

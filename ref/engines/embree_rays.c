@@ -8,8 +8,7 @@
 
 #include <stdlib.h>
 
-#define BATCH  ((size_t)1 << 17) /* rays filled at once */
-#define SPAN   64u               /* rays that a thread takes at once */
+#define SPAN   64u /* rays that a thread takes at once */
 #define PACKET 16u
 
 /* Embree's packets are aligned to this. */
@@ -40,7 +39,7 @@ static size_t fill_singles(const struct embree *embree, const struct ray *ray, s
     return taken;
 }
 
-static void closest_span(const struct embree *embree, struct RTCRayHit *ray, size_t count)
+static void closest_span(RTCScene scene, struct RTCRayHit *ray, size_t count)
 {
     embree_context context;
     embree_start(&context);
@@ -49,14 +48,14 @@ static void closest_span(const struct embree *embree, struct RTCRayHit *ray, siz
     rtcInitIntersectArguments(&arguments);
     arguments.context = &context;
     for (size_t i = 0; i < count; i++)
-        rtcIntersect1(embree->scene, &ray[i], &arguments);
+        rtcIntersect1(scene, &ray[i], &arguments);
 #else
     for (size_t i = 0; i < count; i++)
-        rtcIntersect1(embree->scene, &context, &ray[i]);
+        rtcIntersect1(scene, &context, &ray[i]);
 #endif
 }
 
-static void any_span(const struct embree *embree, struct RTCRay *ray, size_t count)
+static void any_span(RTCScene scene, struct RTCRay *ray, size_t count)
 {
     embree_context context;
     embree_start(&context);
@@ -65,10 +64,10 @@ static void any_span(const struct embree *embree, struct RTCRay *ray, size_t cou
     rtcInitOccludedArguments(&arguments);
     arguments.context = &context;
     for (size_t i = 0; i < count; i++)
-        rtcOccluded1(embree->scene, &ray[i], &arguments);
+        rtcOccluded1(scene, &ray[i], &arguments);
 #else
     for (size_t i = 0; i < count; i++)
-        rtcOccluded1(embree->scene, &context, &ray[i]);
+        rtcOccluded1(scene, &context, &ray[i]);
 #endif
 }
 
@@ -163,15 +162,26 @@ static void read_packets(const struct embree *embree, size_t count, struct hit *
 
 /* --- batches ---------------------------------------------------------------------------------- */
 
-static void trace_span(const struct embree *embree, size_t first, size_t count)
+static void trace_span(const struct embree *embree, RTCScene scene, size_t first, size_t count)
 {
     if (embree->mode == EMBREE_PACKETS)
         packet_span(embree, (struct embree_packet *)embree->rays + first / PACKET,
                     (count + PACKET - 1) / PACKET);
     else if (embree->query == QUERY_ANY)
-        any_span(embree, (struct RTCRay *)embree->rays + first, count);
+        any_span(scene, (struct RTCRay *)embree->rays + first, count);
     else
-        closest_span(embree, (struct RTCRayHit *)embree->rays + first, count);
+        closest_span(scene, (struct RTCRayHit *)embree->rays + first, count);
+}
+
+void embree_time_spans(const struct embree *embree, RTCScene scene, size_t count,
+                       struct trace_report *report)
+{
+    const uint64_t start = time_ns(), core = core_time_ns();
+#pragma omp parallel for schedule(dynamic) num_threads(embree->threads) if (count > SPAN)
+    for (long long i = 0; i < (long long)count; i += SPAN)
+        trace_span(embree, scene, (size_t)i, count - (size_t)i < SPAN ? count - (size_t)i : SPAN);
+    report->core_ns += core_time_ns() - core;
+    report->ns += time_ns() - start;
 }
 
 static void trace_batch(struct embree *embree, const struct ray *ray, size_t count, struct hit *hit,
@@ -182,21 +192,16 @@ static void trace_batch(struct embree *embree, const struct ray *ray, size_t cou
         fill_packets(embree, ray, count);
     else
         traced = fill_singles(embree, ray, count);
-    const uint64_t start = time_ns(), core = core_time_ns();
-#pragma omp parallel for schedule(dynamic) num_threads(embree->threads) if (traced > SPAN)
-    for (long long i = 0; i < (long long)traced; i += SPAN)
-        trace_span(embree, (size_t)i, traced - (size_t)i < SPAN ? traced - (size_t)i : SPAN);
-    report->core_ns += core_time_ns() - core;
-    report->ns += time_ns() - start;
+    embree_time_spans(embree, embree->scene, traced, report);
     if (embree->mode == EMBREE_PACKETS)
         read_packets(embree, count, hit);
     else
         read_singles(embree, ray, count, hit);
 }
 
-/* Makes room for the structures of `count` rays. */
-static enum status make_room(struct embree *embree, size_t count, struct reason *reason)
+enum status embree_room(struct embree *embree, size_t rays, struct reason *reason)
 {
+    const size_t count = rays < EMBREE_BATCH ? rays : EMBREE_BATCH;
     const size_t packets = (count + PACKET - 1) / PACKET;
     const size_t bytes = embree->mode == EMBREE_PACKETS ? packets * sizeof(struct embree_packet)
                                                         : count * sizeof(struct RTCRayHit);
@@ -216,10 +221,11 @@ enum status embree_trace(void *self, const struct ray *ray, size_t ray_count, st
 {
     struct embree *embree = self;
     *report = (struct trace_report){.memory_bytes = (uint64_t)atomic_load(&embree->bytes)};
-    enum status status = make_room(embree, ray_count < BATCH ? ray_count : BATCH, reason);
-    for (size_t first = 0; first < ray_count && !status; first += BATCH) {
+    enum status status = embree_room(embree, ray_count, reason);
+    for (size_t first = 0; first < ray_count && !status; first += EMBREE_BATCH) {
         const size_t left = ray_count - first;
-        trace_batch(embree, ray + first, left < BATCH ? left : BATCH, hit + first, report);
+        const size_t part = left < EMBREE_BATCH ? left : EMBREE_BATCH;
+        trace_batch(embree, ray + first, part, hit + first, report);
     }
     return status ? status : embree_error(embree, "tracing", reason);
 }
