@@ -168,6 +168,16 @@ findings() {
     ends 3 explain soup:n=50 --index 0 --engine "$ender"
     ends 77 explain soup:n=50 --index 0 $none --layout f32
     for command in fuzz merge min replay export explain; do ends 2 $command --frobnicate; done
+    # What was read before an option turns out to be of no use is given back.
+    for subject in "min $f" "min $trial" "explain $trial" "export $trial --engine cpu --to $dir/unused" "fuzz --dir $f"; do
+        for option in '--driver no-such-driver' '--peer-time 3' '--engine fast' '--layout f32'; do
+            case "$subject $option" in explain*--engine* | explain*--layout*) continue ;; esac # of use
+            ends 2 $subject $option
+        done
+    done
+    ends 2 replay "$trial" --peer-time 3
+    ends 2 merge "$f" --to "$dir/unused" --layout f32
+    [ ! -e "$dir/unused" ] || bad 'something is written though an option is of no use'
 }
 
 files() {
