@@ -96,6 +96,44 @@ static void every_layout_is_decoded(void **state)
     assert_true(played >= 4);
 }
 
+/* A scene that has only the first of the packed triangles: leaves and whole subtrees without any
+ * fall away, wherever they are. What is left is a sound tree of that scene, with its hits. */
+static void empty_parts_fall_away(void **state)
+{
+    (void)state;
+    struct scene scene = make_scene("soup", 120);
+    struct build_options options = {.leaf = 1};
+    struct ray ray[60];
+    struct bvh bvh;
+    uint32_t fewer = 0;
+    make_rays("mixed", &scene, 5, ARRAY_COUNT(ray), ray);
+    assert_int_equal(builders[0]->build(&scene, &options, &bvh, NULL), STATUS_OK);
+    for (size_t l = 0; layouts_all[l]; l++) {
+        struct packed packed;
+        struct reason reason = {""};
+        if (layouts_all[l]->faithful || packed_make(layouts_all[l], &bvh, &scene, &packed, &reason))
+            continue;
+        for (uint32_t count = 1; count <= scene.tri_count; count += 7) {
+            struct scene some = scene;
+            struct fast_tree tree;
+            struct bvh decoded;
+            some.tri_count = count;
+            if (fast_decode(&packed, &some, &decoded, &reason) ||
+                bvh_check(&decoded, &some, &reason) || fast_make(&decoded, &some, &tree, &reason))
+                fail_msg("%s, %u triangles: %s", layouts_all[l]->name, count, reason.text);
+            assert_true(decoded.node_count <= 2 * count - 1);
+            fewer += decoded.node_count < bvh.node_count;
+            check_rays(&tree, &some, ray, ARRAY_COUNT(ray));
+            fast_free(&tree);
+            bvh_free(&decoded);
+        }
+        packed_free(&packed);
+    }
+    assert_true(fewer > 50);
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
 static void empty_and_too_deep_trees(void **state)
 {
     (void)state;
@@ -122,9 +160,8 @@ static void empty_and_too_deep_trees(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(blocks_hold_their_triangles),
-        cmocka_unit_test(bounds_are_conservative),
-        cmocka_unit_test(every_layout_is_decoded),
+        cmocka_unit_test(blocks_hold_their_triangles), cmocka_unit_test(bounds_are_conservative),
+        cmocka_unit_test(every_layout_is_decoded),     cmocka_unit_test(empty_parts_fall_away),
         cmocka_unit_test(empty_and_too_deep_trees),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

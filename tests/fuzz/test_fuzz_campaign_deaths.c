@@ -1,4 +1,5 @@
-/* Campaigns on an engine that crashes, hangs, takes all memory or does not open. */
+/* Campaigns on an engine that crashes, hangs, takes all memory or does not open; and on findings of
+ * which smaller trials come. */
 #define _GNU_SOURCE /* mkdtemp, asprintf */
 #include "fuzz/campaign/campaign.h"
 #include "ref/outside/child.h"
@@ -286,6 +287,53 @@ static void an_engine_that_does_not_open_is_an_error(void **state)
     plan = PLAN_LIVE;
 }
 
+/* --- smaller trials --------------------------------------------------------------------------- */
+
+/* Writes into a folder that all of its findings are shrunk, as of a campaign whose shrinking made none
+ * smaller; returns how many there are. */
+static size_t all_are_shrunk(const char *folder, uint64_t hash[])
+{
+    struct findings *findings;
+    char state[FINDINGS_STATE_MOST];
+    assert_int_equal(findings_open(folder, &findings, &reason), STATUS_OK);
+    const size_t count = findings_count(findings);
+    strcpy(state, findings_state(findings));
+    char *digit = strstr(state, "|shrunk=");
+    assert_non_null(digit);
+    digit += strlen("|shrunk=");
+    assert_int_equal(strspn(digit, "0"), count);
+    memset(digit, '1', count);
+    for (size_t i = 0; i < count; i++)
+        hash[i] = findings_entry(findings, i)->smallest.hash;
+    assert_int_equal(findings_checkpoint(findings, state, &reason), STATUS_OK);
+    findings_close(findings);
+    return count;
+}
+
+/* What has a smaller trial is to be shrunk again, and nothing else. */
+static void a_smaller_trial_is_not_shrunk(void **state)
+{
+    (void)state;
+    uint64_t hash[ARRAY_COUNT(marks)];
+    struct campaign_options options = options_of(in_root("smaller"), false);
+    options.trials = 3 * FUZZ_BATCH;
+    assert_run(&options);
+    const size_t count = all_are_shrunk(options.folder, hash);
+    options.trials = 30 * FUZZ_BATCH;
+    assert_run(&options);
+    struct findings *findings = look(options.folder);
+    size_t same = 0;
+    assert_true(findings_count(findings) > count);
+    for (size_t i = 0; i < findings_count(findings); i++) {
+        const bool is_same = i < count && findings_entry(findings, i)->smallest.hash == hash[i];
+        assert_int_equal(marks[i].shrunk, is_same);
+        same += is_same;
+    }
+    assert_true(same > 0 && same < count);
+    assert_int_equal(last.shrunk, same);
+    findings_close(findings);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -298,6 +346,7 @@ int main(void)
         cmocka_unit_test(what_stops_every_worker_ends_the_campaign),
         cmocka_unit_test(waiting_for_a_processor_is_no_hang),
         cmocka_unit_test(an_engine_that_does_not_open_is_an_error),
+        cmocka_unit_test(a_smaller_trial_is_not_shrunk),
     };
     deaths = child_share(sizeof *deaths);
     int failed = cmocka_run_group_tests(tests, make_root, remove_root);

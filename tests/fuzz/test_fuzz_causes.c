@@ -201,6 +201,27 @@ static void what_is_wrong_at_any_scale_is_not_called_scale(void **state)
     assert_true(farther > 20 && lost > 15);
 }
 
+/* Each number of a hit counts, to the last bit; t alone is scaled, and a miss is a miss. */
+static void a_scaled_hit_is_the_same_in_every_number(void **state)
+{
+    (void)state;
+    const struct hit hit = {0.7f, 0.3f, 0.6f, 5}, miss = {.prim = ABI_NO_PRIM};
+    for (int power = -40; power <= 40; power++) {
+        const struct hit right = {ldexpf(hit.t, power), hit.u, hit.v, hit.prim};
+        struct hit wrong[] = {right, right, right, right, right, miss};
+        wrong[0].t = nextafterf(right.t, 0);
+        wrong[1].u = nextafterf(right.u, 0);
+        wrong[2].v = nextafterf(right.v, 1);
+        wrong[3].prim--;
+        wrong[4].t = ldexpf(right.t, 1);
+        assert_true(fuzz_hit_is_scaled(&hit, &right, power));
+        assert_true(fuzz_hit_is_scaled(&miss, &miss, power));
+        assert_false(fuzz_hit_is_scaled(&miss, &right, power));
+        for (size_t i = 0; i < ARRAY_COUNT(wrong); i++)
+            assert_false(fuzz_hit_is_scaled(&hit, &wrong[i], power));
+    }
+}
+
 /* Only exponents change: of positions alike, of the direction alike, of the range what follows. */
 static void a_scaled_trial_is_the_same_question(void **state)
 {
@@ -303,6 +324,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cause_is_found_by_asking_again),
         cmocka_unit_test(what_is_wrong_at_any_scale_is_not_called_scale),
+        cmocka_unit_test(a_scaled_hit_is_the_same_in_every_number),
         cmocka_unit_test(a_scaled_trial_is_the_same_question),
         cmocka_unit_test(axes_scale_each_by_itself),
     };

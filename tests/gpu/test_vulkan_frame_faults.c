@@ -54,6 +54,46 @@ static void pixels_are_those_of_the_device(void **state)
     picture_free(&p);
 }
 
+/* Submissions of the last frame. A batch of tiles begins one, and another after so many dispatches. */
+static struct {
+    struct frame_push push; /* of the last dispatch */
+    uint32_t in_batch, begun, batches;
+} seen;
+
+static void counted(const struct fake_dispatch *dispatch)
+{
+    struct frame_push push;
+    memcpy(&push, dispatch->push, sizeof push);
+    all_drawn(dispatch);
+    if (push.serial != seen.push.serial)
+        memset(&seen, 0, sizeof seen);
+    if (seen.begun == 0 || push.first_tile != seen.push.first_tile ||
+        push.first_row != seen.push.first_row) {
+        seen.in_batch = 0;
+        seen.batches++;
+    }
+    seen.begun += seen.in_batch++ % VK_SERIES_MAX == 0;
+    seen.push = push;
+}
+
+/* However many tiles are drawn at once: 2000 ticks of 2 ns each. */
+static void a_frame_takes_what_its_submissions_take(void **state)
+{
+    (void)state;
+    struct picture p = frame_picture(false);
+    struct reason reason;
+    for (uint32_t groups = 1; groups <= 64; groups *= 4)
+        for (int kind = 0; kind < 4; kind++) {
+            reset(kind & 2, counted);
+            memset(&seen, 0, sizeof seen);
+            fake.device[0].base.limits.maxComputeWorkGroupCount[0] = groups;
+            gpu_must(frame_play(&p, false, plans[kind & 1], &reason), &reason);
+            assert_true(groups > 16 || seen.batches > 1);
+            assert_int_equal(p.report.ns, 4000 * seen.begun);
+        }
+    picture_free(&p);
+}
+
 static uint32_t left_out, its_flags;
 static bool of_before; /* it has the serial of the frame before */
 
@@ -133,6 +173,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_call_of_a_picture_that_fails_is_a_status),
         cmocka_unit_test(pixels_are_those_of_the_device),
+        cmocka_unit_test(a_frame_takes_what_its_submissions_take),
         cmocka_unit_test(pixel_that_is_not_done_is_named),
         cmocka_unit_test(paths_whose_loops_are_cut_are_drawn_in_steps),
     };

@@ -4,6 +4,7 @@
 #include "tests/guest/guest_ways.h"
 
 #include "ref/twin/model.h"
+#include "scenes/scenes.h"
 
 #define RAYS 150
 
@@ -98,12 +99,41 @@ static void a_guest_without_worlds_is_skipped(void **state)
     }
 }
 
+/* Of worlds no formula of ours is true, of a scene the guest's own is, whichever came before. */
+static void a_model_is_of_what_is_prepared_last(void **state)
+{
+    (void)state;
+    const struct engine_options options = {.peer_ms = 20000, .peer_mb = UINT32_MAX};
+    const struct world_job placed = job_of(QUERY_CLOSEST);
+    struct scene scene;
+    struct reason reason = {""};
+    assert_int_equal(scene_open("sphere:n=4", 1, &scene, &reason), STATUS_OK);
+    const struct job job = {.scene = &scene, .tri = placed.tri, .query = QUERY_CLOSEST};
+    behave("model");
+    for (int inside = 0; inside < 2; inside++) {
+        const struct engine *engine = engine_way("guest_bad.so", inside);
+        void *self;
+        if (engine->open(&options, &self, &reason))
+            fail_msg("%s", reason.text);
+        assert_int_equal(engine->model(self, job.tri).formula, TWIN_WOOP);
+        for (int turn = 0; turn < 2; turn++) {
+            assert_int_equal(engine->worlds->prepare_world(self, &placed, &reason), STATUS_OK);
+            assert_int_equal(engine->model(self, job.tri).formula, TWIN_UNKNOWN);
+            assert_int_equal(engine->prepare(self, &job, &reason), STATUS_OK);
+            assert_int_equal(engine->model(self, job.tri).formula, TWIN_WOOP);
+        }
+        engine->close(self);
+    }
+    scene_free(&scene);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_guest_has_the_world_to_the_bit),
         cmocka_unit_test(a_hit_of_what_is_not_there_is_told),
         cmocka_unit_test(a_guest_without_worlds_is_skipped),
+        cmocka_unit_test(a_model_is_of_what_is_prepared_last),
     };
     if (guest_host_is_meant(argc, argv))
         return guest_host_main(argv);

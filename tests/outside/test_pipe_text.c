@@ -238,7 +238,14 @@ static void a_written_answer_is_an_engine(void **state)
                                       "answer:mt:ieee:0:1:2:3",
                                       "answer:mt:ieee:0:1:2:3:4:5",
                                       "answer:mt:ieee:0:1:2:3:x",
-                                      "answer:mt:ieee:0:1::3:4"};
+                                      "answer:mt:ieee:0:1::3:4",
+                                      "answer:mt:ieee:0:1:2:3:4294967295",
+                                      "answer:mt:ieee:0:1:2:3:4294967296",
+                                      "answer:mt:ieee:0:1:2:3:18446744073709551616",
+                                      "answer:mt:ieee:0:1:2:3:-1",
+                                      "answer:mt:ieee:0:1:2:3:+1",
+                                      "answer:mt:ieee:0:1:2:3: 1",
+                                      "answer:mt:ieee:4294967296:miss"};
     for (size_t i = 0; i < ARRAY_COUNT(bad); i++)
         if (recorded_find(bad[i], &engine, &reason) != STATUS_INPUT)
             fail_msg("'%s' was taken", bad[i]);

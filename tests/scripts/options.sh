@@ -125,6 +125,12 @@ walk 'check crowd:n=6,seed=2 --count 64 --repeat 1 --engine cpu --layout f32 --r
 walk 'explain soup:n=40 --index 3 --engine cpu --builder ploc --layout f32' \
     'rays=random count=70 index=4 seed=3 engine=fast layout=rf16 store=compact builder=lbvh leaf=1 ~radius=1
     optimize=reinsert box=watertight tri=woop query=any json=@ html=@ svg=@ ~threads=1 ~wide ~color=always'
+# A finding brings its own.
+walk 'explain fuzz/corpus/rounded-inward.trial --index 0 --engine cpu' \
+    '~index=0 ~cause=rounded_inward engine=fast layout=f32 json=@ html=@ svg=@ ~threads=1 ~wide ~color=always'
+walk 'explain crowd:n=6,seed=2 --count 64' \
+    'rays=random modes=all count=70 ~seed=3 ~braid=4 engine=fast layout=f32 ~builder=lbvh ~leaf=1
+    ~optimize=reinsert ~box=watertight ~tri=woop query=any json=@ ~threads=1 ~wide ~color=always'
 walk 'leaks sphere:n=4 --count 100 --engine cpu --builder sah_binned' \
     'layout=f32 store=compact engine=fast ~bins=2 ~leaf=1 ~optimize=reinsert ~builder=sah_binned box=robust tri=mt count=70
     ~seed=3 profile=dxr json=@ ~threads=1 wide color=always'

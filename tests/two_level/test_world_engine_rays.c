@@ -16,8 +16,9 @@
 
 #include "tests/two_level/braid_stand.h"
 
-#define RAYS 200u
-#define ROOM 3u
+#define RAYS  200u
+#define ROOM  3u
+#define TIMES 300u
 
 static const uint32_t counts[] = {0, 1, 2, 63, 64, 65, 129, 193, RAYS};
 static const char *const names[] = {"brute", "cpu", "fast"};
@@ -265,6 +266,42 @@ static void rays_that_are_not_finished_are_counted(void **state)
             }
 }
 
+/* Threads add up what each of them took, and lose none of it: the same rays over and over take as
+ * often as much. On a stack that is too short, as often as many are not finished. */
+static void threads_lose_nothing_of_their_sums(void **state)
+{
+    (void)state;
+    static struct ray many[TIMES * RAYS];
+    static struct hit hit[TIMES * RAYS];
+    static uint32_t tag[TIMES * RAYS];
+    const uint32_t need = packed.top.stack_need;
+    for (uint32_t i = 0; i < TIMES * RAYS; i++)
+        many[i] = ray[i % RAYS];
+    for (uint32_t n = 0; n < 12; n++) {
+        const struct engine *engine = engine_find("cpu");
+        const bool poor = n & 1;
+        struct trace_report one, all;
+        struct reason reason[2] = {{""}, {""}};
+        unsigned long long unfinished[2] = {0, 0};
+        packed.top.stack_need = poor ? 1 : need;
+        void *alone = prepared(engine, 1, &packed, QUERY_CLOSEST);
+        void *team = prepared(engine, 4, &packed, QUERY_CLOSEST);
+        enum status status =
+            engine->worlds->trace_world(alone, ray, NULL, RAYS, hit, tag, &one, &reason[0]);
+        assert_int_equal(status, poor ? STATUS_DEVICE : STATUS_OK);
+        assert_int_equal(status, engine->worlds->trace_world(team, many, NULL, TIMES * RAYS, hit,
+                                                             tag, &all, &reason[1]));
+        assert_int_equal(all.tris, TIMES * one.tris);
+        assert_int_equal(all.boxes, TIMES * one.boxes);
+        for (int i = 0; i < 2 && poor; i++)
+            assert_int_equal(sscanf(reason[i].text, "%llu of", &unfinished[i]), 1);
+        assert_int_equal(unfinished[1], TIMES * unfinished[0]);
+        engine->close(alone);
+        engine->close(team);
+    }
+    packed.top.stack_need = need;
+}
+
 /* The storage of every mesh must suit the triangle test. */
 static void each_mesh_is_stored_for_the_test(void **state)
 {
@@ -333,6 +370,7 @@ int main(void)
         cmocka_unit_test(any_ends_at_the_first_that_is_found),
         cmocka_unit_test(lists_are_in_their_place),
         cmocka_unit_test(rays_that_are_not_finished_are_counted),
+        cmocka_unit_test(threads_lose_nothing_of_their_sums),
         cmocka_unit_test(each_mesh_is_stored_for_the_test),
         cmocka_unit_test(fast_takes_the_top_of_the_world),
     };

@@ -110,6 +110,14 @@ judging() {
     for command in check leaks conform gen verify judge; do ends 2 $command --frobnicate; done
 }
 
+# --brief is of the whole page the first line, those of engines that came to no answer, and what each answered.
+briefly() { # engines
+    "$raydiff" replay fuzz/corpus/rounded-outward.trial --engine "$1" --time 2 >"$dir/whole" 2>"$dir/err"
+    "$raydiff" replay fuzz/corpus/rounded-outward.trial --engine "$1" --time 2 --brief >"$dir/text" 2>"$dir/err"
+    { sed -n 1p "$dir/whole"; grep -E '^  [^ ].* (crashed|hung|failed): |^engine [^ ].* answered ' "$dir/whole"; } >"$dir/parts"
+    grep -qE ' (crashed|hung): ' "$dir/parts" && cmp -s "$dir/parts" "$dir/text" ||
+        bad "replay --brief --engine $1: not the lines of the whole page"
+}
 findings() {
     few='--rays 40 --jobs 1 --corpus none'
     f=$dir/found
@@ -157,6 +165,7 @@ findings() {
     ends 3 replay fuzz/corpus/bad-rays.trial --engine "$dies"
     ends 77 replay "$dir/gpu.trial" --driver no-such-driver
     ends 77 replay fuzz/corpus/bad-rays.trial $none
+    for engine in "$dies" "cpu,fast,$dies" 'cpu,pipe:sleep 20'; do briefly "$engine"; done
     ends 0 export fuzz/corpus/bad-rays.trial --engine vulkan --to "$dir/exported"
     ends 2 export "$gone" --to "$dir/exported2"
     ends 0 explain soup:n=50 --index 0 --engine cpu --layout f32
@@ -168,6 +177,16 @@ findings() {
     ends 3 explain soup:n=50 --index 0 --engine "$ender"
     ends 77 explain soup:n=50 --index 0 $none --layout f32
     for command in fuzz merge min replay export explain; do ends 2 $command --frobnicate; done
+    # What was read before an option turns out to be of no use is given back.
+    for subject in "min $f" "min $trial" "explain $trial" "export $trial --engine cpu --to $dir/unused" "fuzz --dir $f"; do
+        for option in '--driver no-such-driver' '--peer-time 3' '--engine fast' '--layout f32'; do
+            case "$subject $option" in explain*--engine* | explain*--layout*) continue ;; esac # of use
+            ends 2 $subject $option
+        done
+    done
+    ends 2 replay "$trial" --peer-time 3
+    ends 2 merge "$f" --to "$dir/unused" --layout f32
+    [ ! -e "$dir/unused" ] || bad 'something is written though an option is of no use'
 }
 
 files() {
