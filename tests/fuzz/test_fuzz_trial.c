@@ -361,10 +361,31 @@ static void signature_refuses_what_names_no_folder(void **state)
     assert_int_equal(strlen(signature.engine), sizeof signature.engine - 1);
 }
 
+/* The first number that differs decides, in the order of docs/fuzzing.md. */
+static void the_first_number_decides_which_is_smaller(void **state)
+{
+    (void)state;
+    for (int first = 0; first < 7; first++)
+        for (int second = first; second < 7; second++) {
+            struct fuzz_trial_size size[2] = {{0}, {0}};
+            for (int side = 0; side < 2; side++) {
+                uint32_t n[7] = {5, 5, 5, 5, 5, 5, 5};
+                n[second] += side == 0 ? 1 : 0;
+                n[first] = side == 0 ? 4 : 6;
+                size[side] = (struct fuzz_trial_size){.instances = n[0], .triangles = n[1],
+                                                      .rays = n[2], .vertices = n[3],
+                                                      .places = n[4], .bits = n[5], .hash = n[6]};
+            }
+            assert_true(fuzz_trial_size_compare(&size[0], &size[1]) < 0);
+            assert_true(fuzz_trial_size_compare(&size[1], &size[0]) > 0);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(trial_make_gives_members_and_zeroes),
+        cmocka_unit_test(the_first_number_decides_which_is_smaller),
         cmocka_unit_test(trial_copy_is_deep),
         cmocka_unit_test(trial_travels_as_bytes),
         cmocka_unit_test(trial_hash_sees_all_that_decides),

@@ -93,6 +93,15 @@ static void *prepared(const struct engine *engine, unsigned count, const struct 
     return self;
 }
 
+/* What cpu and brute hold: three floats a vertex, three numbers a triangle, and the packed tree. */
+static uint64_t bytes_of(const struct job *job)
+{
+    uint64_t bytes = 4 * 3 * (uint64_t)job->scene->vertex_count;
+    bytes += 4 * 3 * (uint64_t)job->scene->tri_count;
+    return job->packed ? bytes + packed_node_bytes(job->packed) + packed_item_bytes(job->packed)
+                       : bytes;
+}
+
 /* What one ray must get. Engine fast has an order of its own: alone. */
 static struct hit one_ray(const struct engine *engine, const struct job *job, uint32_t i,
                           struct trace_counts *work)
@@ -142,6 +151,8 @@ static void every_ray_is_answered_in_its_place(void **state)
                     assert_memory_equal(&got[counts[c]], &behind, sizeof behind);
                     assert_int_equal(report.boxes, work[counts[c]].boxes);
                     assert_int_equal(report.tris, work[counts[c]].tris);
+                    if (strcmp(names[e], "cpu") == 0 || strcmp(names[e], "brute") == 0)
+                        assert_int_equal(report.memory_bytes, bytes_of(&job));
                     assert_int_equal(report.node_bytes > 0, engine->own_tree);
                     assert_int_equal(report.node_bytes + report.item_bytes,
                                      engine->own_tree ? report.memory_bytes : 0);

@@ -87,6 +87,20 @@ perl -MJSON::PP -0ne 'my %seen; $seen{join " ", map { $_ // "-" } @$_{qw(engine 
     print "$count{cpu} $count{fast} $count{embree} $count{brute} $count{pipe}\n"' "$dir/json" >"$dir/out2"
 [ "$(cat "$dir/out2")" = '4 1 1 2 1' ] || bad "check: a row twice: $(cat "$dir/out2")"
 
+# Bits in JSON are those of the numbers in the line of the finding.
+expect 1 . check sphere:n=4 --engine "pipe:$samples/tracer_bug1" --count 200 --repeat 1 --json "$dir/json"
+perl -MJSON::PP -0ne '
+    BEGIN { @ARGV = @ARGV[0, 1]; open my $in, "<", $ARGV[1]; local $/; $text = <$in>; pop @ARGV }
+    sub number { my ($hex) = @_; $hex =~ /^(-?)0x([01])(?:\.([0-9a-f]+))?p([-+]\d+)$/ or return "$hex?";
+        my ($sign, $one, $rest, $power) = ($1, $2, $3 // "", $4); my $x = hex("$one$rest") * 2 ** ($power - 4 * length $rest);
+        sprintf "0x%08x", unpack "L", pack "f", $sign ? -$x : $x }
+    my %line; $line{$1} = [map { number($_) } $2, $3, $4] while $text =~ /^WRONG .* ray (\d+) .* t=(\S+) u=(\S+) v=(\S+)  expected/mg;
+    for (@{decode_json($_)->{rows}[0]{findings}}) {
+        my $is = $line{$_->{ray}} or next; $seen++;
+        print "ray $_->{ray}: @$is\n" if "@$is" ne join " ", @{$_->{got}}{qw(t_bits u_bits v_bits)} }
+    print "no line\n" if $seen < 3' "$dir/json" "$dir/out" >"$dir/out2"
+[ -s "$dir/out2" ] && bad "check: bits of findings: $(cat "$dir/out2")"
+
 # Each command that judges ends with a conclusion.
 ends 0 'conclusion: 1 of 1 comparison with cpu as it should be' diff sphere:n=4 --engine cpu,brute -w 16 -h 12 --out "$dir/heat.png"
 dxr='leaks sphere:n=4 --engine cpu --layout f32 --tri woop --box watertight --count 2000'
