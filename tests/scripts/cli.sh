@@ -49,6 +49,8 @@ expect 2 "'auto' is for check and render, and stands alone" leaks soup --layout 
 expect 2 "--bits: .*--store quantised" check soup --bits 12 $small
 expect 2 'goes without --store' check soup --store compact --bvh none
 expect 2 "is named twice" check soup --layout f32,f32
+expect 2 '^raydiff check: soup: n is given twice' check soup:n=5,n=6
+expect 2 '^raydiff check: soup: seed is given twice' check soup:n=5,seed=1,seed=2
 expect 2 "'0' is not a whole number from 1" check soup --count 0
 expect 2 "'0' is not a whole number from 1" check soup --leaf 0
 expect 2 "'-3' is not a whole number" check soup --count -3
