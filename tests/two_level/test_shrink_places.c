@@ -277,12 +277,48 @@ static void the_world_moves_as_a_whole(void **state)
         }
 }
 
+static enum status shows_flag(void *user, const struct fuzz_trial *candidate, size_t count,
+                              size_t *first, struct reason *reason)
+{
+    (void)reason;
+    for (*first = 0; *first < count; ++*first)
+        for (uint32_t i = 0; i < candidate[*first].world.instance_count; i++)
+            if (candidate[*first].world.instance[i].flags & *(const uint32_t *)user)
+                return STATUS_OK;
+    return STATUS_OK;
+}
+
+/* Of all flags beside it none is left, whichever is needed. */
+static void a_flag_that_is_needed_stays_alone(void **state)
+{
+    (void)state;
+    const uint32_t force[] = {ABI_INSTANCE_FORCE_OPAQUE, ABI_INSTANCE_FORCE_NO_OPAQUE};
+    for (uint32_t needed = 1; needed < 16; needed *= 2)
+        for (int which = 0; which < 2; which++) {
+            const struct shrink_options options = {0};
+            struct fuzz_trial trial = trial_of_places(), out;
+            struct shrink_stats stats;
+            struct reason reason = {""};
+            for (uint32_t i = 0; i < INSTANCES; i++)
+                trial.world.instance[i].flags = needed == force[!which] ? needed | 3u
+                                                                        : 15u & ~force[!which];
+            if (fuzz_shrink_trial(&trial, shows_flag, &needed, &options, &out, &stats, &reason))
+                fail_msg("%s", reason.text);
+            assert_int_equal(stats.end, SHRINK_FIXPOINT);
+            assert_int_equal(out.world.instance_count, 1);
+            assert_int_equal(out.world.instance[0].flags, needed);
+            fuzz_trial_free(&out);
+            fuzz_trial_free(&trial);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_change_of_a_place_is_what_its_name_tells),
         cmocka_unit_test(rays_stay_without_an_inverse),
         cmocka_unit_test(the_world_moves_as_a_whole),
+        cmocka_unit_test(a_flag_that_is_needed_stays_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
