@@ -16,7 +16,7 @@ struct engine_options {
                            crash */
     bool compact;       /* Embree: build the scene with its compact flag */
     bool avx512;        /* Embree: use AVX-512 if available; by default up to AVX2 */
-    bool alone;         /* fast: never trace two rays at once, whatever the size of the tree */
+    bool alone;         /* fast: never trace several rays at once */
     uint32_t peer_ms;   /* pipe: and FILE.so: time limit of a request to a peer; 0: PEER_MS */
     uint32_t peer_mb;   /* the same: address space in MB; 0: PEER_MB, UINT32_MAX: unlimited */
 };
@@ -188,10 +188,19 @@ struct engine {
     enum engine_fault (*fault)(void *self, size_t *ray);
     /* Returns what the judge may assume about the arithmetic of an opened engine with `tri`. */
     struct model (*model)(void *self, const struct tri_test *tri);
+    /* Returns how `trace` calls an opened tracer of another project, for tables of speeds, in 36
+     * characters at most. NULL: see engine_called. */
+    const char *(*called)(const void *self);
     void (*close)(void *self); /* NULL is allowed */
     /* Writes the text of `raydiff doctor`: versions, limits, or why it cannot run. */
     void (*describe)(const struct engine_options *options, char *text, size_t text_bytes);
 };
+
+/* How an opened engine is called when it is timed. */
+static inline const char *engine_called(const struct engine *engine, const void *self)
+{
+    return engine->called ? engine->called(self) : "trace of raydiff's rays";
+}
 
 /* Whether an opened engine traces worlds. */
 static inline bool engine_traces_worlds(const struct engine *engine, const void *self)

@@ -93,6 +93,17 @@ mutants: all tests
 hardware: all
 	@sh bench/hardware.sh $(B)/raydiff $(or $(FOLDER),$(OUT)/hardware) $(or $(DRIVER),hardware) $(SECONDS)
 
+# Holds the speed of engine embree to a plain loop of rtcIntersect1. Exit code 77: without Embree.
+.PHONY: bench-fair
+bench-fair: all
+	@sh tests/bench/fair.sh $(B)/raydiff
+
+# Races the user's copy of tinybvh: its answers are judged first; version and checksum are told.
+#   make bench-tinybvh TINYBVH=FOLDER-OF-tiny_bvh.h [SCENE=...]
+.PHONY: bench-tinybvh
+bench-tinybvh: all
+	@sh tests/bench/tinybvh.sh $(B)/raydiff '$(TINYBVH)' '$(SCENE)'
+
 # Draws docs/rooms.txt. Exit code 77: Graphviz is not installed.
 .PHONY: site
 # The pages as HTML, to read without network.

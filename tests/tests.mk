@@ -74,6 +74,16 @@ $(B)/obj/tests/judge/honest_fast.o: CFLAGS += -ffast-math -ffp-contract=fast $(i
 
 $(B)/tests/test_adversaries: $(addprefix $(B)/obj/tests/adversaries/,cheats.o outsiders.o outsiders_table.o table.o)
 
+# Parts of commands, which are no part of the library (but of that for mutations).
+COMMAND_TESTS := $(addprefix $(B)/tests/,$(notdir $(basename $(wildcard tests/commands/test_*.c))))
+ifneq ($(config),mutation)
+$(B)/libcommands.a: $(filter-out $(B)/obj/raydiff.o,$(CMD_OBJ))
+	@rm -f $@
+	$(AR) rcs $@ $^
+$(COMMAND_TESTS): $(B)/libcommands.a
+$(COMMAND_TESTS): TEST_LIBS += $(B)/libraydiff.a $(LDLIBS) $(PROGRAM_LIBS)
+endif
+
 # Their allocations are made to fail, or measured.
 MEMORY_TESTS := $(addprefix $(B)/tests/test_,out_of_memory text_memory explain_memory cache_sim judge_memory oracle_world_memory hits_memory hits_tagged memory vulkan_memory world_memory worlds_memory library_memory)
 $(MEMORY_TESTS): TEST_LIBS += \

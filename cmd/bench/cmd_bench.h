@@ -16,6 +16,8 @@
 #define BENCH_ROUNDS    99
 #define BENCH_TREE_NAME 120
 
+#define BENCH_ENGINE_NAME 32
+
 /* Parts of benchmark.takes: options of CPUs and Vulkan drivers, and of outside engines and
  * layouts. */
 #define BENCH_MACHINE " threads driver device workgroup"
@@ -97,6 +99,10 @@ size_t bench_members(enum table table, const struct list *named, const char *con
 /* Writes the source of the trees as tables show it: "builder median, leaf 4" or "tree FILE".
  * Returns `text`. */
 const char *bench_tree_name(const struct bench *bench, char text[BENCH_TREE_NAME]);
+
+/* Writes the engine's name as tables show it: of one from outside, without the folders of its file,
+ * which would take the room. Returns `text`. */
+const char *bench_engine_name(const struct engine *engine, char text[BENCH_ENGINE_NAME]);
 
 /* Reads the user's tree of the scene. It must be JSON, since layouts are packed from it. *out is
  * zero if the user named none. Errors: STATUS_INPUT, STATUS_MEMORY. */

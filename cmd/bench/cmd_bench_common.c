@@ -5,6 +5,7 @@
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"
 #include "ref/base/text.h"
+#include "ref/outside/shared_object.h"
 #include "scenes/scenes.h"
 
 #include <stdio.h>
@@ -43,6 +44,18 @@ size_t bench_members(enum table table, const struct list *named, const char *con
             if (strcmp(name, own[k]) == 0)
                 out[count++] = table_pointer(table, i);
     return count;
+}
+
+const char *bench_engine_name(const struct engine *engine, char text[BENCH_ENGINE_NAME])
+{
+    const char *path = file_of_engine(engine->name);
+    const char *file = path ? strrchr(path, '/') : NULL;
+    snprintf(text, BENCH_ENGINE_NAME, "%.*s%.20s", path ? (int)(path - engine->name) : 0,
+             engine->name,
+             file   ? file + 1
+             : path ? path
+                    : engine->name);
+    return text;
 }
 
 /* Adds the scenes of a ';'-separated text and returns their number. Skips files that were not

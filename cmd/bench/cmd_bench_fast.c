@@ -5,6 +5,7 @@
 #include "bench/measure/shadow_rays.h"
 
 #include "ref/base/command.h"
+#include "ref/engines/embree_modes.h"
 #include "scenes/rays/rays.h"
 #include "ref/base/json_record.h"
 
@@ -13,10 +14,17 @@
 #include <string.h>
 
 #define RAYS_OWN 100000
-#define RIVALS   6
+#define RIVALS   16
 
 static const char *const kinds[] = {"primary", "random", "bounce", "shadow"};
 #define KINDS ARRAY_COUNT(kinds)
+
+/* How an engine is opened. */
+struct fast_entry {
+    char name[BENCH_ENGINE_NAME];
+    const struct engine *engine;
+    bool compact, avx512, alone;
+};
 
 struct contest {
     struct bench *bench;
@@ -24,23 +32,26 @@ struct contest {
     const struct scene *scene;
     struct bvh bvh;
     struct race race;
-    size_t entry[RIVALS]; /* index in `entries`, per contestant */
+    struct fast_entry entry[RIVALS]; /* per contestant */
     struct hit *hit[RIVALS];
+    double log_ratio[RIVALS], log_warm[RIVALS]; /* of all kinds, summed */
+    size_t missed[RIVALS];
+    bool embree; /* the first contestant is Embree, which the others are compared with */
     struct ray *ray;
     size_t count;
 };
 
-/* How an engine is opened. */
-struct fast_entry {
+/* The contestants of its own. */
+static const struct {
     const char *name, *engine;
     bool compact, avx512, alone;
-};
-
-static const struct fast_entry entries[RIVALS] = {
+} own[] = {
     {"embree", "embree", false, false, false},
     {"embree avx512", "embree", false, true, false},
     {"embree robust", "embree_robust", false, false, false},
     {"embree compact", "embree", true, false, false},
+    {"embree high", "embree_high", false, false, false},
+    {"embree 16", "embree_16", false, false, false},
     {"fast alone", "fast", false, false, true},
     {"fast", "fast", false, false, false},
 };
@@ -84,68 +95,133 @@ static enum status make_rays(struct contest *c, size_t kind, struct reason *reas
     return status;
 }
 
-static void print_rows(struct contest *c, size_t kind, double *log_ratio)
+/* A spread that nothing is compared with has no numbers. */
+static struct spread ratio_of(const struct contest *c, double *ratio)
 {
-    size_t rounds = c->bench->rounds;
+    return c->embree ? spread_of(ratio, (size_t)c->bench->rounds) : (struct spread){NAN, NAN, NAN};
+}
+
+static void print_row(struct contest *c, size_t kind, size_t i)
+{
+    const size_t rounds = (size_t)c->bench->rounds;
+    struct contestant *r = &c->race.contestant[i];
+    const struct spread ratio = ratio_of(c, r->ratio), warm_ratio = ratio_of(c, r->warm_ratio);
+    const struct spread mrays = spread_of(r->mrays, rounds), warm = spread_of(r->warm, rounds);
+    const size_t missed = race_missed(&c->race, c->hit, c->count, i);
+    const char *name = c->entry[i].name;
+    c->log_ratio[i] += log(ratio.median);
+    c->log_warm[i] += log(warm_ratio.median);
+    c->missed[i] += missed;
+    printf("  %-7s %-16.16s %7.3f %5.2f (%.2f-%.2f) %7.3f %5.2f (%.2f-%.2f)\n", kinds[kind], name,
+           mrays.median, ratio.median, ratio.least, ratio.most, warm.median, warm_ratio.median,
+           warm_ratio.least, warm_ratio.most);
+    bench_row(c->bench, &bench_fast,
+              json_record("scene=%s rays=%s engine=%s called=%s threads=%u triangles=%u mrays=%g "
+                          "ratio=%g ratio_least=%g ratio_most=%g warm_mrays=%g warm_ratio=%g "
+                          "warm_least=%g warm_most=%g bytes_per_triangle=%g missed=%zu",
+                          c->spec, kinds[kind], name, engine_called(r->engine, r->self),
+                          c->bench->engines.threads, c->scene->tri_count, mrays.median,
+                          ratio.median, ratio.least, ratio.most, warm.median, warm_ratio.median,
+                          warm_ratio.least, warm_ratio.most,
+                          (double)r->memory_bytes / (double)c->scene->tri_count, missed));
+}
+
+static enum status play_kind(struct contest *c, size_t kind, struct reason *reason)
+{
+    enum status status = make_rays(c, kind, reason);
+    if (!status)
+        status = race_run(&c->race, c->ray, c->count, c->hit[0], reason);
+    progress_end(&c->bench->progress);
+    for (size_t i = 0; i < c->race.count && !status; i++)
+        status = trace(c, i, reason);
+    for (size_t i = c->race.count; i-- > 0 && !status;)
+        print_row(c, kind, i);
+    return status;
+}
+
+static void print_ends(struct contest *c)
+{
+    for (size_t i = c->race.count; i-- > 1 && c->embree;)
+        printf("  %-7s %-16.16s %7s %5.2f %11s %7s %5.2f\n", "mean", c->entry[i].name, "",
+               exp(c->log_ratio[i] / (double)KINDS), "", "", exp(c->log_warm[i] / (double)KINDS));
+    puts("  engine           byte/tri  missed  called");
     for (size_t i = c->race.count; i-- > 0;) {
-        struct contestant *r = &c->race.contestant[i];
-        struct spread ratio = spread_of(r->ratio, rounds), mrays = spread_of(r->mrays, rounds);
-        if (c->entry[0] != 0) /* Embree cannot run here */
-            ratio = (struct spread){NAN, NAN, NAN};
-        log_ratio[i] += log(ratio.median);
-        double bytes = (double)r->memory_bytes / (double)c->scene->tri_count;
-        size_t missed = race_missed(&c->race, c->hit, c->count, i);
-        const char *name = entries[c->entry[i]].name;
-        printf("  %-8s %-14s %8.3f  %6.3f (%.3f-%.3f) %8.1f %8zu\n", kinds[kind], name,
-               mrays.median, ratio.median, ratio.least, ratio.most, bytes, missed);
-        bench_row(
-            c->bench, &bench_fast,
-            json_record("scene=%s rays=%s engine=%s threads=%u triangles=%u mrays=%g ratio=%g "
-                        "ratio_least=%g ratio_most=%g bytes_per_triangle=%g missed=%zu",
-                        c->spec, kinds[kind], name, c->bench->engines.threads, c->scene->tri_count,
-                        mrays.median, ratio.median, ratio.least, ratio.most, bytes, missed));
+        const struct contestant *r = &c->race.contestant[i];
+        printf("  %-16.16s %8.1f %7zu  %s\n", c->entry[i].name,
+               (double)r->memory_bytes / (double)c->scene->tri_count, c->missed[i],
+               engine_called(r->engine, r->self));
     }
 }
 
-static enum status play_kinds(struct contest *c, struct reason *reason)
+static const struct engine *engine_of(const char *name)
 {
-    double log_ratio[RIVALS] = {0};
-    for (size_t kind = 0; kind < KINDS; kind++) {
-        enum status status = make_rays(c, kind, reason);
-        if (!status)
-            status = race_run(&c->race, c->ray, c->count, c->hit[0], reason);
-        progress_end(&c->bench->progress);
-        for (size_t i = 0; i < c->race.count && !status; i++)
-            status = trace(c, i, reason);
-        if (status)
-            return status;
-        print_rows(c, kind, log_ratio);
+    for (size_t i = 0; embree_modes[i]; i++)
+        if (strcmp(embree_modes[i]->name, name) == 0)
+            return embree_modes[i];
+    return engine_find(name);
+}
+
+/* Enters an engine, or prints why it is left out. */
+static enum status enter(struct contest *c, const struct fast_entry *entry, bool named,
+                         struct reason *reason)
+{
+    struct engine_options options = c->bench->engines;
+    const struct contestant who = {.engine = entry->engine,
+                                   .layout = entry->engine->needs_packed ? layouts[0] : NULL,
+                                   .box = box_test_find("watertight"),
+                                   .tri = tri_test_find("woop")};
+    if (c->race.count == RIVALS)
+        return fail(reason, STATUS_LIMIT, "more than %d contestants", RIVALS);
+    options.compact = entry->compact;
+    options.avx512 = entry->avx512;
+    options.alone = entry->alone;
+    c->entry[c->race.count] = *entry;
+    enum status status = race_add(&c->race, &who, &options, reason);
+    if (status == STATUS_UNSUPPORTED) {
+        screen_line(4, "  %s left out: %s\n", entry->name, reason->text);
+        if (named)
+            bench_worse(c->bench, EXIT_SKIPPED);
+        status = STATUS_OK;
     }
-    for (size_t i = 1; i < c->race.count && c->entry[0] == 0; i++)
-        printf("  %-8s %-14s %8s  %6.3f\n", "mean", entries[c->entry[i]].name, "",
-               exp(log_ratio[i] / (double)KINDS));
-    return STATUS_OK;
+    return status;
+}
+
+static enum status enter_own(struct contest *c, size_t count, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < count && !status; i++) {
+        struct fast_entry entry = {.engine = engine_of(own[i].engine),
+                                   .compact = own[i].compact,
+                                   .avx512 = own[i].avx512,
+                                   .alone = own[i].alone};
+        snprintf(entry.name, sizeof entry.name, "%s", own[i].name);
+        status = enter(c, &entry, false, reason);
+        if (i == 0)
+            c->embree = c->race.count > 0;
+    }
+    return status;
+}
+
+/* Enters Embree, and the engines that the user named. */
+static enum status enter_named(struct contest *c, struct reason *reason)
+{
+    const struct list *list = &c->bench->engine;
+    enum status status = enter_own(c, 1, reason);
+    for (size_t i = 0; i < list->count && !status; i++) {
+        struct fast_entry entry = {.engine = engines[list->index[i]]};
+        bench_engine_name(entry.engine, entry.name);
+        if (entry.engine != c->entry[0].engine || !c->embree)
+            status = enter(c, &entry, true, reason);
+    }
+    if (!status && c->race.count == 0)
+        status = fail(reason, STATUS_UNSUPPORTED, "no engine that was named can run here");
+    return status;
 }
 
 static enum status enter_all(struct contest *c, struct reason *reason)
 {
-    enum status status = STATUS_OK;
-    for (size_t i = 0; i < RIVALS && !status; i++) {
-        struct engine_options options = c->bench->engines;
-        const struct contestant who = {.engine = engine_find(entries[i].engine),
-                                       .layout = layout_find("f32"),
-                                       .box = box_test_find("watertight"),
-                                       .tri = tri_test_find("woop")};
-        options.compact = entries[i].compact;
-        options.avx512 = entries[i].avx512;
-        options.alone = entries[i].alone;
-        c->entry[c->race.count] = i;
-        status = race_add(&c->race, &who, &options, reason);
-        if (status == STATUS_UNSUPPORTED) {
-            screen_line(4, "  %s left out: %s\n", entries[i].name, reason->text);
-            status = STATUS_OK;
-        }
-    }
+    enum status status = c->bench->engine.count ? enter_named(c, reason)
+                                                : enter_own(c, ARRAY_COUNT(own), reason);
     for (size_t i = 0; i < c->race.count && !status; i++) {
         c->hit[i] = alloc_zeroed(c->count, sizeof *c->hit[i]);
         if (!c->hit[i])
@@ -177,13 +253,16 @@ static enum status bench_scene(struct bench *bench, const char *spec, const stru
                                   .label = spec,
                                   .scene = scene,
                                   .bvh = &c.bvh,
+                                  .warm = true,
                                   .core_time = bench->engines.threads == 1}};
     printf("%s\n", spec);
     enum status status = open_contest(&c, reason);
-    if (!status) {
-        puts("  rays     engine           Mray/s  to embree (least-most) byte/tri   missed");
-        status = play_kinds(&c, reason);
-    }
+    if (!status)
+        puts("  rays    engine            Mray/s to embree (span)    warm to embree (span)");
+    for (size_t kind = 0; kind < KINDS && !status; kind++)
+        status = play_kind(&c, kind, reason);
+    if (!status)
+        print_ends(&c);
     race_leave(&c.race);
     for (size_t i = 0; i < RIVALS; i++)
         free(c.hit[i]);
@@ -194,6 +273,14 @@ static enum status bench_scene(struct bench *bench, const char *spec, const stru
 
 static int run(struct bench *bench)
 {
+    const struct list *list = &bench->engine;
+    for (size_t i = 0; i < list->count; i++)
+        if (engines[list->index[i]]->gpu || engines[list->index[i]]->brute) {
+            fprintf(stderr, "raydiff bench: --engine %s: %s\n", engines[list->index[i]]->name,
+                    engines[list->index[i]]->gpu ? "runs on a GPU: see raydiff bench matrix"
+                                                 : "tests every triangle");
+            return EXIT_USAGE;
+        }
     return bench_on_core(bench, &bench_fast);
 }
 
@@ -201,12 +288,16 @@ const struct benchmark bench_fast = {
     .name = "fast",
     .shown = "times; missed hits are counted, not judged",
     .summary = "engine fast against Embree, single rays of four kinds",
-    .takes = "scene count rounds csv json seed threads",
+    .takes = "scene count rounds csv json seed threads engine peer-time peer-memory",
     .about = "--threads 1 unless told otherwise: the core's own time, else time on the wall; the "
-             "tree is sah_sweep's. Shadow rays go from primary hits to a light and ask for any "
-             "hit. fast takes two rays at once in trees over 8 MB; 'fast alone' takes one, "
-             "always. byte/tri: what the engine holds, of fast all that it reads; missed: rays "
-             "that another one hits; mean: geometric, of the ratios.",
+             "tree is sah_sweep's. Two speeds: in turns, with the others' data in the caches; and "
+             "warm, the last of three more traces in a row. Each is called as its own users would "
+             "(called): its rays are filled before, its answers read behind. --engine races those "
+             "engines against embree, such as inside:FILE.so. Shadow rays go from primary hits to "
+             "a light and ask for any hit. fast takes rays together that are alike, and two at "
+             "once in trees over 8 MB; 'fast alone' takes one, always. byte/tri: what the engine "
+             "holds, of fast all that it reads; missed: rays that another one hits; mean: "
+             "geometric, of the ratios.",
     .scenes = "scenes/fetched/dragon-11k.ply.gz;scenes/fetched/dragon-203k.ply.gz;"
               "scenes/fetched/dragon-871k.ply.gz",
     .made = "terrain:k=6;terrain:k=8;terrain:k=9",

@@ -146,9 +146,13 @@ static void take_speeds(struct matrix *m, int kind, struct matrix_row **row)
             continue;
         row[i]->mrays[kind] = spread_of(c->mrays, rounds);
         row[i]->ratio[kind] = spread_of(c->ratio, rounds);
+        row[i]->warm[kind] = m->race.warm ? spread_of(c->warm_ratio, rounds)
+                                          : (struct spread){NAN, NAN, NAN};
         row[i]->rays = c->few ? m->race.few_count : m->count;
-        if (kind < MATRIX_MEAN)
-            row[i]->mean *= pow(row[i]->ratio[kind].median, 1.0 / MATRIX_MEAN);
+        if (kind >= MATRIX_MEAN)
+            continue;
+        row[i]->mean *= pow(row[i]->ratio[kind].median, 1.0 / MATRIX_MEAN);
+        row[i]->mean_warm *= pow(row[i]->warm[kind].median, 1.0 / MATRIX_MEAN);
     }
 }
 
@@ -190,7 +194,8 @@ static enum status play_group(struct matrix *m, size_t first, size_t last, unsig
     struct matrix_row *row[CONTESTANTS] = {NULL};
     enum status status = STATUS_OK;
     bool entered;
-    m->race.core_time = threads == 1 && !matrix_entry_is_gpu(&m->entries.entry[first]);
+    m->race.warm = !matrix_entry_is_gpu(&m->entries.entry[first]);
+    m->race.core_time = threads == 1 && m->race.warm;
     if (first > 0)
         status = enter(m, &m->entries.entry[0], threads, &entered, reason);
     for (size_t i = first; i < last && !status; i++) {
@@ -209,7 +214,7 @@ static enum status play_group(struct matrix *m, size_t first, size_t last, unsig
         if (!made->asked)
             status = matrix_measure(m, c, made, reason);
         made->threads = threads;
-        made->mean = 1;
+        made->mean = made->mean_warm = 1;
     }
     if (!status)
         status = race_kinds(m, row, reason);

@@ -45,7 +45,8 @@ struct matrix_row {
     unsigned threads;
     size_t rays; /* of each kind */
     struct spread mrays[MATRIX_KINDS], ratio[MATRIX_KINDS];
-    double mean;                                  /* geometric mean of the ratios */
+    struct spread warm[MATRIX_KINDS]; /* ratios of warm speeds (see race_run); not of a GPU */
+    double mean, mean_warm;           /* geometric means of the ratios */
     uint64_t node_bytes, item_bytes, scene_bytes; /* read by the traversal */
     uint64_t held_bytes;                          /* as the engine reports */
     size_t asked, lost, wrong;                    /* prim and rand rays, judged by the oracle */

@@ -2,7 +2,6 @@
 #include "cmd/bench/cmd_bench_matrix.h"
 
 #include "ref/engines/embree_modes.h"
-#include "ref/outside/shared_object.h"
 #include "ref/store.h"
 
 #include <string.h>
@@ -51,13 +50,8 @@ static void name_entry(struct matrix_entry *e)
 {
     bool fast = e->engine->own_tree;
     const char *store = e->store && e->store != tri_stores[0] ? e->store->name : NULL;
-    const char *path = file_of_engine(e->engine->name); /* its folders would take the room */
-    const char *file = path ? strrchr(path, '/') : NULL;
-    int used = snprintf(e->name, sizeof e->name, "%.*s%.20s%s%s",
-                        path ? (int)(path - e->engine->name) : 0, e->engine->name,
-                        file   ? file + 1
-                        : path ? path
-                               : e->engine->name,
+    char name[BENCH_ENGINE_NAME];
+    int used = snprintf(e->name, sizeof e->name, "%s%s%s", bench_engine_name(e->engine, name),
                         e->compact ? " compact" : "", e->avx512 ? " avx512" : "");
     if (e->layout && !fast)
         used += snprintf(e->name + used, sizeof e->name - (size_t)used, " %.20s%s%.16s",

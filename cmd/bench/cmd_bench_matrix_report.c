@@ -107,7 +107,7 @@ static void print_speeds(const struct matrix *m)
     printf("  %-30s", "speed, least-most");
     for (int kind = 0; kind < MATRIX_KINDS; kind++)
         printf(" %-16s", matrix_kinds[kind]);
-    puts("   mean  prim Mr/s");
+    puts("   mean   warm  prim Mr/s");
     for (size_t i = 0; i < m->row_count; i++) {
         const struct matrix_row *r = &m->row[i];
         printf("  %-30s", r->entry->name);
@@ -117,7 +117,7 @@ static void print_speeds(const struct matrix *m)
                      r->ratio[kind].least, r->ratio[kind].most);
             printf(" %-16s", text);
         }
-        printf(" %6.2f %10.3f\n", r->mean, r->mrays[KIND_PRIM].median);
+        printf(" %6.2f %6.2f %10.3f\n", r->mean, r->mean_warm, r->mrays[KIND_PRIM].median);
     }
 }
 
@@ -182,6 +182,7 @@ static const struct column columns[] = {
     {"o-shad", .rank = 8},
     {"o-rand", .rank = 7},
     {.title = "mean", .least = 5},
+    {.title = "warm", .least = 5},
     {"Mray/s", .rank = 2, .least = TIME_WIDTH},
 };
 
@@ -196,14 +197,15 @@ static void print_table(const struct matrix *m, bool full)
                  !r->judged ? PAINT_DIM
                  : wrong    ? PAINT_BAD
                             : PAINT_GOOD,
-                 "%s\t%s\t%zu\t%zu\t%zu\t%zu\t%.1f\t%.2f\t%.2f\t%.2f\t%.2f\t%.2f\t%.2f\t%.3f",
+                 "%s\t%s\t%zu\t%zu\t%zu\t%zu\t%.1f\t%.2f\t%.2f\t%.2f\t%.2f\t%.2f\t%.2f\t%.2f\t"
+                 "%.3f",
                  !r->judged ? "counted"
                  : wrong    ? "WRONG"
                             : "agrees",
                  r->entry->name, r->verdicts.wrong, r->verdicts.allowed, r->lost, r->leaks,
                  per_tri(m, bytes_of(r)), r->ratio[0].median, r->ratio[1].median,
                  r->ratio[2].median, r->ratio[3].median, r->ratio[4].median, r->mean,
-                 r->mrays[KIND_PRIM].median);
+                 r->mean_warm, r->mrays[KIND_PRIM].median);
     }
     if (m->row_count && full)
         screen_text(screen, "lost of %s, leaks of %zu; speeds are ratios to the first\n",
@@ -224,14 +226,16 @@ static json_t *row_json(const struct matrix *m, const struct matrix_row *r)
                     e->builder ? e->builder->name : "-", e->passes, r->rays, m->bench->rounds);
     for (int kind = 0; kind < MATRIX_KINDS; kind++) {
         const char *name = matrix_kinds[kind];
-        const struct spread *ratio = &r->ratio[kind];
+        const struct spread *ratio = &r->ratio[kind], *warm = &r->warm[kind];
         json_add(row, "%s_mrays=%g %s_ratio=%g %s_ratio_min=%g %s_ratio_max=%g", name,
                  r->mrays[kind].median, name, ratio->median, name, ratio->least, name, ratio->most);
+        json_add(row, "%s_warm=%g %s_warm_min=%g %s_warm_max=%g", name, warm->median, name,
+                 warm->least, name, warm->most);
     }
     json_add(row,
-             "mean_ratio=%g node_bytes=%zu item_bytes=%zu scene_bytes=%zu held_bytes=%zu "
-             "bytes_per_triangle=%g",
-             r->mean, r->node_bytes, r->item_bytes, r->scene_bytes, r->held_bytes,
+             "mean_ratio=%g mean_warm=%g node_bytes=%zu item_bytes=%zu scene_bytes=%zu "
+             "held_bytes=%zu bytes_per_triangle=%g",
+             r->mean, r->mean_warm, r->node_bytes, r->item_bytes, r->scene_bytes, r->held_bytes,
              per_tri(m, bytes_of(r)));
     for (int kind = 0; kind < MATRIX_CLOSEST; kind++) {
         const char *name = matrix_kinds[kind];

@@ -200,45 +200,75 @@ const char *race_base_name(const struct race *race, const struct contestant *con
                                                               : base->engine->name;
 }
 
+/* Traces once. *mrays: million rays a second. */
+static enum status time_once(const struct race *race, struct contestant *c, const struct ray *ray,
+                             size_t count, struct hit *hit, double *mrays, struct reason *reason)
+{
+    struct trace_report report = {0};
+    const size_t rays = c->few ? race->few_count : count;
+    const uint64_t start = core_time_ns();
+    enum status status =
+        race_trace(race, c, c->few ? race->few : ray, rays, hit, &report, reason);
+    const uint64_t ns = !race->core_time ? report.ns
+                        : report.core_ns ? report.core_ns /* without conversions */
+                                         : core_time_ns() - start;
+    c->boxes = report.boxes;
+    c->tris = report.tris;
+    if (report.memory_bytes > c->memory_bytes)
+        c->memory_bytes = report.memory_bytes;
+    *mrays = 1e3 * (double)rays / (double)(ns ? ns : 1);
+    return status;
+}
+
+/* The turn of a contestant in a round; of round 0 nothing is kept. */
+static enum status play_turn(const struct race *race, struct contestant *c, size_t round,
+                             const struct ray *ray, size_t count, struct hit *hit,
+                             struct reason *reason)
+{
+    double mrays, warm = 0;
+    enum status status = time_once(race, c, ray, count, hit, &mrays, reason);
+    for (int i = 0; i < RACE_WARM && race->warm && round > 0 && !status; i++)
+        status = time_once(race, c, ray, count, hit, &warm, reason);
+    if (round > 0) {
+        c->mrays[round - 1] = mrays;
+        c->warm[round - 1] = warm;
+    }
+    return status;
+}
+
+static void make_ratios(struct race *race)
+{
+    for (size_t i = 0; i < race->count; i++) {
+        struct contestant *c = &race->contestant[i];
+        c->base = base_of(race, i);
+        const struct contestant *base = &race->contestant[c->base];
+        for (size_t round = 0; round < race->bench->rounds; round++) {
+            c->ratio[round] = c->mrays[round] / base->mrays[round];
+            c->warm_ratio[round] = c->warm[round] / base->warm[round];
+        }
+    }
+}
+
 enum status race_run(struct race *race, const struct ray *ray, size_t count, struct hit *hit,
                      struct reason *reason)
 {
     struct bench *bench = race->bench;
     struct rng rng = rng_make(bench->seed, count);
     size_t order[CONTESTANTS];
+    enum status status = STATUS_OK;
     turns_start(order, race->count);
     /* Round 0 is for warming up: pipelines, caches, page faults. */
-    for (size_t round = 0; round <= bench->rounds; round++) {
+    for (size_t round = 0; round <= bench->rounds && !status; round++) {
         turns_next(&rng, order, race->count);
-        for (size_t i = 0; i < race->count; i++) {
-            struct contestant *c = &race->contestant[order[i]];
-            struct trace_report report = {0};
+        for (size_t i = 0; i < race->count && !status; i++) {
             progress_done(&bench->progress, round * race->count + i,
                           (bench->rounds + 1) * race->count, "these rounds");
             progress_step(&bench->progress, "%s, round %zu of %llu", race->label, round,
                           (unsigned long long)bench->rounds);
-            size_t rays = c->few ? race->few_count : count;
-            uint64_t start = core_time_ns();
-            enum status status =
-                race_trace(race, c, c->few ? race->few : ray, rays, hit, &report, reason);
-            uint64_t ns = !race->core_time ? report.ns
-                          : report.core_ns ? report.core_ns /* without conversions */
-                                           : core_time_ns() - start;
-            if (status)
-                return status;
-            c->boxes = report.boxes;
-            c->tris = report.tris;
-            if (report.memory_bytes > c->memory_bytes)
-                c->memory_bytes = report.memory_bytes;
-            if (round > 0)
-                c->mrays[round - 1] = 1e3 * (double)rays / (double)(ns ? ns : 1);
+            status = play_turn(race, &race->contestant[order[i]], round, ray, count, hit, reason);
         }
     }
-    for (size_t i = 0; i < race->count; i++) {
-        struct contestant *c = &race->contestant[i];
-        c->base = base_of(race, i);
-        for (size_t round = 0; round < bench->rounds; round++)
-            c->ratio[round] = c->mrays[round] / race->contestant[c->base].mrays[round];
-    }
-    return STATUS_OK;
+    if (!status)
+        make_ratios(race);
+    return status;
 }

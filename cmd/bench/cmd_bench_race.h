@@ -6,6 +6,7 @@
 #include "cmd/bench/cmd_bench.h"
 
 #define CONTESTANTS 96
+#define RACE_WARM   3
 
 /* One engine with one layout and triangle test, prepared and kept while the others run. */
 struct contestant {
@@ -22,6 +23,8 @@ struct contestant {
     uint64_t boxes, tris; /* tests of one trace; 0: not counted */
     double mrays[BENCH_ROUNDS];
     double ratio[BENCH_ROUNDS]; /* relative to its base, per round */
+    double warm[BENCH_ROUNDS];  /* the two again, of races with `warm` */
+    double warm_ratio[BENCH_ROUNDS];
     size_t base; /* index of the contestant it is compared with; its own index: none */
 };
 
@@ -39,6 +42,7 @@ struct race {
     const char *own_engines, *own_layouts;
     bool core_time;        /* measures the calling thread's time, so that other work on the machine
                        matters little: only for engines that trace on that thread alone */
+    bool warm;             /* measures each contestant also alone, see race_run */
     const struct ray *few; /* some of the rays, evenly spread, for contestants with `few` */
     size_t few_count;
     struct contestant contestant[CONTESTANTS];
@@ -64,7 +68,9 @@ enum status race_add(struct race *race, const struct contestant *who,
 enum status race_prepare(struct race *race, enum query query, struct reason *reason) MUST_USE;
 
 /* Traces `count` rays with all contestants: one round to warm up, then the rounds of the bench.
- * Fills in speeds and ratios. The base of vulkan is vulkan on f32; that of the others is Embree.
+ * Fills in speeds and ratios. The base of vulkan is vulkan on f32; that of the others is Embree. In
+ * a round each contestant traces once, with the others' data in the caches. With `warm` it goes on:
+ * RACE_WARM traces follow, and the last is its warm speed, as of a renderer that runs alone.
  * `hit` is scratch space. Errors: those of engine.trace. */
 enum status race_run(struct race *race, const struct ray *ray, size_t count, struct hit *hit,
                      struct reason *reason) MUST_USE;

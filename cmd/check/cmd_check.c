@@ -31,13 +31,16 @@ struct check_run {
     const struct check_subject *of;  /* in use */
 };
 
-/* Adds the rows of one engine for all box tests and queries. Engines without a tree have no box
- * test. */
+/* Adds the rows of one engine for all box tests and queries. Engines with a tree of their own, or
+ * without one, have no box test of ours; one with a triangle test of its own has the rows of the
+ * first that is named. */
 static enum status play_engine(struct check_run *check, struct match *match,
                                const struct engine *engine, struct check_scene *result)
 {
     const struct check_options *o = &check->options;
-    size_t boxes = engine->needs_packed ? o->box.count : 1;
+    size_t boxes = engine->needs_packed && !engine->own_tree ? o->box.count : 1;
+    if (engine->own_tri && match->options.tri != tri_tests[o->tri.index[0]])
+        return STATUS_OK;
     for (size_t b = 0; b < boxes; b++)
         for (size_t q = 0; q < o->query.count; q++) {
             struct row row;

@@ -277,6 +277,8 @@ static enum status report(const struct diff_run *run, int *code, struct reason *
     for (size_t i = run->reference + 1; i < run->count && !status && run->options->out; i++)
         if (!run->member[i].status)
             status = write_heat(run, &run->member[i], reason);
+    if (!status)
+        diff_print_conclusion(run);
     if (!status && run->options->json)
         status = diff_write_json(run, *code, reason);
     return status;

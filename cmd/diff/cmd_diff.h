@@ -56,6 +56,9 @@ bool diff_is_vacuous(const struct pair *pair);
 /* Prints what differs between the reference and each other member, and why. */
 void diff_print(const struct diff_run *run);
 
+/* Prints the last line. */
+void diff_print_conclusion(const struct diff_run *run);
+
 /* Writes the same as JSON. Errors: as json_write. */
 enum status diff_write_json(const struct diff_run *run, int exit_code,
                             struct reason *reason) MUST_USE;

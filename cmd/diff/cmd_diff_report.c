@@ -141,6 +141,10 @@ void diff_print(const struct diff_run *run)
     for (size_t i = run->reference + 1; i < run->count; i++)
         if (!run->member[i].status)
             print_pair(run, &run->member[i]);
+}
+
+void diff_print_conclusion(const struct diff_run *run)
+{
     size_t pairs = 0, agree = 0;
     for (size_t i = run->reference + 1; i < run->count; i++) {
         const struct diff_member *member = &run->member[i];

@@ -167,7 +167,9 @@ static json_t *finding_json(const struct replay_file *file, const struct replay_
     char signature[FUZZ_SIGNATURE_MOST], text[512];
     fuzz_signature_print(&finding->signature, signature);
     replay_finding_line(&file->file.trial, finding, text, sizeof text);
-    bool on_ray = finding->ray < file->file.trial.ray_count;
+    const enum fuzz_kind kind = finding->signature.kind;
+    const bool on_ray = kind != FUZZ_KIND_TREE && kind != FUZZ_KIND_REFUSED &&
+                        finding->ray < file->file.trial.ray_count;
     return json_record("signature=%s ray=%p text=%s expected=%i", signature,
                        on_ray ? json_integer((json_int_t)finding->ray) : json_null(), text,
                        i == played->expected);

@@ -45,6 +45,7 @@ void embree_close(void *self)
     embree_drop(embree);
     if (embree->device)
         rtcReleaseDevice(embree->device);
+    free(embree->rays);
     free(embree);
 }
 
@@ -179,7 +180,7 @@ struct RTCRayHit embree_query(const struct ray *ray)
     };
 }
 
-static void embree_start(embree_context *context)
+void embree_start(embree_context *context)
 {
 #if HAVE_EMBREE == 4
     rtcInitRayQueryContext(context);
@@ -215,17 +216,6 @@ bool embree_occluded(RTCScene scene, embree_context *context, struct RTCRay *ray
     return ray->tfar < 0.0f;
 }
 
-static void embree_closest(struct embree *embree, const struct ray *ray, struct hit *hit)
-{
-    struct RTCRayHit query = embree_query(ray);
-    embree_context context;
-    embree_intersect(embree->scene, &context, &query);
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID)
-        *hit = (struct hit){.prim = ABI_NO_PRIM};
-    else
-        *hit = (struct hit){query.ray.tfar, query.hit.u, query.hit.v, query.hit.primID};
-}
-
 static uint32_t embree_all(struct embree *embree, const struct ray *ray, uint32_t capacity,
                            struct hit *hit)
 {
@@ -233,45 +223,6 @@ static uint32_t embree_all(struct embree *embree, const struct ray *ray, uint32_
     struct embree_list list = {.hit = hit, .capacity = capacity};
     embree_intersect(embree->scene, &list.context, &query);
     return list.found;
-}
-
-/* Embree does not return what blocked the ray, so a hit is triangle 0 at t = 0. */
-static void embree_any(struct embree *embree, const struct ray *ray, struct hit *hit)
-{
-    struct RTCRayHit query = embree_query(ray);
-    embree_context context;
-    bool blocked = embree_occluded(embree->scene, &context, &query.ray);
-    *hit = (struct hit){.prim = blocked ? 0 : ABI_NO_PRIM};
-}
-
-#include "ref/engines/embree_packets.h"
-
-static void embree_singles(struct embree *embree, const struct ray *ray, size_t ray_count,
-                           struct hit *hit)
-{
-#pragma omp parallel for schedule(dynamic, 64) num_threads(embree->threads) if (ray_count > 64)
-    for (long long i = 0; i < (long long)ray_count; i++) {
-        if (!embree_takes(embree, &ray[i]))
-            hit[i] = (struct hit){.prim = ABI_NO_PRIM};
-        else if (embree->query == QUERY_ANY)
-            embree_any(embree, &ray[i], &hit[i]);
-        else
-            embree_closest(embree, &ray[i], &hit[i]);
-    }
-}
-
-enum status embree_trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
-                         struct trace_report *report, struct reason *reason)
-{
-    struct embree *embree = self;
-    uint64_t start = time_ns();
-    if (embree->mode == EMBREE_PACKETS)
-        embree_packets(embree, ray, ray_count, hit);
-    else
-        embree_singles(embree, ray, ray_count, hit);
-    *report = (struct trace_report){.ns = time_ns() - start,
-                                    .memory_bytes = (uint64_t)atomic_load(&embree->bytes)};
-    return embree_error(embree, "tracing", reason);
 }
 
 enum status embree_trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,

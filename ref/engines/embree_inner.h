@@ -27,12 +27,25 @@ struct embree {
     bool masks; /* the library was built with masks of rays */
     unsigned threads;
     enum query query;
+    void *rays; /* the structures of a batch of rays (embree_rays.c), or NULL */
+    size_t rays_bytes;
     atomic_llong bytes; /* currently allocated by Embree */
 };
 
 /* Rays whose origin or direction reaches this are out of contract: Embree asserts from 1.844e18
  * on. */
 #define EMBREE_MOST 1e18f
+
+#define EMBREE_BATCH ((size_t)1 << 17) /* rays filled at once */
+
+/* Makes room in `rays` for the structures of so many rays, or of a batch. Errors:
+ * STATUS_MEMORY. */
+enum status embree_room(struct embree *embree, size_t rays, struct reason *reason) MUST_USE;
+
+/* Traces the first `count` structures of `rays` through a scene, and adds the time to the
+ * report. */
+void embree_time_spans(const struct embree *embree, RTCScene scene, size_t count,
+                       struct trace_report *report);
 
 /* Takes the device's error. Returns STATUS_OK if there is none. */
 enum status embree_error(struct embree *embree, const char *doing, struct reason *reason) MUST_USE;
@@ -49,6 +62,9 @@ bool embree_takes(const struct embree *embree, const struct ray *ray);
 
 /* The ray as Embree reads it, with no hit yet. */
 struct RTCRayHit embree_query(const struct ray *ray);
+
+/* Makes a context of rays, with no filter. */
+void embree_start(embree_context *context);
 
 /* Traces one ray with the caller's context. */
 void embree_intersect(RTCScene scene, embree_context *context, struct RTCRayHit *query);

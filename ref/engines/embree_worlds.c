@@ -7,32 +7,14 @@
 #if HAVE_EMBREE
 
 #include "ref/engines/embree_facing.h"
+#include "ref/engines/embree_world_inner.h"
 #include "ref/world/world_boxes.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Embree aborts on rays in the space of a mesh as it does on rays of the world. Instances that
- * lengthen rays about as much are one class. Embree's masks have 32 bits, those of worlds 8, so
- * each class has 8 bits of its own, and a ray that a class may not be given has none of them. */
-#define CLASSES 4u
-
 static const double class_most[CLASSES] = {0x1p8, 0x1p20, 0x1p32, INFINITY};
-
-struct embree_class {
-    double growth; /* rays get at most so many times as long; 0: no instance */
-    double far;    /* largest coordinate of a translation */
-};
-
-struct embree_world {
-    const struct world *world; /* borrowed; not read when it is freed */
-    RTCScene top;
-    RTCScene *mesh; /* mesh_count of them; NULL: no triangles */
-    uint32_t mesh_count;
-    struct embree_class class[CLASSES];
-    bool bare; /* no candidate is tested */
-};
 
 void embree_world_free(struct embree_world *world)
 {
@@ -102,8 +84,7 @@ static uint32_t add_to_class(struct embree_world *world, const struct instance *
     return at;
 }
 
-/* Embree's mask for a ray; 0 if it meets nothing or is not given to Embree. */
-static uint32_t mask_for(const struct embree *embree, const struct ray *ray, struct ray_mode mode)
+uint32_t embree_mask_for(const struct embree *embree, const struct ray *ray, struct ray_mode mode)
 {
     uint32_t mask = 0;
     if (!embree_takes(embree, ray) || (mode.flags & ABI_RAY_SKIP_TRIANGLES))
@@ -134,8 +115,7 @@ struct embree_walk {
     bool ended;   /* it was a hit whose t is NaN, which is then in *hit and *tag */
 };
 
-/* Where Embree's numbers are. Returns false if there is no such triangle. */
-static bool place_of(const struct world *world, const struct RTCHit *hit, struct place *out)
+bool embree_place_of(const struct world *world, const struct RTCHit *hit, struct place *out)
 {
     *out = (struct place){.instance = hit->instID[0], .geometry = hit->geomID, .tri = hit->primID};
     if (out->instance >= world->instance_count || !world_scene(world, out->instance))
@@ -150,17 +130,25 @@ static bool place_of(const struct world *world, const struct RTCHit *hit, struct
 
 #define PHANTOM 0xFFFFFFFEu /* a triangle that no world has */
 
-/* The hit in our terms. Ng_x says which side is seen: 1 the front, 0 the back. */
-static void take_hit(const struct world *world, const struct RTCHit *from, float t, struct hit *hit,
+void embree_take_hit(const struct world *world, const struct RTCHit *from, float t, struct hit *hit,
                      uint32_t *tag)
 {
     struct place place;
     *hit = (struct hit){t, from->u, from->v, PHANTOM};
     *tag = 0;
-    if (!place_of(world, from, &place))
+    if (!embree_place_of(world, from, &place))
         return;
     hit->prim = world->first[place.instance] + place.prim;
     *tag = world->instance[place.instance].custom | (from->Ng_x > 0.0f ? ABI_TAG_FRONT : 0);
+}
+
+void embree_read_hit(const struct embree_world *world, struct RTCRayHit *from, struct hit *hit,
+                     uint32_t *tag)
+{
+    struct place place;
+    if (world->bare && embree_place_of(world->world, &from->hit, &place))
+        face_from_world(&world->world->instance[place.instance], from);
+    embree_take_hit(world->world, &from->hit, from->ray.tfar, hit, tag);
 }
 
 /* Decides about one candidate. Rays are traced one by one: only a group of one has the layout of
@@ -176,7 +164,7 @@ static void filter_candidate(const struct RTCFilterFunctionNArguments *args)
         args->valid[0] = 0;
     if (args->N != 1 || args->valid[0] != -1)
         return;
-    if (place_of(world, hit, &place)) {
+    if (embree_place_of(world, hit, &place)) {
         const struct instance *instance = &world->instance[place.instance];
         bool stated = world->mesh[place.mesh].geometry[place.geometry].opaque;
         bool opaque = world_is_opaque(instance, stated, walk->mode);
@@ -192,14 +180,14 @@ static void filter_candidate(const struct RTCFilterFunctionNArguments *args)
     /* With a NaN for its length the ray would be invalid in the next instance, and Embree with its
      * assertions aborts. */
     if (walk->nearest && ray->tfar != ray->tfar) {
-        take_hit(world, hit, ray->tfar, walk->hit, walk->tag);
+        embree_take_hit(world, hit, ray->tfar, walk->hit, walk->tag);
         walk->ended = true;
         args->valid[0] = 0;
     }
     if (!walk->lists)
         return;
     if (walk->found < walk->capacity)
-        take_hit(world, hit, ray->tfar, &walk->hit[walk->found], &walk->tag[walk->found]);
+        embree_take_hit(world, hit, ray->tfar, &walk->hit[walk->found], &walk->tag[walk->found]);
     walk->found++;
     args->valid[0] = 0; /* the ray keeps its length */
 }
@@ -322,7 +310,7 @@ static void trace_one(const struct embree *embree, const struct ray *ray, struct
     struct RTCRayHit query = embree_query(ray);
     *hit = (struct hit){.prim = ABI_NO_PRIM};
     *tag = 0;
-    query.ray.mask = mask_for(embree, ray, mode);
+    query.ray.mask = embree_mask_for(embree, ray, mode);
     if (!query.ray.mask)
         return;
     if (embree->query == QUERY_ANY || (mode.flags & ABI_RAY_FIRST)) {
@@ -337,10 +325,7 @@ static void trace_one(const struct embree *embree, const struct ray *ray, struct
     embree_intersect(embree->world->top, &walk.context, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID || walk.ended)
         return;
-    struct place place;
-    if (embree->world->bare && place_of(embree->world->world, &query.hit, &place))
-        face_from_world(&embree->world->world->instance[place.instance], &query);
-    take_hit(embree->world->world, &query.hit, query.ray.tfar, hit, tag);
+    embree_read_hit(embree->world, &query, hit, tag);
 }
 
 static uint32_t list_one(const struct embree *embree, const struct ray *ray, struct ray_mode mode,
@@ -353,7 +338,7 @@ static uint32_t list_one(const struct embree *embree, const struct ray *ray, str
                                .tag = tag,
                                .capacity = capacity};
     struct RTCRayHit query = embree_query(ray);
-    query.ray.mask = mask_for(embree, ray, mode);
+    query.ray.mask = embree_mask_for(embree, ray, mode);
     if (query.ray.mask)
         embree_intersect(embree->world->top, &walk.context, &query);
     return walk.found;
@@ -364,6 +349,8 @@ static enum status trace_world(void *self, const struct ray *ray, const struct r
                                struct trace_report *report, struct reason *reason)
 {
     struct embree *embree = self;
+    if (embree->world->bare && !mode)
+        return embree_trace_bare(embree, ray, ray_count, hit, tag, report, reason);
     uint64_t start = time_ns();
 #pragma omp parallel for schedule(dynamic, 64) num_threads(embree->threads) if (ray_count > 64)
     for (long long i = 0; i < (long long)ray_count; i++)

@@ -42,6 +42,18 @@ static struct model embree_robust_model(void *self, const struct tri_test *tri)
         .formula = TWIN_EMBREE_ROBUST, .rounding = ROUNDING_EMBREE, .any_unnamed = true};
 }
 
+static const char *embree_called(const void *self)
+{
+    (void)self;
+    return "rtcIntersect1 or rtcOccluded1";
+}
+
+static const char *embree_16_called(const void *self)
+{
+    (void)self;
+    return "rtcIntersect16 or rtcOccluded16";
+}
+
 const struct engine engine_embree = {
     .name = "embree",
     .summary = "Embree, default mode: fast, leaks at edges",
@@ -53,6 +65,7 @@ const struct engine engine_embree = {
     .trace_all = embree_trace_all,
     .worlds = &embree_worlds,
     .model = embree_model,
+    .called = embree_called,
     .close = embree_close,
     .describe = embree_describe,
 };
@@ -68,6 +81,7 @@ const struct engine engine_embree_robust = {
     .trace_all = embree_trace_all,
     .worlds = &embree_worlds,
     .model = embree_robust_model,
+    .called = embree_called,
     .close = embree_close,
     .describe = embree_describe,
 };
@@ -81,6 +95,7 @@ static const struct engine engine_embree_packets = {
     .prepare = embree_prepare,
     .trace = embree_trace,
     .model = embree_model,
+    .called = embree_16_called,
     .close = embree_close,
     .describe = embree_describe,
 };
@@ -94,6 +109,7 @@ static const struct engine engine_embree_high = {
     .prepare = embree_prepare,
     .trace = embree_trace,
     .model = embree_model,
+    .called = embree_called,
     .close = embree_close,
     .describe = embree_describe,
 };

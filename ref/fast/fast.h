@@ -38,6 +38,8 @@ struct fast_tree {
     uint64_t block_words;
     uint32_t node_count;
     uint32_t stack_need;
+    bool in_packets; /* kernels with 16 lanes trace rays together that are alike
+                        (ref/fast/fast_packet.h) */
     bool in_pairs; /* kernels trace two rays at once: the tree is larger than caches */
 };
 

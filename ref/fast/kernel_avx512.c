@@ -102,6 +102,85 @@ INLINE uint32_t push_any(uint32_t *ref, const uint32_t *child, uint32_t mask)
     return (uint32_t)__builtin_popcount(rest);
 }
 
+/* --- 16 rays ---------------------------------------------------------------------------------- */
+
+#define FAST_PACKETS
+
+INLINE float16 fma16(float16 a, float16 b, float16 c)
+{
+    return (float16)_mm512_fmadd_ps((__m512)a, (__m512)b, (__m512)c);
+}
+
+INLINE float16 max16(float16 a, float16 b)
+{
+    return (float16)_mm512_max_ps((__m512)a, (__m512)b);
+}
+
+INLINE float16 min16(float16 a, float16 b)
+{
+    return (float16)_mm512_min_ps((__m512)a, (__m512)b);
+}
+
+INLINE uint32_t less16(float16 a, float16 b)
+{
+    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ);
+}
+
+INLINE uint32_t not_above16(float16 a, float16 b)
+{
+    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LE_OQ);
+}
+
+INLINE uint32_t unequal16(float16 a, float16 b)
+{
+    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_NEQ_OQ);
+}
+
+INLINE float16 blend16(uint32_t mask, float16 a, float16 b)
+{
+    return (float16)_mm512_mask_blend_ps((__mmask16)mask, (__m512)a, (__m512)b);
+}
+
+INLINE int16v blend16i(uint32_t mask, int16v a, int16v b)
+{
+    return (int16v)_mm512_mask_blend_epi32((__mmask16)mask, (__m512i)a, (__m512i)b);
+}
+
+INLINE float least_of16(float16 v)
+{
+    return _mm512_reduce_min_ps((__m512)v);
+}
+
+INLINE uint32_t signs16(float16 v)
+{
+    return _mm512_movepi32_mask((__m512i)v);
+}
+
+/* Four words of rays 0, 4, 8 and 12 from `from` on. */
+INLINE __m512 four_rays(const float *from)
+{
+    __m512 v = _mm512_castps128_ps512(_mm_loadu_ps(from));
+    v = _mm512_mask_broadcast_f32x4(v, 0x00F0, _mm_loadu_ps(from + 32));
+    v = _mm512_mask_broadcast_f32x4(v, 0x0F00, _mm_loadu_ps(from + 64));
+    return _mm512_mask_broadcast_f32x4(v, 0xF000, _mm_loadu_ps(from + 96));
+}
+
+/* Words 0 to 3 of 16 rays from `from` on, a vector each. A gather is slower. */
+INLINE void words16(const float *from, float16 out[4])
+{
+    __m512 r[4], low[2], high[2];
+    for (int i = 0; i < 4; i++)
+        r[i] = four_rays(from + 8 * i);
+    for (int i = 0; i < 2; i++) {
+        low[i] = _mm512_unpacklo_ps(r[2 * i], r[2 * i + 1]);
+        high[i] = _mm512_unpackhi_ps(r[2 * i], r[2 * i + 1]);
+    }
+    out[0] = (float16)_mm512_shuffle_ps(low[0], low[1], 0x44);
+    out[1] = (float16)_mm512_shuffle_ps(low[0], low[1], 0xEE);
+    out[2] = (float16)_mm512_shuffle_ps(high[0], high[1], 0x44);
+    out[3] = (float16)_mm512_shuffle_ps(high[0], high[1], 0xEE);
+}
+
 #include "ref/fast/walk.h"
 
 static bool runs(void)

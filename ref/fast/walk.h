@@ -312,13 +312,13 @@ INLINE bool pop(const struct walk_ray *r, bool any, const struct walk_stack *sta
     return true;
 }
 
-/* Traverses a tree from its root. */
-INLINE void walk_tree(struct walk_ray *r, const struct fast_tree *tree, bool any,
+/* Traverses a tree from a node or leaf on. */
+INLINE void walk_from(struct walk_ray *r, const struct fast_tree *tree, uint32_t from, bool any,
                       const struct instance_at *in, const struct ray *inside,
                       struct walk_best *best)
 {
     struct walk_stack stack;
-    struct walk_place at = {0, 0};
+    struct walk_place at = {0, from};
     do {
         while (!(at.now & FAST_LEAF))
             if (!descend(r, tree, any, &stack, &at))
@@ -327,6 +327,14 @@ INLINE void walk_tree(struct walk_ray *r, const struct fast_tree *tree, bool any
             break;
     missed:;
     } while (pop(r, any, &stack, &at));
+}
+
+/* Traverses a tree from its root. */
+INLINE void walk_tree(struct walk_ray *r, const struct fast_tree *tree, bool any,
+                      const struct instance_at *in, const struct ray *inside,
+                      struct walk_best *best)
+{
+    walk_from(r, tree, 0, any, in, inside, best);
 }
 
 INLINE void walk(const struct fast_tree *tree, const struct ray *ray, bool any, struct hit *hit)
@@ -343,14 +351,32 @@ INLINE void walk(const struct fast_tree *tree, const struct ray *ray, bool any, 
 
 #include "ref/fast/fast_pair.h"
 
-INLINE void walk_many(const struct fast_tree *tree, const struct ray *ray, size_t count, bool any,
-                      struct hit *hit)
+/* Traces rays on their own. */
+INLINE void walk_apart(const struct fast_tree *tree, const struct ray *ray, size_t count, bool any,
+                       struct hit *hit)
 {
     if (tree->in_pairs && count > 1)
         walk_pairs(tree, ray, count, any, hit);
     else
         for (size_t i = 0; i < count; i++)
             walk(tree, &ray[i], any, &hit[i]);
+}
+
+#ifdef FAST_PACKETS
+#include "ref/fast/fast_lanes.h"
+#include "ref/fast/fast_packet.h"
+#endif
+
+INLINE void walk_many(const struct fast_tree *tree, const struct ray *ray, size_t count, bool any,
+                      struct hit *hit)
+{
+#ifdef FAST_PACKETS
+    if (tree->in_packets) {
+        walk_packets(tree, ray, count, any, hit);
+        return;
+    }
+#endif
+    walk_apart(tree, ray, count, any, hit);
 }
 
 KERNEL_TARGET static void closest(const struct fast_tree *tree, const struct ray *ray, size_t count,

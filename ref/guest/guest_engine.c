@@ -261,6 +261,13 @@ static struct model inmate_model(void *self, const struct tri_test *tri)
     return model;
 }
 
+static const char *inmate_called(const void *self)
+{
+    return guest_can(&((const struct inmate *)self)->guest, RAYDIFF_ENGINE_NATIVE)
+               ? "rays_trace of its own rays"
+               : "trace of raydiff's rays";
+}
+
 static char name_of[ENGINES_ADDED_MOST][GUEST_PATH_MOST + sizeof GUEST_PREFIX];
 static size_t name_count;
 
@@ -289,6 +296,7 @@ ENGINE_PLACES(ENGINE_PLACE)
      .trace_all = inmate_trace_all,                                                                \
      .model = inmate_model,                                                                        \
      .worlds = &inmate_worlds,                                                                     \
+     .called = inmate_called,                                                                      \
      .close = inmate_close,                                                                        \
      .describe = describe_##n},
 

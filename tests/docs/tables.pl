@@ -95,8 +95,9 @@ for my $row (rows_of('results.md', '| contestant | dragon-11k')) {
     my $col = 0;
     for my $mesh (qw(dragon-11k dragon-203k dragon-871k)) {
         my @two = split /, /, $cell[$col++];
-        shown("$name, $mesh, $_ threads", $two[$_ - 1], one(\@matrix, name => $name, scene => scene($mesh), threads => $_)->{mean_ratio})
-            for 1, 2;
+        my $is = sub { one(\@matrix, name => $name, scene => scene($mesh), threads => $_[0]) };
+        shown("$name, $mesh, $_ of one thread", shift @two, $is->(1)->{$_}) for qw(mean_ratio mean_warm);
+        shown("$name, $mesh, $_ of two threads", shift @two, $is->(2)->{$_}) for qw(mean_ratio mean_warm);
     }
     my $is = one(\@matrix, name => $name, scene => scene('dragon-203k'), threads => 1);
     shown("$name, $_", $cell[$col++], $is->{$_}) for qw(bytes_per_triangle lost leaks);
@@ -129,30 +130,32 @@ for my $row (rows_of('results.md', '| layout | dragon-11k')) {
     shown("$name, diff reads", $cell[5], $is->{diff_line_bytes});
     bad("$name loses rays") if $is->{lost} || $is->{leaks};
 }
-# The text of bench fast: one thread, then two.
+# The text of bench fast: one thread, then two. Of a kind [ratio, least, most]; of a mean [in turns, warm].
 my (%fast, $mesh, $threads);
 open my $in, '<', "$results/fast.txt" or die "fast.txt: $!\n";
 while (<$in>) {
+    my $spread = qr/([\d.]+) \(([\d.]+)-([\d.]+)\)/;
     $threads = $1 if /^fast: (\d) thread/;
     $mesh = $1 if m{^scenes/fetched/(\S+)\.ply};
-    $fast{$threads, $mesh, $1, $2} = [$3, $4, $5, $6] if /^  (primary|random|bounce|shadow)  +(\S+(?: \S+)?)  +[\d.]+ +([\d.]+) \(([\d.]+)-([\d.]+)\) +([\d.]+)/;
-    $fast{$threads, $mesh, $1, $2} = [$3] if /^  (mean)  +(\S+(?: \S+)?)  +([\d.]+)$/;
+    my $name = length > 26 ? substr($_, 10, 16) =~ s/ +$//r : '';
+    $fast{$threads, $mesh, $1, $name} = [$2, $3, $4] if /^  (primary|random|bounce|shadow) .{17} +[\d.]+ +$spread +[\d.]+ +$spread$/;
+    $fast{$threads, $mesh, 'mean', $name} = [$1, $2] if /^  mean    .{16} +([\d.]+) +([\d.]+)$/;
+    $fast{$threads, $mesh, 'bytes', $1} = $2 if /^  (\S+(?: \S+)?) +([\d.]+) +\d+  \S/;
 }
 for my $row (rows_of('results.md', '| scene | engine | primary')) {
     my ($of, $name, @cell) = @$row;
     for my $kind (qw(primary random bounce shadow)) {
         my $is = $fast{1, $of, $kind, $name} or bad("$of, $name, $kind is not recorded"), next;
         my $text = shift @cell;
-        my @part = $text =~ /^([\d.]+) \(([\d.]+)-([\d.]+)\)$/ or bad("$of, $name, $kind: no spread"), next;
         $cells += 3;
-        abs($part[$_] - $is->[$_]) <= 0.00501 or bad("$of, $name, $kind: shown $part[$_], recorded $is->[$_]") for 0 .. 2;
+        $text eq "$is->[0] ($is->[1]-$is->[2])" or bad("$of, $name, $kind: shown $text, recorded @$is");
     }
-    for my $count (1, 2) {
-        my ($text, $is) = (shift @cell, $fast{$count, $of, 'mean', $name}[0] // 'nothing');
+    for ([1, 0], [1, 1], [2, 0], [2, 1]) {
+        my ($text, $is) = (shift @cell, $fast{$_->[0], $of, 'mean', $name}[$_->[1]] // 'nothing');
         $cells++;
-        $is ne 'nothing' && abs($text - $is) <= 0.00501 or bad("$of, $name, mean of $count threads: shown $text, recorded $is");
+        $text eq $is or bad("$of, $name, mean of $_->[0] threads: shown $text, recorded $is");
     }
-    shown("$of, $name, bytes", shift @cell, $fast{1, $of, 'primary', $name}[3]);
+    shown("$of, $name, bytes", shift @cell, $fast{1, $of, 'bytes', $name});
 }
 
 my @error = csv('error.csv');

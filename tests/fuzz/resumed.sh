@@ -68,6 +68,36 @@ awk -F= '$1 ~ /^findings\.[0-9]+\.triangles$/ { found++; large += $2 > 4 } END {
 expect 0 . min "$dir/min" >>"$dir/log"
 same_folders whole min
 
+# Killed while a shrunk finding is written: it is shrunk if its file was there, and is shrunk anew if it was not. The
+# log up to that is taken from a campaign that shrank all of them.
+log=findings.jsonl
+shrunk() { tail -n 1 "$1/$log" | sed 's/.*|shrunk=\([01]*\).*/\1/'; }
+sed -nE 's/^\{"signature":"([^"]*)".*/\1/p' "$dir/whole/$log" | awk '!seen[$0]++' >"$dir/signatures"
+all=$(shrunk "$dir/whole")
+case $all in *0* | '') bad "whole: not all are shrunk: $all" ;; esac
+for k in $(grep -o 'offered=[0-9]*' "$dir/whole/$log" | sed 's/.*=//' | sort -nu); do
+    for file in there lost; do
+        killed="$dir/killed$k$file"
+        cp -r "$dir/whole" "$killed"
+        line=$(grep -n "offered=$k:" "$killed/$log" | tail -n 1 | cut -d : -f 1)
+        was=$(sed -n "${line}s/.*|shrunk=\([01]*\).*/\1/p" "$killed/$log")
+        head -n "$line" "$dir/whole/$log" >"$killed/$log"
+        of="$killed/$(sed -n "$((k + 1))p" "$dir/signatures" | tr : =)"
+        if [ $file = lost ]; then
+            cmp -s "$of/first.trial" "$of/smallest.trial" && continue
+            cp "$of/first.trial" "$of/smallest.trial"
+        fi
+        wanted=$(echo "$was" | awk -v k="$k" -v there="$([ $file = there ] && echo 1 || echo 0)" \
+            '{ print substr($0, 1, k) there substr($0, k + 2) }')
+        expect 1 . fuzz --dir "$killed" --trials 96 --jobs 1 --no-shrink >>"$dir/log"
+        [ "$(shrunk "$killed")" = "$wanted" ] || bad "killed at finding $k, its file $file: shrunk are $(shrunk "$killed"), not $wanted"
+        kills=$((${kills:-0} + 1))
+    done
+    expect 1 . fuzz --dir "$dir/killed${k}there" --trials 96 --jobs 1 >>"$dir/log"
+    same_folders whole "killed${k}there"
+done
+[ "${kills:-0}" -ge 6 ] || bad "only ${kills:-0} findings are written when it is killed"
+
 # An option that would change it is refused, and the folder stays.
 cp -r "$dir/min" "$dir/kept"
 for other in '--layout f32' '--layout rf16,f32,half4' '--rays 41' '--triangles 16-65' '--engine brute' \

@@ -216,6 +216,34 @@ static void the_same_every_time_and_never_more_than_was_allowed(void **state)
     fuzz_trial_free(&trial);
 }
 
+/* "asks" is said of a result for which there were too few of them, not of what was too dear in an
+ * earlier round: where asks are left, the result alone ends in the same way. */
+static void its_end_is_that_of_the_result_alone(void **state)
+{
+    (void)state;
+    bool (*const question[])(const struct fuzz_trial *) = {far_right, two_ways, many, in_turn};
+    size_t ended[2] = {0}; /* by a fixpoint, by asks */
+    for (size_t i = 0; i < ARRAY_COUNT(question); i++)
+        for (uint64_t asks = 200; asks < 400000; asks *= 4) {
+            struct fuzz_trial trial = generated(3, 500, 100);
+            struct shrink_stats stats, again;
+            struct fuzz_trial out = shrink(&trial, question[i], asks, &stats);
+            const uint64_t dearest = 1 + out.scene.tri_count / 64 + out.ray_count / 64;
+            if (stats.asks + dearest <= asks) {
+                struct fuzz_trial same = shrink(&out, question[i], asks, &again);
+                assert_int_equal(again.accepted, 0);
+                if (again.end != stats.end)
+                    fail_msg("question %zu, %u asks: %s, of the result alone %s", i, (unsigned)asks,
+                             shrink_end_name(stats.end), shrink_end_name(again.end));
+                ended[stats.end == SHRINK_OUT_OF_ASKS]++;
+                fuzz_trial_free(&same);
+            }
+            fuzz_trial_free(&out);
+            fuzz_trial_free(&trial);
+        }
+    assert_true(ended[0] > 2 && ended[1] > 0);
+}
+
 static void time_ends_it_and_is_said(void **state)
 {
     (void)state;
@@ -274,6 +302,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(finds_the_smallest),
         cmocka_unit_test(the_same_every_time_and_never_more_than_was_allowed),
+        cmocka_unit_test(its_end_is_that_of_the_result_alone),
         cmocka_unit_test(time_ends_it_and_is_said),
         cmocka_unit_test(what_is_not_shown_is_left_alone),
         cmocka_unit_test(an_error_ends_it),

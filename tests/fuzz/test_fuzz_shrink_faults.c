@@ -250,6 +250,78 @@ static void the_cause_behind_another_is_kept(void **state)
     fuzz_player_close(player);
 }
 
+/* The signature of what is missed on one ray of a trial, played alone; false: nothing is. */
+static bool missed_on(struct fuzz_player *player, const struct fuzz_trial *trial, uint32_t ray,
+                      struct fuzz_signature *out)
+{
+    const struct fuzz_trial alone = fuzz_trial_rays_from(trial, ray, 1);
+    struct fuzz_result result;
+    struct reason reason;
+    if (fuzz_play(player, &alone, 1, &result, NULL, NULL, &reason))
+        fail_msg("%s", reason.text);
+    for (size_t i = 0; i < result.finding_count; i++)
+        if (result.finding[i].signature.kind == fuzz_kind_of_wrong(WRONG_MISSED)) {
+            assert_int_equal(fuzz_explain(player, &alone, &result.finding[i], &reason), STATUS_OK);
+            *out = result.finding[i].signature;
+            return true;
+        }
+    return false;
+}
+
+/* Asked of every cause in a trial, however many rays of other causes are before it: the ray that is
+ * told is the first which shows it when it is played alone. Returns how many were behind two rays
+ * of other causes, or more. */
+static size_t rays_told(struct fuzz_player *player, const struct fuzz_trial *trial)
+{
+    const struct shrink_options options = {.asks = 1}; /* which nothing is smaller for */
+    struct fuzz_signature shown[200];
+    uint32_t ray[200];
+    size_t count = 0, behind = 0;
+    struct reason reason;
+    for (uint32_t r = 0; r < trial->ray_count; r++) {
+        ray[count] = r;
+        count += missed_on(player, trial, r, &shown[count]);
+    }
+    for (size_t k = 0; k < count && k < 64; k++) {
+        size_t first = 0;
+        while (!fuzz_signature_same(&shown[first], &shown[k]))
+            first++;
+        if (first < k)
+            continue;
+        const struct finding_file file = {
+            .trial = *trial, .has_signature = true, .signature = shown[k]};
+        struct finding_file out;
+        struct shrink_stats stats;
+        assert_int_equal(fuzz_shrink_finding(player, &file, &options, &out, &stats, &reason),
+                         STATUS_OK);
+        assert_int_equal(stats.end, SHRINK_OUT_OF_ASKS);
+        assert_int_equal(stats.finding.ray, ray[k]);
+        behind += k > 1;
+        fuzz_trial_free(&out.trial);
+    }
+    return behind;
+}
+
+static void the_ray_that_is_told_shows_it(void **state)
+{
+    (void)state;
+    const struct gen_options options = {
+        .triangles_least = 16, .triangles_most = 64, .rays = 200, .faithful = true};
+    struct fuzz_player *player = open_player(engine_find("cpu"), layout_find("rtrs_rf"));
+    size_t behind = 0;
+    for (uint64_t index = 0; index < 60; index++) {
+        struct fuzz_trial trial;
+        struct reason reason;
+        if (gen_trial(5, index, &options, &trial, &reason))
+            fail_msg("%s", reason.text);
+        if (trial.scene.tri_count < 1000 && trial.ray_count <= 200)
+            behind += rays_told(player, &trial);
+        fuzz_trial_free(&trial);
+    }
+    fuzz_player_close(player);
+    assert_true(behind >= 5);
+}
+
 static void refuses_what_it_cannot_ask(void **state)
 {
     (void)state;
@@ -287,6 +359,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(faults_of_tests),
         cmocka_unit_test(a_peer_with_a_bug),
         cmocka_unit_test(the_cause_behind_another_is_kept),
+        cmocka_unit_test(the_ray_that_is_told_shows_it),
         cmocka_unit_test(refuses_what_it_cannot_ask),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -57,6 +57,7 @@ for bug in 1 2; do
     says '^  faults      wrong answer [1-9]'
     says '^  DIFFERS$'
     head -c 4 "$dir/heat.png" | grep -q PNG || bad "--out writes a PNG"
+    tail -n 1 "$dir/out" | grep -q '^conclusion: ' || bad "diff --out: the conclusion is not the last line"
     again=$(sed -n 's/^    explain: raydiff //p' "$dir/out" | head -n 1)
     look=$(sed -n 's/^  look: raydiff //p' "$dir/out")
     eval "expect 1 . $again"

@@ -140,13 +140,58 @@ way() {
         }' "$dir/flat" "$dir/sides" || bad "$1: boxes on the way"
 }
 
+# The ray, the way to the triangle and the repairs are those of the JSON; what is at fault is marked, and nothing else.
+facts() {
+    awk -f tests/values/flat.awk "$dir/json" >"$dir/flat"
+    sed -n '/<h2>The ray</,/<h2>Again</p' "$dir/page.html" | tr -d '\n' | sed 's/<\(tr\|p\|h2\)\([ >]\)/\n<\1\2/g' |
+        sed 's/&gt;/>/g; s/&lt;/</g; s/&amp;/\&/g' >"$dir/page.lines"
+    awk '
+        function g(path) { return sprintf("%.9g", v[path ".value"]) }
+        function three(path) { return "(" g(path ".0") ", " g(path ".1") ", " g(path ".2") ")" }
+        function cell(text) { return "<td>" text "</td>" }
+        function number(text) { return "<td class=\"n\">" text "</td>" }
+        function row(fault, text) { return "<tr" (fault ? " class=\"fault\"" : "") ">" text "</tr>" }
+        function want(text) { wanted[++lines] = text }
+        # The note of a box test is what its two words say, where it was tested.
+        function note(p) { return v[p ".tested"] != "true" ? "" : v[p ".entered"] == "true" ? "entered" : "TURNED AWAY" }
+        function hit(p, of) { return v[p ".prim"] == "null" ? "a miss" : "triangle " v[p ".prim"] " at t = " g(p ".t") of }
+        FNR == NR { at = index($0, "="); v[substr($0, 1, at - 1)] = substr($0, at + 1); next }
+        FNR == 1 {
+            want("<p>from " three("origin") " along " three("direction") ", t from " g("tmin") " to " g("tmax") "</p>")
+            if (v["way.count"] > 0)
+                for (i = 0; i <= v["last"] + 0; i++) {
+                    p = "way." i
+                    want(row(i == v["last"], number(v[p ".node"]) number(v[p ".record"] == "null" ? "-" : v[p ".record"]) \
+                        cell(v[p ".leaf"] == "true" ? "leaf" : "inner") cell(note(p))))
+                }
+            for (i = 0; i < v["tried.count"] + 0 && v["inside"] == "true"; i++) {
+                p = "tried." i
+                if (v[p ".changed"] != "true") continue
+                want(row(v[p ".allowed"] == "true", cell(v[p ".repair"]) \
+                    cell(v[p ".finished"] == "true" ? hit(p ".answer", "") : "not finished") cell("")))
+            }
+        }
+        /^<p>from / || /^<tr[ >]/ {
+            if (/<th/) next
+            text = $0
+            sub(/<\/tbody>.*/, "", text)
+            is = wanted[++line]
+            # The last cell of a repair, and what else a box test says, are held against the text elsewhere.
+            if (is ~ /<td><\/td><\/tr>$/) { sub(/<td>[^<]*<\/td><\/tr>$/, "<td></td></tr>", text) }
+            if (text != is) { print "page has " text ", not " is; bad = 1 }
+        }
+        END { if (line != lines) { print line + 0 " lines, not " lines; bad = 1 } exit bad }' "$dir/flat" "$dir/page.lines" || bad "facts of $1"
+}
+
 page 1 sphere:n=8 --layout rtrs_rf_paper --tri woop --rays edges --count 20000 --cause rounded_inward
+facts sphere
 bits sphere
 shapes sphere
 way sphere
 cmp -s "$dir/page.svg" docs/finding.svg || bad 'docs/finding.svg is another picture: explain ... --svg docs/finding.svg'
 grep -q 'Cause: rounded_inward, ' "$dir/page.html" || bad 'no cause'
 page 1 fuzz/corpus/rounded-inward.trial
+facts rounded-inward
 bits rounded-inward
 shapes rounded-inward
 grep -q '<title>the way</title>' "$dir/page.html" && bad 'a root alone has a way'
@@ -156,8 +201,9 @@ grep -q '<title>the box test has &lt; where' "$dir/page.svg" || bad 'a text is n
 for file in fuzz/corpus/*.trial; do
     rm -f "$dir/x.svg"
     [ "$(head -n 1 "$file")" = 'raydiff trial 1' ] || continue # of a world, which explain refuses
-    "$raydiff" explain "$file" --html "$dir/x.html" --svg "$dir/x.svg" >"$dir/out" 2>"$dir/err"
+    "$raydiff" explain "$file" --html "$dir/x.html" --svg "$dir/x.svg" --json "$dir/json" >"$dir/out" 2>"$dir/err"
     [ $? -le 1 ] || bad "$file: $(cat "$dir/err")"
+    [ ! -e "$dir/x.html" ] || { mv "$dir/x.html" "$dir/page.html"; facts "$file"; }
     [ ! -e "$dir/x.svg" ] || uncut "$dir/x.svg" 3
     grep -qiE '[^a-z](nan|inf)[^a-z]' "$dir/x.svg" 2>/dev/null && bad "$file: a corner that is no number"
 done

@@ -237,9 +237,59 @@ static void a_build_leaves_the_thread_as_it_was(void **state)
     world_free(&world);
 }
 
+/* --- batches ---------------------------------------------------------------------------------- */
+
+/* Engines fill Embree's structures with 2^17 rays at a time: each ray of two batches and one more
+ * has the answer that it has in a call of its own, the rejected ones have none, and the time is
+ * that of all. No ray takes less than a nanosecond on one thread. */
+static void every_ray_of_several_batches_has_its_answer(void **state)
+{
+    (void)state;
+    enum { COUNT = (2 << 17) + 1 };
+    const struct engine_options options = {.threads = 1, .device = -1};
+    struct ray *ray = calloc(COUNT, sizeof *ray);
+    struct hit *hit = calloc(COUNT, sizeof *hit), alone;
+    struct trace_report report;
+    assert_true(ray && hit);
+    for (size_t mode = 0; mode < 3; mode++)
+        for (int query = QUERY_CLOSEST; query <= QUERY_ANY; query++) {
+            size_t hits = 0, none = 0;
+            prepare((enum query)query);
+            if (mode > 0) {
+                const struct job job = {.scene = mesh.scene, .query = (enum query)query};
+                engine->close(self);
+                engine = embree_modes[mode - 1];
+                assert_int_equal(engine->open(&options, &self, NULL), STATUS_OK);
+                assert_int_equal(engine->prepare(self, &job, NULL), STATUS_OK);
+            }
+            for (size_t i = 0; i < COUNT; i++)
+                ray[i] = (struct ray){{(float)(i % 97) / 64, (float)(i % 89) / 64, 1 + (float)i},
+                                      i % 11 ? 0.0f : -1.0f,
+                                      {0, 0, -1},
+                                      INFINITY};
+            assert_int_equal(engine->trace(self, ray, COUNT, hit, &report, NULL), STATUS_OK);
+            assert_true(report.ns >= COUNT && report.core_ns >= COUNT);
+            for (size_t i = 0; i < COUNT; i++) {
+                hits += hit[i].prim != ABI_NO_PRIM;
+                none += i % 11 == 0;
+                assert_true(i % 11 != 0 || hit[i].prim == ABI_NO_PRIM);
+                if (i % 64 != 0 && i < COUNT - 100)
+                    continue;
+                assert_int_equal(engine->trace(self, &ray[i], 1, &alone, &report, NULL),
+                                 STATUS_OK);
+                assert_memory_equal(&alone, &hit[i], sizeof alone);
+            }
+            assert_in_range(hits, COUNT / 8, COUNT - none - COUNT / 8);
+            drop();
+        }
+    free(ray);
+    free(hit);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_ray_of_several_batches_has_its_answer),
         cmocka_unit_test(rays_beside_the_contract_are_not_traced),
         cmocka_unit_test(lists_have_what_the_filter_is_given),
         cmocka_unit_test(lists_are_in_their_place),

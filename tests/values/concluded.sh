@@ -16,6 +16,7 @@ ends() {
     shift 2
     expect "$code" . "$@"
     tail -n 1 "$dir/out" | grep -qE -- "^$line\$" || bad "raydiff $*: the last line is not /$line/"
+    [ "$(grep -c '^conclusion: ' "$dir/out")" -le 1 ] || bad "raydiff $*: two conclusions"
 }
 
 # Answers that are WRONG are no result that proves nothing.
@@ -68,13 +69,26 @@ ends 0 'conclusion: 2 of 2 rows agree, 0 of 1000 answers WRONG; speeds cannot be
     check sphere:n=8 $few --layout f32,rf16 --engine cpu
 grep -q "rf16 on cpu: .* times its speed, within noise\$" "$dir/out" || bad 'check: a speed of one run is told'
 
+# What is told of a scene, and of named engines, does not depend on one that cannot be read before or behind it.
+for scenes in "$dir/nothing.obj sphere:n=4" "sphere:n=4 $dir/nothing.obj"; do
+    ends 2 'conclusion: 1 of 1 rows agree, 0 of 500 answers WRONG' check $scenes $few --layout rf16 --engine cpu
+    grep -qx 'engine cpu answered 1 of 1' "$dir/out" || bad "check $scenes: it is not told what engine cpu answered"
+done
+
 # No row twice: an engine with tests of its own is one row, whatever tests are named.
 expect 0 . leaks sphere:n=4 --engine cpu,fast,embree,brute,"pipe:$samples/tracer" --layout f32 --count 2000
 sed -n '/^verdict/,/^what it means/p' "$dir/out" | sort | uniq -d | grep -q . && bad 'leaks: a row twice'
 expect 0 . leaks sphere:n=4 --engine fast --layout f32 --count 2000
 grep -q '  1 of 1 rows promise' "$dir/out" || bad 'leaks: engine fast is one row'
+expect 0 . check sphere:n=4 --engine cpu,fast,embree,brute,"pipe:$samples/tracer" --layout f32 --tri mt,woop --box robust,watertight \
+    --count 200 --repeat 1 --json "$dir/json"
+perl -MJSON::PP -0ne 'my %seen; $seen{join " ", map { $_ // "-" } @$_{qw(engine layout box tri query builder store)}}++ for @{decode_json($_)->{rows}};
+    my %count; for (keys %seen) { print "twice: $_\n" if $seen{$_} > 1; $count{(split)[0] =~ s/:.*//r}++ }
+    print "$count{cpu} $count{fast} $count{embree} $count{brute} $count{pipe}\n"' "$dir/json" >"$dir/out2"
+[ "$(cat "$dir/out2")" = '4 1 1 2 1' ] || bad "check: a row twice: $(cat "$dir/out2")"
 
 # Each command that judges ends with a conclusion.
+ends 0 'conclusion: 1 of 1 comparison with cpu as it should be' diff sphere:n=4 --engine cpu,brute -w 16 -h 12 --out "$dir/heat.png"
 dxr='leaks sphere:n=4 --engine cpu --layout f32 --tri woop --box watertight --count 2000'
 ends 0 'conclusion: 3 rows: [12] kept, 0 broken, [12] counted' leaks sphere:n=4 --engine cpu,embree --layout f32 --tri woop --count 2000
 ends 1 'conclusion: 1 row: 0 kept, 1 broken, 0 counted' $dxr --profile dxr

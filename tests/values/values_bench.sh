@@ -107,6 +107,18 @@ play_fuzz() {
     for rounds in 1 2; do
         known='trials=3' bench fuzz 40 "$rounds" --count 3 --engine cpu,embree_robust
     done
+    # All trials of all numbers of workers are those of a campaign, each once: as many answers at fault, as many refusals.
+    run bench fuzz --engine cpu --layout rtrs_rf --count 40 --rounds 2 --seed 9 --json "$dir/json"
+    awk -f tests/values/flat.awk "$dir/json" >"$dir/other.flat"
+    sum() { awk -F = -v key="^$2\$" '$1 ~ key { sum += $2 } END { print sum + 0 }' "$dir/$1.flat"; }
+    run fuzz --engine cpu --layout rtrs_rf --trials "$(sum other 'rows.*.trials')" --rays 500 --corpus none --seed 9 --no-shrink \
+        --dir "$dir/campaign" --json "$dir/json"
+    awk -f tests/values/flat.awk "$dir/json" >"$dir/campaign.flat"
+    for pair in rows.*.at_fault=at_fault rows.*.refused=contestants.*.refused_in_this_run; do
+        of=$(sum other "${pair%=*}") is=$(sum campaign "${pair#*=}")
+        [ "$of" -gt 0 ] && [ "$of" -eq "$is" ] || bad "bench fuzz: ${pair%=*} are $of, of a campaign $is"
+    done
+    rm -f "$dir/other.flat"
     known='trials=5 alone=1' bench fuzz 40 1 --count 5 --engine cpu --layout f32
 }
 play_frames() {

@@ -84,6 +84,30 @@ counted=$(sed -nE 's/.* wrong ([0-9]+) \(as published, counted\).*/\1/p' "$dir/o
 [ "$counted" -gt 0 ] && grep -q "^[0-9]* rays judged: .* wrong 0; as published, counted: $counted\$" "$dir/out" ||
     bad "conform: $counted answers of members as published are not told apart"
 
+# The hard cases: why trials are waived is the waivers' text, and of how many; failed ones with their answers.
+echo none=0 >"$dir/none"
+summary() { # exit code, how many waivers are told, arguments
+    wanted=$1 waivers=$2
+    shift 2
+    "$raydiff" conform "$@" --summary --verbose --junit "$dir/hard" >"$dir/hard.text" 2>&1
+    code=$?
+    [ "$code" -eq "$wanted" ] || bad "conform $*: exit $code, not $wanted"
+    awk -v least=8 -v "waivers=$waivers" -f tests/values/lib.awk -f tests/values/summary.awk "$dir/none" "$dir/hard" "$dir/hard.text" ||
+        bad "conform $*: the summary is not of its trials"
+}
+summary 0 4 'hard.[03][0-9]-*' --engine cpu,cpu_stackless --layout rtrs_rf,f32,tiny8 --builder median,rtrs --box robust --tri mt,mt_rtrs
+# Answers that are WRONG, and an engine that ends in some cases, are two exit codes.
+for tracer in wrong ends; do
+    case $tracer in
+    wrong) change='s/size > 0\.0f/size > 1e-4f/' ;;
+    ends) change='s/        struct ray \*ray = take/        if (q.triangles > 100) return 0;\n&/' ;;
+    esac
+    sed "$change" fuzz/samples/sample_tracer.c >"$dir/$tracer.c"
+    cc -O1 -o "$dir/$tracer" "$dir/$tracer.c" || bad "a tracer that $tracer is not compiled"
+done
+summary 1 0 'hard.[0-3]?-*' --engine "pipe:$dir/wrong"
+summary 3 0 'hard.[0-3]?-*' --engine "pipe:$dir/ends"
+
 # Pairs of members.
 pairs=$(awk -v fields=8 -v what='pairs of members' -f tests/conform/pairs.awk "$dir/xml")
 grep -q "^$pairs" "$dir/text" || bad "not '$pairs', but '$(grep ' pairs of members met' "$dir/text")'"

@@ -83,6 +83,12 @@ for file in cut-box sentinel; do
     rm "$dir/small.trial"
 done
 
+# Ended by few asks, and what is the smallest already.
+try 0 min fuzz/corpus/slot-not-read.trial --asks 40 --out "$dir/small.trial"
+laws min 20
+try 0 min "$dir/small.trial" --asks 1 --out "$dir/same.trial"
+laws min 20
+rm "$dir/small.trial" "$dir/same.trial"
 # Asks count more than trials where rays or triangles are many.
 try 1 fuzz --rays 400 --jobs 1 --corpus none --faithful --seed 9 --engine cpu --layout rtrs_rf --trials 64 --no-shrink --dir "$dir/many"
 try 0 min "$(ls -d "$dir"/many/*.missed.* | head -n 1)/first.trial" --out "$dir/small.trial"
@@ -116,6 +122,35 @@ for file in "$dir"/a/*/smallest.trial fuzz/corpus/wrong-item.trial fuzz/corpus/s
     esac
 done
 [ "$missed" -ge 6 ] || bad "only $missed rays that are lost"
+# What is expected is behind rays that are lost for other causes.
+cat >"$dir/two.trial" <<'END'
+raydiff trial 1
+expect cpu.rtrs_rf_paper.missed.rounded_inward
+builder median leaf 4 eps 0.02
+box watertight
+tri mt
+query closest
+vertices 6
+-100 -10 0
+-101 -10 0
+-100 -11 0
+0 0 0
+-0x1.4e2p+11 0x1.26p+10 0
+-0x1.4p+11 0 0
+triangles 2
+0 1 2
+3 4 5
+rays 3
+-100.25 -10.25 9 0 0 -1 0 inf
+-100.25 -10.25 9 0 0 -1 0 99
+-0x1.4e1p+11 0x1.25p+10 0x1p+11 0 0 -1 0 inf
+end
+END
+sed '/ 99$/d; s/^rays 3/rays 2/' "$dir/two.trial" >"$dir/next.trial"
+for file in "$dir/two.trial" "$dir/next.trial" "$dir"/many/*.missed.*/first.trial; do
+    replayed "$file" 1 played --engine cpu
+    again
+done
 replayed fuzz/corpus/bad-rays.trial 77 skipped --engine cpu,vulkan --driver no-such-driver
 replayed fuzz/corpus/bad-rays.trial 0 played --engine cpu,brute
 

@@ -84,6 +84,19 @@ play_images() {
             [ "$code" -eq $((most > max)) ] || bad "$ran: exit $code, differs by $most"
         done
     done
+    # Two pictures are compared if one is named, by whatever ending the other has; not if an option writes one.
+    run diff "$dir/a.png" "$dir/b.png"
+    cp "$dir/text" "$dir/both" && cp "$dir/b.png" "$dir/b.picture"
+    for way in "$dir/a.png $dir/b.picture" "-- $dir/a.png $dir/b.picture"; do
+        run diff $way && sed 's/b\.picture/b.png/' "$dir/text" | cmp -s - "$dir/both" || bad "$ran: not as with b.png"
+    done
+    "$raydiff" diff "$dir/a.png" >"$dir/text" 2>"$dir/err"
+    [ $? -eq 2 ] && grep -q 'two PNG files are compared, not 1' "$dir/err" || bad 'diff A.png: one picture is no scene'
+    for way in "--out $dir/out.png" "--out=$dir/out.png"; do
+        rm -f "$dir/out.png"
+        run diff rtrs $small --engine cpu,brute $way && [ -s "$dir/out.png" ] && grep -q '^brute against cpu: ' "$dir/text" ||
+            bad "$ran: engines are not compared"
+    done
     # Where the heat map has each pixel.
     for ambience in 0 0.5; do
         run render sphere:n=6 -w 7 -h 5 --ambience $ambience --out "$dir/h$ambience.png"
@@ -96,18 +109,26 @@ play_images() {
             "$dir/x.a.pixels" "$dir/x.b.pixels" "$dir/heat.map" "$dir/text" || bad "$ran: heat map"
 }
 play_engines() {
-    for scene in cornell:n=4 'rtrs --profile rtrs'; do
-        for side in a:cpu b:embree; do
-            run render $scene -w 48 -h 36 --engine "${side#*:}" --out "$dir/${side%:*}.png" --paths "$dir/${side%:*}.csv"
-            pixels "$dir/${side%:*}.png" "$dir/${side%:*}.pixels"
-        done
-        run diff $scene -w 48 -h 36 --engine cpu,embree,brute --json "$dir/json" &&
-            values diff_engines 400 engine=embree "$dir/a.csv" "$dir/b.csv" "$dir/a.pixels" "$dir/b.pixels" "$dir/text"
-        # Three of the pixels that differ, and one that does not.
-        for pixel in $(sed -n 's/^  pixel \([0-9,]*\) .*/\1/p' "$dir/text" | head -n 3) 24,20; do
-            run diff $scene -w 48 -h 36 --engine cpu,embree,brute --pixel "$pixel" --json "$dir/json" &&
-                values diff_pixel 60 "$dir/a.pixels" "$dir/b.pixels" "$dir/text"
-        done
+    # So many lights and bounces that the pixels which differ are explained in several parts.
+    for light in $(seq 32); do echo "--light $((light % 7 - 3)) $((light % 5 + 2)) $((light % 9 - 4)) 0.1"; done >"$dir/lights"
+    run construct --out "$dir/lit.json" --camera-fixed --camera-pos 0 0.5 1.6 0 0 0 $(cat "$dir/lights") \
+        --material 0.3 0.5 0.7 0.3 0.7 0.5 10 --model sphere:n=16 0
+    compare_engines "$dir/lit.json --bounces 64" 32 24 '--layout rtrs_rf'
+    compare_engines cornell:n=4 48 36
+    compare_engines 'rtrs --profile rtrs' 48 36
+}
+compare_engines() { # scene, width, height, options of engines that walk trees
+    scene="$1 -w $2 -h $3" trees=${4-}
+    run render $scene $trees --engine cpu --out "$dir/a.png" --paths "$dir/a.csv"
+    run render $scene --engine embree --out "$dir/b.png" --paths "$dir/b.csv"
+    for side in a b; do pixels "$dir/$side.png" "$dir/$side.pixels"; done
+    scene="$scene $trees --engine cpu,embree,brute"
+    run diff $scene --json "$dir/json" &&
+        values diff_engines 400 engine=embree "$dir/a.csv" "$dir/b.csv" "$dir/a.pixels" "$dir/b.pixels" "$dir/text"
+    # Three of the pixels that differ, and one that does not.
+    for pixel in $(sed -n 's/^  pixel \([0-9,]*\) .*/\1/p' "$dir/text" | head -n 3) 24,20; do
+        run diff $scene --pixel "$pixel" --json "$dir/json" &&
+            values diff_pixel 60 "$dir/a.pixels" "$dir/b.pixels" "$dir/text"
     done
 }
 

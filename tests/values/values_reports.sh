@@ -7,6 +7,18 @@ raydiff=$1
 
 run doctor --json "$dir/json" && values doctor 80 processors="$(getconf _NPROCESSORS_ONLN)" "$dir/text"
 
+# What a report says of the machine, and of two cards whose numbers are all different.
+perl tests/values/findings/machine.pl --two "$dir/json" >"$dir/two.json"
+case $? in
+0)
+    run report --doctor "$dir/two.json" --parts machine --out "$dir/page.html" &&
+        perl tests/values/findings/machine.pl "$dir/two.json" "$dir/page.html" "$("$raydiff" --version | awk '{ print $2 }')" ||
+        bad 'report: another machine, or other cards'
+    ;;
+77) echo 'SKIP a report on cards: doctor has not both, one that runs and one that does not' ;;
+*) bad 'report: no file of two cards' ;;
+esac
+
 # findings, of these failing, least number of values, arguments
 reported() {
     findings=$1 failing=$2 least=$3
@@ -22,6 +34,16 @@ run check sphere:n=4 soup:n=100 --engine "cpu,brute,pipe:$dir/blind" --layout f3
 awk -f tests/values/flat.awk "$dir/check.json" >"$dir/other.flat"
 reported 0 0 15 --check "$dir/check.json" --parts check
 [ "$(sed -n 's/^wrong=//p' "$dir/flat")" -ge 50 ] || bad "report: nothing is WRONG"
+
+# The tables of a page, cell by cell: rows that are WRONG, as published, refused and skipped; any benchmark.
+run check sphere:n=4 soup:n=100 --engine "cpu,cpu_stackless,rayquery,pipe:$dir/blind" --layout f32,rtrs_rf,tiny8 --query closest,any \
+    --driver no-such-driver --tri mt,woop --box robust,watertight --builder median,lbvh --count 300 --repeat 2 --threads 1 --brute 0 --json "$dir/rows.json"
+# The first row has other bits than cpu's.
+perl -0 -i -pe 's/"bit_differences": 0/"bit_differences": 3/; s/"differences": 0/"differences": 3/' "$dir/rows.json"
+run bench layouts --scene sphere:n=4 --count 200 --rounds 2 --threads 1 --json "$dir/layouts.json"
+run bench error --scene sphere:n=4 --count 60 --rounds 1 --engine cpu,brute --layout f32 --tri mt,woop --json "$dir/error.json"
+run report --check "$dir/rows.json" --bench "$dir/layouts.json" --bench "$dir/error.json" --parts check,bench --out "$dir/page.html" &&
+    perl tests/values/findings/page.pl "$dir/page.html" "$dir/rows.json" "$dir/layouts.json" "$dir/error.json" || bad 'report: tables'
 
 # Findings: as many as the folder has, all of them still there, or none of them.
 : >"$dir/other.flat"

@@ -58,5 +58,24 @@ awk -F . '
         exit all != found
     }' "$dir/of_cpu" || bad "conform --worlds: two members do not meet"
 
+# Members that are named are all that is played, those as published too: each below itself, and below
+# the one after it if there are several. Shaders have one layout for both levels.
+cycle() { # names, with commas between
+    echo "$1" | awk -F , '{ for (i = 1; i <= NF; i++) { print $i; if (NF > 1) print $(i % NF + 1) "/" $i } }' | LC_ALL=C sort
+}
+for named in f32 rf16,f32 f32,rf16,half4 rtrs_rf,f32,tiny8,half4; do
+    expect 0 . conform --worlds --list --engine cpu --layout "$named" --builder median --box robust --tri mt
+    cut -d . -f 4 "$dir/out" | LC_ALL=C sort -u >"$dir/names"
+    cycle "$named" | cmp -s - "$dir/names" || bad "conform --worlds --layout $named: other layouts: $(tr '\n' ' ' <"$dir/names")"
+    expect 0 . conform --worlds --list --engine vulkan --layout "$named" --builder median --box robust --tri mt
+    cut -d . -f 4 "$dir/out" | LC_ALL=C sort -u >"$dir/names"
+    echo "$named" | tr , '\n' | LC_ALL=C sort | cmp -s - "$dir/names" || bad "conform --worlds --layout $named: of shaders other layouts"
+done
+for named in lbvh rtrs,median median,sah_binned,lbvh; do
+    expect 0 . conform --worlds --list --engine cpu --layout f32 --builder "$named" --box robust --tri mt
+    cut -d . -f 5 "$dir/out" | LC_ALL=C sort -u >"$dir/names"
+    cycle "$named" | cmp -s - "$dir/names" || bad "conform --worlds --builder $named: other builders: $(tr '\n' ' ' <"$dir/names")"
+done
+
 echo "conform_worlds: $failed failed"
 [ "$failed" -eq 0 ]

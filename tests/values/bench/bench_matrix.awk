@@ -9,8 +9,8 @@ function part(what, text, bytes, known) {
     if (known) same(name what, text, "%.1f", bytes / v[p ".triangles"])
     else equal(name what, text, "-")
 }
-function speeds(  k, product, ratio, base) {
-    product = 1
+function speeds(  k, product, product_warm, ratio, warm, base) {
+    product = product_warm = 1
     base = "rows." first
     split(substr($0, 33), word, " ")
     for (k = 1; k <= 5; k++) {
@@ -19,11 +19,17 @@ function speeds(  k, product, ratio, base) {
         same_span(name kind[k], word[2 * k], "%.2f", v[ratio "_min"], v[ratio "_max"])
         truth(name kind[k] " span", v[ratio "_min"] <= v[ratio] && v[ratio] <= v[ratio "_max"])
         if (rounds == 1) near(name kind[k] " ratio", v[ratio], v[p "." kind[k] "_mrays"] / v[base "." kind[k] "_mrays"])
-        if (k <= 4) product *= v[ratio]
+        warm = p "." kind[k] "_warm"
+        truth(name kind[k] " warm span", v[warm "_min"] <= v[warm] && v[warm] <= v[warm "_max"])
+        if (v[p ".name"] == v[base ".name"]) truth(name kind[k] " warm, to itself", v[warm] == 1)
+        else if (v[warm] + 0 != v[ratio] + 0) apart++
+        if (k <= 4) { product *= v[ratio]; product_warm *= v[warm] }
     }
     near(name "mean", v[p ".mean_ratio"], product ^ 0.25)
     same(name "mean", word[11], "%.2f", v[p ".mean_ratio"])
-    same(name "prim Mr/s", word[12], "%.3f", v[p ".prim_mrays"])
+    near(name "warm mean", v[p ".mean_warm"], product_warm ^ 0.25)
+    same(name "warm mean", word[12], "%.2f", v[p ".mean_warm"])
+    same(name "prim Mr/s", word[13], "%.3f", v[p ".prim_mrays"])
 }
 # What a name is made of.
 function members() {
@@ -112,6 +118,7 @@ table && NF > 8 {
 }
 END {
     equal("rows", r, v["rows.count"])
+    truth("warm ratios are others", apart > 0)
     equal("exit code", v["exit"], any_wrong > 0 ? 1 : 0)
     for (i = 0; i < r; i++) is_worth += v["rows." i ".worth"] != "-"
     equal("lines of the front", fronts " " worths + 0, "1 " (is_worth > 0))

@@ -1,4 +1,5 @@
 # The table of `raydiff min FOLDER`, or the page of `raydiff min FILE`, against the JSON: awk -f lib.awk -f min.awk FLAT TEXT
+FILENAME != ARGV[1] { page = page " " $0 }
 /^finding +triangles, rays +now +asks/ { heads++; next }
 / findings, [0-9]+ of them smaller now$/ {
     equal("findings", $2, v["findings.count"])
@@ -14,6 +15,8 @@ heads && NF >= 6 {
     equal("triangles after", $4, v[p ".after.triangles"] ",")
     equal("rays after", $5, v[p ".after.rays"])
     equal("asks", $6, v[p ".asks"])
+    equal("more may help", /; more --asks or --time may help$/, v[p ".end"] != "fixpoint")
+    sub(/;$/, "", $7)
     equal("result", $7, v[p ".result"])
     truth("triangles " $1, v[p ".after.triangles"] <= v[p ".before.triangles"])
     truth("bytes " $1, v[p ".result"] != "smaller" || v[p ".written"] != "")
@@ -33,13 +36,37 @@ heads && NF >= 6 {
     pages++
     next
 }
-/^  asked +[0-9]+ trials in / {
+/^  asked +[0-9]+ trials? in / {
     equal("tried", $2, v["findings.0.tried"])
     equal("rounds", $5, v["findings.0.rounds"])
     equal("asks", $7, "(" v["findings.0.asks"])
     equal("accepted", $9, v["findings.0.accepted"])
     pages++
     next
+}
+# What is said of the end, of what the result shows and of where it is.
+function words(text) {
+    gsub(/[ \n]+/, " ", text)
+    return text
+}
+function page_laws(p,  end_of, cause, text) {
+    end_of["fixpoint"] = "no smaller candidate is left"
+    end_of["asks"] = "a larger --asks may find a smaller one"
+    end_of["time"] = "ended by --time"
+    page = words(page)
+    truth("why it ended: " v[p ".end"], (v[p ".end"] in end_of) && index(page, " smaller; " end_of[v[p ".end"]] " ") > 0)
+    cause = v[p ".signature"]
+    sub(/.*\./, "", cause)
+    truth("the cause is the signature's", v[p ".signature"] ~ /\.(crash|hang)\./ || index(page, " cause " cause ": ") > 0)
+    text = words(v[p ".text"])
+    if (text != "" && match(page, / shows ray [0-9]+ /)) {
+        truth("what it shows", index(page, substr(page, RSTART, RLENGTH) text) > 0)
+        split(substr(page, RSTART, RLENGTH), word, " ")
+        truth("its ray is one of the result", word[3] < v[p ".after.rays"])
+    } else equal("a ray that it shows", text, "")
+    truth("where it was written", index(page, v[p ".written"] != "" ? " wrote " v[p ".written"] " " : " wrote nothing: it is the smallest ") > 0)
+    truth("what plays it", index(page, " replay raydiff replay " (v[p ".written"] != "" ? v[p ".written"] : v[p ".file"])) > 0)
+    equal("smaller", v[p ".result"], v[p ".accepted"] > 0 ? "smaller" : "smallest")
 }
 END {
     if (heads) {
@@ -49,6 +76,7 @@ END {
     } else {
         equal("lines of a page", pages, 3)
         equal("findings of a page", v["findings.count"], 1)
+        page_laws("findings.0")
     }
     print "min: " checked " values, " wrong + 0 " wrong"
     exit wrong > 0 || checked < least

@@ -11,9 +11,20 @@ function kind_of(signature,  part) {
     split(kind_and_cause(signature), part, " ")
     return part[1]
 }
-function keep_trial(  text) {
+# A ray as its eight numbers, whatever form they are written in.
+function ray_is(text,  word, k, out) {
+    gsub(/[^-+.0-9a-z]+/, " ", text)
+    split(text, word, " ")
+    for (k = 1; k <= 8; k++) out = out " " (word[k] ~ /inf/ ? word[k] : float_number(word[k]))
+    return out
+}
+function keep_trial(  text, at) {
     while ((getline text <trial) > 0) {
         split(text, words, " ")
+        if (("rays" in of) && at < of["rays"] + 0 && words[1] ~ /^[-+0-9]/) {
+            sub(/#.*/, "", text)
+            trial_ray[at++] = ray_is(text)
+        }
         if (!(words[1] in of)) of[words[1]] = words[2]
         if (words[1] == "builder") leaf = words[4]
         if (words[1] == "recipe") recipe = substr(text, 8)
@@ -40,12 +51,25 @@ function player(p,  head, k, q, text) {
         line((k ? sprintf("  %-13s %-13s ", "", "") : head) text (v[q ".expected"] == "true" ? " <- expected" : ""))
         expected += v[q ".expected"] == "true"
         found++
+        truth("one finding of " kind_of(v[q ".signature"]), !seen[p, kind_of(v[q ".signature"])]++) # the first of a kind
         truth("a signature names " v[p ".engine"], v[p ".engine"] ~ /^pipe:/ || index(v[q ".signature"], v[p ".engine"] "." (v[p ".layout"] == "null" ? "-" : v[p ".layout"]) ".") == 1)
         # Of an engine without a layout the kind is what can be expected of a finding on one.
         if (v[q ".expected"] == "true" && v[p ".layout"] == "null" && v["files.0.expect"] !~ /\.-\./)
             equal("what was expected", kind_of(v[q ".signature"]), kind_of(v["files.0.expect"]))
         else if (v[q ".expected"] == "true") equal("what was expected", v[q ".signature"], v["files.0.expect"])
+        if (v[q ".signature"] ~ /\.(tree|refused)\./) equal("ray of what is on none", v[q ".ray"], "null")
         truth("ray " v[q ".ray"], v[q ".ray"] == "null" || v[q ".ray"] < v["files.0.rays"])
+        # The ray that is shown is the trial's of that number.
+        if (match(v[q ".text"], /o=\(.*\) d=\(.*\) t=\[[^]]*/)) {
+            text = substr(v[q ".text"], RSTART, RLENGTH)
+            gsub(/[odt]=/, " ", text)
+            equal("ray " v[q ".ray"] " of the file", ray_is(text), trial_ray[v[q ".ray"]])
+            if (v[q ".expected"] == "true" && explained == "") {
+                explained = trial_ray[v[q ".ray"]]
+                cause = v[q ".signature"]
+                sub(/.*\./, "", cause)
+            }
+        }
     }
 }
 function versions(title, path,  k) {
@@ -85,6 +109,11 @@ FNR <= lines {
     if (bare ~ / (refused|tree) [a-z_]+$/ && index($0, bare ", ") == 1) equal("end of line " FNR, substr($0, length($0) - length(mark) + 1), mark)
     else equal("line " FNR, $0, wanted[FNR])
 }
+# So is the ray that is explained, which shows what was expected.
+/^origin / { page = $2 " " $4 " " $6 }
+/^direction / { page = page " " $2 " " $4 " " $6 }
+/^range / { equal("the ray that is explained", ray_is(page " " $2 " " $4), explained) }
+/^cause / { equal("the cause that is explained", $2, cause ":") }
 END {
     truth("lines " FNR, FNR >= lines)
     if (status != "") truth("one that is " status, players[status])

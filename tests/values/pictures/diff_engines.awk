@@ -1,11 +1,12 @@
 # `raydiff diff SCENE --engine A,B` against the paths and the pictures that `raydiff render` makes with each:
 # awk -f lib.awk -f pixels.awk -f paths.awk -f diff_engines.awk FLAT a.csv b.csv a.pixels b.pixels TEXT
-function count_paths(  y, x, at, i, n, a, b, none, apart) {
+# Paths part where another triangle is hit, or another light is asked for or in a shadow.
+function count_paths(  y, x, at, i, n, a, b, none, apart, parts) {
     split("t triangle asked shadowed", field_name, " ")
     for (y = 0; y < v["height"]; y++) for (x = 0; x < v["width"]; x++) {
         at = 0 SUBSEP x SUBSEP y
         n = of_path[0, at] > of_path[1, at] ? of_path[0, at] : of_path[1, at]
-        apart = 0
+        apart = parts = 0
         for (i = 0; i < n; i++) {
             none = "" SUBSEP "none" SUBSEP 0 SUBSEP 0
             split((0, at, i) in segment ? segment[0, at, i] : none, a, SUBSEP)
@@ -15,8 +16,10 @@ function count_paths(  y, x, at, i, n, a, b, none, apart) {
             for (k = 1; k <= 4; k++) {
                 is[field_name[k]] += a[k] "" != b[k] ""
                 apart += a[k] "" != b[k] ""
+                parts += k > 1 && a[k] "" != b[k] ""
             }
         }
+        is["paths_that_part"] += parts > 0
         is["paths_different"] += apart > 0
     }
     is["paths"] = v["width"] * v["height"]
@@ -43,6 +46,7 @@ function laws(p,  k, sum, allowed) {
     differences()
     for (k = split("paths paths_different segments triangle t asked shadowed", name, " "); k > 0; k--)
         equal(name[k] " of paths", v[p "." name[k]], is[name[k]] + 0)
+    equal("paths that part", v[p ".to_explain"] - v[p ".why.same"] - v[p ".why.rounding"] - v[p ".why.renderer"], is["paths_that_part"] + 0)
     equal("values that differ", v[p ".values_different"], is["different"] + 0)
     equal("largest", v[p ".largest"], is["largest"] + 0)
     compared++
@@ -103,10 +107,12 @@ function details(q,  text, word) {
     described++
 }
 # What is listed of a kind: place and value of each pixel.
-function listed(p, kind,  k, q, i) {
+function listed(p, kind,  k, q, i, before) {
     for (k = 0; k < v[p ".pixels." kind ".count"]; k++) {
         q = p ".pixels." kind "." k
         i = v[q ".y"] * v["width"] + v[q ".x"]
+        if (k > 0) truth(q " is behind the pixel before", i > before)
+        before = i
         if (!(q in answered)) answers(q)
         answered[q] = 1
         if (v[p ".engine"] == engine) equal("value of a pixel that is listed", v[q ".value_difference"], channels_apart(i))

@@ -29,7 +29,8 @@ function laws(e,  p, k, i, last, word, s, l, a, b) {
     for (s = 0; s < v[p ".segments.count"]; s++)
         for (l = 0; l < v[p ".segments." s ".lights.count"]; l++) {
             k = p ".segments." s ".lights." l
-            if (v[k ".asked"] == "false") { truth(k " is behind", v[k ".normal_light.value"] <= 0); continue }
+            # Behind the shading normal's plane; or the face's.
+            if (v[k ".asked"] == "false") { truth(k " is behind", v["profile"] == "repaired" || v[k ".normal_light.value"] <= 0); continue }
             equal(k " shadowed", v[k ".shadowed"], v[k ".shadow_ray.hit.prim"] == "null" ? "false" : "true")
             if (v["profile"] == "repaired") near(k " ends at the light", v[k ".distance.value"], v[k ".shadow_ray.ray.tmax.value"])
         }
@@ -111,8 +112,10 @@ function vector(path,  k, text) {
 /^    light [0-9]+ / {
     light = $2
     p = "paths." e ".segments." segment ".lights." light
-    asked += !/not asked/
-    equal(p " shadow", /not asked/ ? "false false" : /in the shadow/ ? "true true" : "true false", v[p ".asked"] " " v[p ".shadowed"])
+    asked += !/not traced/
+    if (/not traced/) same(p " cosine", substr($NF, 1, length($NF) - 1), "%.9g", v[p ".normal_light.value"])
+    else same(p " distance", substr($6, 2, length($6) - 3), "%.9g", v[p ".distance.value"])
+    equal(p " shadow", /not traced/ ? "false false" : /in the shadow/ ? "true true" : "true false", v[p ".asked"] " " v[p ".shadowed"])
 }
 /^    exact .*error of t / {
     match($0, /error of t [^ ]+/)

@@ -63,26 +63,28 @@ static void check_kernel(const struct fast_kernel *kernel, const struct fast_tre
     kernel->closest(tree, ray, count, hit);
     for (size_t i = 0; i < count; i++)
         if (!same(&truth[i], &hit[i]))
-            fail_msg("%s%s, ray %zu: t %a prim %d, expected t %a prim %d", kernel->name,
-                     tree->in_pairs ? " in pairs" : "", i, (double)hit[i].t, (int)hit[i].prim,
-                     (double)truth[i].t, (int)truth[i].prim);
+            fail_msg("%s%s%s, ray %zu: t %a prim %d, expected t %a prim %d", kernel->name,
+                     tree->in_pairs ? " in pairs" : "", tree->in_packets ? " in packets" : "", i,
+                     (double)hit[i].t, (int)hit[i].prim, (double)truth[i].t, (int)truth[i].prim);
     kernel->any(tree, ray, count, hit);
     for (size_t i = 0; i < count; i++)
         check_any(scene, &ray[i], &truth[i], &hit[i]);
     free(hit);
 }
 
-/* Ray by ray, and in pairs whatever the size of the tree. */
-static void check_rays(struct fast_tree *tree, const struct scene *scene, const struct ray *ray,
-                       size_t count)
+/* Ray by ray, in pairs whatever the size of the tree, and both with packets of rays that are alike.
+ */
+static inline void check_rays(struct fast_tree *tree, const struct scene *scene,
+                              const struct ray *ray, size_t count)
 {
     struct hit *truth = calloc(count, sizeof *truth);
     assert_non_null(truth);
     for (size_t i = 0; i < count; i++)
         trace_brute(scene, woop(), QUERY_CLOSEST, &ray[i], &truth[i]);
     for (size_t k = 0; fast_kernels[k]; k++)
-        for (int pairs = 0; pairs < 2 && fast_kernels[k]->runs(); pairs++) {
-            tree->in_pairs = pairs;
+        for (int way = 0; way < 4 && fast_kernels[k]->runs(); way++) {
+            tree->in_pairs = way & 1;
+            tree->in_packets = way & 2;
             check_kernel(fast_kernels[k], tree, scene, ray, count, truth);
         }
     free(truth);

@@ -1,5 +1,5 @@
 /* Laws of the trees of ref/fast/: blocks, bounds, what is decoded and what is refused. */
-#include "tests/trace/fast_fixture.h"
+#include "tests/fast/fast_fixture.h"
 
 static void blocks_hold_their_triangles(void **state)
 {

@@ -1,5 +1,5 @@
 /* Laws of ref/fast/: every kernel answers as the tests on all triangles do. */
-#include "tests/trace/fast_fixture.h"
+#include "tests/fast/fast_fixture.h"
 
 #define RAYS 1600
 #define TIED 40u /* rounds, and triangles less 6 */
