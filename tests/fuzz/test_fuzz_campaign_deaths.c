@@ -289,8 +289,8 @@ static void an_engine_that_does_not_open_is_an_error(void **state)
 
 /* --- smaller trials --------------------------------------------------------------------------- */
 
-/* Writes into a folder that all of its findings are shrunk, as of a campaign whose shrinking made none
- * smaller; returns how many there are. */
+/* Writes into a folder that all of its findings are shrunk, as of a campaign whose shrinking made
+ * none smaller; returns how many there are. */
 static size_t all_are_shrunk(const char *folder, uint64_t hash[])
 {
     struct findings *findings;

@@ -54,7 +54,7 @@ static void pixels_are_those_of_the_device(void **state)
     picture_free(&p);
 }
 
-/* Submissions of the last frame. A batch of tiles begins one, and another after so many dispatches. */
+/* Submissions of the last frame. A batch of tiles begins one, and so many dispatches another. */
 static struct {
     struct frame_push push; /* of the last dispatch */
     uint32_t in_batch, begun, batches;
