@@ -1,6 +1,11 @@
 /* Engines opened once and kept. */
 #include "ref/match/match.h"
 
+#include "counts.h"
+
+/* One file holds two engines. */
+_Static_assert(POOL_MOST == ENGINE_FILES + 1 + ENGINES_ADDED_MOST, "a place for every engine");
+
 void *pool_get(struct pool *pool, const struct engine *engine, enum status *status,
                struct reason *reason)
 {

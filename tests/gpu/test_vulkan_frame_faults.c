@@ -54,11 +54,10 @@ static void pixels_are_those_of_the_device(void **state)
     picture_free(&p);
 }
 
-/* Submissions of the last frame. A batch of tiles begins one, and so does each after so many
- * dispatches. */
+/* Submissions of the last frame. A batch of tiles begins one, and so many dispatches another. */
 static struct {
     struct frame_push push; /* of the last dispatch */
-    uint32_t in_batch, begun, batches;
+    uint32_t in_batch, begun, batches, indirect;
 } seen;
 
 static void counted(const struct fake_dispatch *dispatch)
@@ -74,10 +73,15 @@ static void counted(const struct fake_dispatch *dispatch)
         seen.batches++;
     }
     seen.begun += seen.in_batch++ % VK_SERIES_MAX == 0;
+    /* Whoever draws a later ray has written how many groups have one: four numbers for each ray. */
+    assert_int_equal(dispatch->groups == UINT32_MAX, push.ray > 0);
+    assert_int_equal(push.ray > 0 ? dispatch->at : 0, 16 * push.ray);
+    seen.indirect += push.ray > 0;
     seen.push = push;
 }
 
-/* However many tiles are drawn at once: 2000 ticks of 2 ns each. */
+/* However many tiles are drawn at once: 2000 ticks of 2 ns each. Where the device has no ticks, the
+ * time is told as another clock's. */
 static void a_frame_takes_what_its_submissions_take(void **state)
 {
     (void)state;
@@ -90,7 +94,12 @@ static void a_frame_takes_what_its_submissions_take(void **state)
             fake.device[0].base.limits.maxComputeWorkGroupCount[0] = groups;
             gpu_must(frame_play(&p, false, plans[kind & 1], &reason), &reason);
             assert_true(groups > 16 || seen.batches > 1);
+            assert_true(p.report.device_clock);
             assert_int_equal(p.report.ns, 4000 * seen.begun);
+            assert_int_equal(seen.indirect > 0, plans[kind & 1] == FRAME_STEPS);
+            fake.device[0].family[0].timestampValidBits = 0;
+            gpu_must(frame_play(&p, false, plans[kind & 1], &reason), &reason);
+            assert_false(p.report.device_clock);
         }
     picture_free(&p);
 }

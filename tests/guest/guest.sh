@@ -33,6 +33,15 @@ expect 0 '1 passed, 0 failed' conform 'closest../bvh.so.-.-.-.mt.soup.vertices.1
 expect 0 'inside:bvh.so' bench matrix --scene sphere:n=4 --engine inside:./bvh.so --count 500 --rounds 1
 expect 0 '0 distinct' fuzz --trials 40 --engine ./bvh.so --corpus none --dir clean
 
+# --- as many as there can be: four of one's own beside all of the program's
+own=$("$raydiff" list engines | sed -n 's/^  \([a-z_]*\) .*/\1/p' | paste -sd, -)
+for command in 'check --layout f32 --repeat 1' 'conform'; do
+    case $command in conform*) subject='closest.*.soup.random.1' ;; *) subject=sphere:n=4 ;; esac
+    "$raydiff" $command $subject --count 50 --engine "$own,./brute.so,inside:./brute.so,./bvh.so,inside:./bvh.so" >out 2>err
+    ! grep -q 'more than' out err && [ "$(grep -cE '^engine (inside:)?\./(brute|bvh)\.so answered ([1-9][0-9]*) of \3$' out)" -eq 4 ] ||
+        bad "$command: every engine and four of one's own"
+done
+
 # --- a bug is found, and shrunk
 expect 1 'WRONG  *-  *./brute_bug.so' check sphere:n=4 --engine ./brute_bug.so --count 500 --repeat 1
 expect 1 'new  *bvh_bug.so.-.missed.outside' fuzz --trials 60 --engine ./bvh_bug.so --corpus none --no-shrink --dir found

@@ -131,6 +131,28 @@ expect 2 "a trial's name says" explain closest.cpu.rf16.median.robust.mt.soup.ra
 expect 2 'name it with --scene' bench layouts --bvh "$dir/median.json"
 expect 2 'not used by benchmark oracle' bench oracle --scene $scene --bvh "$dir/median.json"
 
+# Damage that a reader survives is counted: a leaf that leaves two triangles out, one that names the first of the next
+# leaf, too, and a leaf whose box is empty. Of its records of 8 words the fourth is the first item or child, the last
+# the number of items.
+expect 0 . precompute --scene $scene --builder median --layout f32 --out "$dir/f32.rdpk"
+expect 0 . precompute --scene $scene --verify "$dir/f32.rdpk"
+records=$(od -An -tu4 -j28 -N4 "$dir/f32.rdpk" | tr -d ' ')
+grep -q ": layout f32, $records records, 0 boxes too small, 0 triangles in no leaf, 0 in several\$" "$dir/out" ||
+    bad "precompute --verify: a sound tree has faults"
+damaged() { # perl on @word; @leaf has where leaves begin there, in the order of their items
+    perl -e 'local $/; binmode STDIN; binmode STDOUT; my @word = unpack "V*", <STDIN>;
+        my @leaf = sort { $word[$a + 3] <=> $word[$b + 3] } grep { $word[$_ + 7] } map { 12 + 8 * $_ } 0 .. $word[7] - 1;
+        '"$1"'; print pack "V*", @word' <"$dir/f32.rdpk" >"$dir/damaged.rdpk"
+    expect 1 . precompute --scene $scene --verify "$dir/damaged.rdpk"
+}
+damaged '$word[$leaf[2] + 7] -= 2'
+grep -q ', 0 boxes too small, 2 triangles in no leaf, 0 in several$' "$dir/out" || bad "precompute --verify: 2 left out"
+damaged '$word[$leaf[2] + 7] -= 2; $word[$leaf[7] + 7]++'
+grep -qE ', [0-9]+ boxe?s? too small, 2 triangles in no leaf, 1 in several$' "$dir/out" ||
+    bad "precompute --verify: 2 left out and 1 twice"
+damaged '$word[$leaf[4] + $_] = 0x42C80000 for 0 .. 2'
+grep -q ', 1 box too small, 0 triangles in no leaf, 0 in several$' "$dir/out" || bad "precompute --verify: 1 small box"
+
 # precompute itself.
 expect 2 'no file, and no generator' precompute --scene nowhere --out "$dir/x"
 expect 2 'nothing.obj: No such file' precompute --scene "$dir/nothing.obj" --out "$dir/x"

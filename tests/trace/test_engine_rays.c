@@ -16,8 +16,9 @@
 
 #include "tests/support/built.h"
 
-#define RAYS 200u
-#define ROOM 2u
+#define RAYS  200u
+#define ROOM  2u
+#define TIMES 300u
 
 static const uint32_t counts[] = {0,  1,  2,  3,  15,  16,  17,  31,  32,  33,
                                   63, 64, 65, 66, 127, 128, 129, 130, 193, RAYS};
@@ -341,6 +342,38 @@ static void rays_that_are_not_finished_are_counted(void **state)
     assert_true(without_stack > 100);
 }
 
+/* Threads add up what each of them took, and lose none of it: the same rays over and over take as
+ * often as much. On a stack that is too short, as often as many are not finished. */
+static void threads_lose_nothing_of_their_sums(void **state)
+{
+    (void)state;
+    static struct ray many[TIMES * RAYS];
+    static struct hit hit[TIMES * RAYS];
+    for (uint32_t i = 0; i < TIMES * RAYS; i++)
+        many[i] = ray[i % RAYS];
+    for (uint32_t n = 0; n < 12; n++) {
+        const struct engine *engine = engine_find(n < 6 ? "cpu" : "cpu_stackless");
+        const bool poor = n % 2 == 1 && !engine->binary;
+        struct packed tree = packed;
+        const struct job job = job_of(&scene, &tree, QUERY_CLOSEST);
+        struct trace_report one, all;
+        struct reason reason[2] = {{""}, {""}};
+        unsigned long long unfinished[2] = {0, 0};
+        void *alone = prepared(engine, 1, &job), *team = prepared(engine, 4, &job);
+        tree.stack_need = poor ? 1 : packed.stack_need;
+        enum status status = engine->trace(alone, ray, RAYS, hit, &one, &reason[0]);
+        assert_int_equal(status, poor ? STATUS_DEVICE : STATUS_OK);
+        assert_int_equal(status, engine->trace(team, many, TIMES * RAYS, hit, &all, &reason[1]));
+        assert_int_equal(all.tris, TIMES * one.tris);
+        assert_int_equal(all.boxes, TIMES * one.boxes);
+        for (int i = 0; i < 2 && poor; i++)
+            assert_int_equal(sscanf(reason[i].text, "%llu of", &unfinished[i]), 1);
+        assert_int_equal(unfinished[1], TIMES * unfinished[0]);
+        engine->close(alone);
+        engine->close(team);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -349,6 +382,7 @@ int main(void)
         cmocka_unit_test(lists_are_in_their_place),
         cmocka_unit_test(an_empty_scene_is_missed_by_all),
         cmocka_unit_test(rays_that_are_not_finished_are_counted),
+        cmocka_unit_test(threads_lose_nothing_of_their_sums),
     };
     return cmocka_run_group_tests_name("engine_rays", tests, make, drop);
 }

@@ -50,7 +50,17 @@ FNR == 1 {
     next
 }
 /^pixel [0-9]+,[0-9]+$/ { equal("pixel", $2, v["pixel.0"] "," v["pixel.1"]) }
-/^segment [0-9]+$/ { segment = $2 }
+# Every path is told to its end and no farther, and as many segments as the longest has.
+/^segment [0-9]+$/ {
+    equal("segment", $2, segments++)
+    segment = $2
+}
+/^  [a-z_0-9]+$/ || /^  [a-z_0-9]+: / {
+    engine = $1
+    sub(/:$/, "", engine)
+    equal(engine " segment " segment, /: its path has ended$/ ? "none" : "one", segment < length_of[engine] ? "one" : "none")
+    told_of[engine]++
+}
 /^  [a-z_0-9]+$/ {
     engine = $1
     for (e = 0; v["paths." e ".engine"] != engine; e++) continue
@@ -125,11 +135,14 @@ function vector(path,  k, text) {
     engine = substr($1, 1, length($1) - 1)
     gsub(",", "")
     equal(engine " segments", $2, length_of[engine])
+    equal(engine " in each segment", told_of[engine], segments)
+    if ($2 > longest) longest = $2
     equal(engine " value", $5 " " $6 " " $7, rgb[engine])
     ends++
 }
 END {
     equal("engines", ends, v["paths.count"])
+    equal("segments", segments, longest)
     truth("nothing is told of a hit", told > 0)
     equal("exact of each", exact, told)
     equal("a command for each", explained, told)
