@@ -61,6 +61,28 @@ is_refused() { # option
     return 1
 }
 
+# No two outputs of $base are one file, by the same name or by another: the second would take the first one's place.
+apart() {
+    outputs=$(echo "$uses" | tr ' ' '\n' | sed -n 's/^~\{0,1\}\([a-z]*\)=@$/\1/p' | grep -vx 'dir\|to')
+    for first in $outputs; do
+        for second in $outputs; do
+            [ "$first" != "$second" ] || continue
+            others=$(echo " $base " | sed -E "s# --($first|$second) [^- ][^ ]* # #g")
+            for other in x.png link.png; do
+                pairs=$((pairs + 1))
+                rm -rf "$files"
+                mkdir "$files"
+                [ $other = x.png ] || { : >"$files/x.png"; ln -s x.png "$files/$other"; }
+                find "$files" -exec ls -ld {} + | sort >"$dir/before"
+                "$raydiff" $others --$first "$files/x.png" --$second "$files/$other" >"$dir/out" 2>"$dir/err" <"$input"
+                code=$?
+                is_refused "$first" && is_refused "$second" || bad "raydiff $base: --$first and --$second are one file: exit $code"
+                find "$files" -exec ls -ld {} + | sort | cmp -s - "$dir/before" || bad "raydiff $base: --$first and --$second: written"
+            done
+        done
+    done
+}
+
 # walk 'COMMAND WORDS' 'OPTION=VALUE ...': these are used, all others that any command knows refused. A
 # '~' before an option: nothing of the output can show it. '@' as value: a file that it writes.
 walk() {
@@ -93,6 +115,7 @@ walk() {
             bad "raydiff $base --$option $given: is taken, and changes nothing"
         fi
     done
+    apart
     for option in $every; do
         case $uses in *" $option "* | *" ~$option "* | *" $option="* | *" ~$option="*) continue ;; esac
         # What the command knows nothing of is tried once.
