@@ -35,6 +35,41 @@ awk -f tests/values/flat.awk "$dir/check.json" >"$dir/other.flat"
 reported 0 0 15 --check "$dir/check.json" --parts check
 [ "$(sed -n 's/^wrong=//p' "$dir/flat")" -ge 50 ] || bad "report: nothing is WRONG"
 
+# Results of every outcome, in several orders: 3 before 1, 77 and 0; the page says the same in its first sentence.
+for engines in cpu "cpu,pipe:$dir/blind" "cpu,pipe:$dir/missing" 'cpu,pipe:false'; do
+    ran="raydiff check sphere:n=4 --engine $engines"
+    "$raydiff" check sphere:n=4 --engine "$engines" --layout f32 --count 200 --repeat 1 --json "$dir/outcome" >"$dir/text" 2>"$dir/err"
+    code=$?
+    mv "$dir/outcome" "$dir/outcome$code.json" || bad "$ran: no JSON"
+done
+for codes in '0' '0 77' '77 1 0' '1 77' '3 77 1' '1 3' '77 3 0'; do
+    given= want=0
+    : >"$dir/other.all"
+    for code in $codes; do
+        awk -f tests/values/flat.awk "$dir/outcome$code.json" >>"$dir/other.all"
+        given="$given --check $dir/outcome$code.json"
+        case $want.$code in 0.* | 77.[13] | 1.3) want=$code ;; esac
+    done
+    ran="report of $codes"
+    "$raydiff" report $given --parts check --out "$dir/page.html" --json "$dir/json" >"$dir/text" 2>"$dir/err"
+    code=$?
+    [ "$code" -eq "$want" ] || bad "$ran: exit $code, not $want"
+    # Rows of all of them, numbered on.
+    awk -F= '/^rows.0.engine=/ { from += rows; rows = 0 }
+        /^rows\.[0-9]/ { split($1, part, "."); if (part[2] + 1 > rows) rows = part[2] + 1; sub(/^rows\.[0-9]+/, "rows." from + part[2]); print }
+        END { print "rows.count=" from + rows }' "$dir/other.all" >"$dir/other.flat"
+    values report 10 bytes="$(wc -c <"$dir/page.html")" figures=0 findings=0 failing=0 "$dir/other.flat" "$dir/text"
+    case $want in
+    0) sentence='Everything agrees' ;;
+    77) sentence='Everything that ran agrees; some parts could not run' ;;
+    *)
+        sentence='A part has no good result: see below'
+        case " $codes " in *' 1 '*) sentence="WRONG answers: $(sed -n 's/^wrong=//p' "$dir/flat"); with other bits: 0" ;; esac
+        ;;
+    esac
+    grep -qF ">$sentence (exit code $want)<" "$dir/page.html" || bad "$ran: the page does not say '$sentence (exit code $want)'"
+done
+
 # The tables of a page, cell by cell: rows that are WRONG, as published, refused and skipped; any benchmark.
 run check sphere:n=4 soup:n=100 --engine "cpu,cpu_stackless,rayquery,pipe:$dir/blind" --layout f32,rtrs_rf,tiny8 --query closest,any \
     --driver no-such-driver --tri mt,woop --box robust,watertight --builder median,lbvh --count 300 --repeat 2 --threads 1 --brute 0 --json "$dir/rows.json"
