@@ -132,6 +132,7 @@ walk() {
 
 "$raydiff" precompute --scene soup:n=40,seed=2 --out "$dir/soup.json" 2>/dev/null
 "$raydiff" precompute --scene rtrs --out "$dir/rtrs.json" 2>/dev/null
+"$raydiff" precompute --scene cornell --out "$dir/cornell.json" 2>/dev/null
 echo "closest.* it is known https://example.org" >"$dir/waivers"
 
 # What trees are played on, and by whom.
@@ -179,6 +180,19 @@ walk 'conform world.*.identity.*.1.1 --list --engine cpu' 'engine=brute layout=r
 walk 'bench builders --scene soup:n=40 --rounds 1 --threads 1' 'scene=soup:n=41 ~rounds=2 csv=@ json=@ threads=2 wide color=always'
 walk 'bench fuzz --count 3 --rounds 1 --engine cpu --layout f32' '~count=4 ~rounds=2 csv=@ ~seed=3 json=@ engine=cpu_stackless
     layout=f32,rf16'
+bench='--scene cornell --count 64 --rounds 1'
+walk "bench error $bench --engine cpu --layout f32 --tri mt --rays random" "scene=sphere:n=2 ~count=70 ~rounds=2 csv=@ json=@ svg=@
+    ~seed=3 engine=cpu_stackless layout=rf16 ~tri=woop ~box=watertight rays=vertices ~bvh=$dir/cornell.json ~threads=1 wide color=always"
+walk "bench spawn $bench --engine cpu --layout f32 --tri mt --rays random" 'scene=sphere:n=2 count=70 ~rounds=2 csv=@ json=@
+    seed=3 ~engine=cpu_stackless ~layout=f32 tri=woop ~box=watertight rays=vertices ~threads=1 wide color=always'
+walk "bench matrix $bench --engine cpu --layout f32" 'scene=sphere:n=2 ~count=70 ~rounds=2 csv=@ json=@ svg=@
+    ~seed=3 engine=cpu_stackless layout=rf16 store=compact ~threads=1 wide color=always'
+walk "bench fast $bench" 'scene=sphere:n=2 ~count=70 ~rounds=2 csv=@ json=@ ~seed=3 engine=cpu ~threads=2'
+walk 'bench tightness --scene cornell --count 64' 'scene=sphere:n=2 count=70 csv=@ json=@ seed=3 wide color=always'
+walk "bench worlds $bench --instances 9" 'scene=sphere:n=2 ~count=70 ~rounds=2 csv=@ json=@ ~seed=3 threads=2 instances=10'
+# Frames draw no rays: there is no seed but of a scene that is drawn by chance.
+walk "bench frames --scene cornell --engine cpu --layout f32 --frames 2 --size 16x12 --out $files/f" "scene=sphere:n=2 ~engine=cpu layout=rf16
+    ~tri=woop ~box=watertight ~bvh=$dir/cornell.json frames=3 ~size=8x8 ~out=@ turns=2 ~warm-up=3 bounces=2 ~profile=rtrs ~threads=1 ~wide"
 walk 'bench oracle --scene soup:n=40 --count 64 --rounds 1' 'scene=soup:n=41 count=70 ~rounds=2 csv=@ ~seed=3 json=@'
 walk "render --path rtrs --width 8 --height 8 --engine cpu --out $files/tree.png" \
     "out=@ frames=2 ~camera-orbit json=@ show=t path=cornell width=9 height=9 ~workgroup-size=4 profile=rtrs bounces=0
@@ -194,7 +208,6 @@ input=/dev/null
 walk 'doctor --driver stock' '~driver=stock ~device=0 json=@ ~threads=1 ~workgroup=32'
 walk "construct --out $files/made.json --model soup:n=9 0 --camera-pos 0 1 -8 0 0 0 --camera-fixed" \
     '~seed=3 json ~fill-normals ~camera-fixed ~scale=2'
-"$raydiff" precompute --scene cornell --out "$dir/cornell.json" 2>/dev/null
 walk 'diff --path cornell --engine cpu,fast --width 24 --height 18' "pixel=3,3 angle=30 ~list=1 out=@ json=@ path=sphere:n=4
     width=25 height=19
     ~workgroup-size=3 profile=rtrs bounces=0 ~ambience=0.5 camera-light-strength=0.5 engine=cpu,brute ~threads=1
