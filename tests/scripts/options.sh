@@ -169,7 +169,7 @@ trial=fuzz/corpus/slot-not-read.trial
 walk "export $trial --form text" 'to=@ ~form=text engine=embree ~ray=0'
 walk "replay $trial --engine cpu" 'engine=brute layout=f32 ~time=9 brief as-expected json=@ ~threads=1 ~wide color=always'
 walk "min $trial --asks 5 --out $files/m.trial" \
-    'out=@ ~force asks=6 ~time=9 ~trial-time=9 ~memory=999 ~engine=cpu json=@ ~threads=1'
+    'out=@ asks=6 ~time=9 ~trial-time=9 ~memory=999 ~engine=cpu json=@ ~threads=1'
 # Suites, campaigns, measurements, pictures.
 walk 'conform closest.cpu.f32.median.robust.mt.soup.random.1' "list count=70 ~brute=300 ~waivers=$dir/waivers ~require=cpu verbose tap junit=@
     ~threads=1 ~wide color=always"
@@ -212,7 +212,7 @@ walk 'diff --path cornell --engine cpu,fast --width 24 --height 18' "pixel=3,3 a
     width=25 height=19
     ~workgroup-size=3 profile=rtrs bounces=0 ~ambience=0.5 camera-light-strength=0.5 engine=cpu,brute ~threads=1
     ~layout=rf16 leaf=1 builder=ploc box=watertight ~tri=woop optimize=reinsert ~waves ~bvh=$dir/cornell.json
-    handler=bvh-rf handler-bvh-rf ~handler-bvh handler-blank ~camera-orbit ~camera-fixed"
+    handler=bvh-rf handler-bvh-rf ~handler-bvh handler-blank"
 walk "fuzz --trials 20 --jobs 1 --engine cpu --layout f32 --corpus none --dir $files/d" 'trials=40 ~time=60 ~until=1 seed=3
     ~jobs=2 ~shard=1/1 engine=cpu,fast layout=f32,rf16 builder=ploc faithful worlds rays=9 triangles=4-8 ~feedback
     pairs=1
