@@ -78,6 +78,8 @@ plain)
     suite exits sh tests/values/exits.sh "$build/raydiff" judging
     suite exits_findings sh tests/values/exits.sh "$build/raydiff" findings
     suite exits_files sh tests/values/exits.sh "$build/raydiff" files
+    suite exits_mixed sh tests/values/exits.sh "$build/raydiff" mixed
+    suite several sh tests/values/several.sh "$build/raydiff"
     suite exits_unwritable sh tests/values/exits.sh "$build/raydiff" unwritable
     suite fields sh tests/values/fields.sh
     suite shipped sh tests/scripts/shipped.sh "$build/raydiff"
