@@ -7,6 +7,40 @@ raydiff=$1
 
 run doctor --json "$dir/json" && values doctor 80 processors="$(getconf _NPROCESSORS_ONLN)" "$dir/text"
 
+# Floats of the environment, which what is loaded first has set otherwise: exit code 4, and what is not so.
+cat >"$dir/floats.c" <<'END'
+#include <fenv.h>
+#include <stdlib.h>
+#ifdef __SSE2__
+#include <xmmintrin.h>
+#endif
+__attribute__((constructor)) static void set(void)
+{
+    const char *what = getenv("FLOATS");
+    if (what && what[0] == 'd')
+        fesetround(FE_UPWARD);
+#ifdef __SSE2__
+    if (what && what[0] == 'f')
+        _mm_setcsr(_mm_getcsr() | 0x8000u);
+#endif
+}
+END
+cc -O0 -shared -fPIC -o "$dir/floats.so" "$dir/floats.c" -lm || bad 'floats.c is not compiled'
+floats() { # exit code or 0 for any other than 4, what is set, the line
+    FLOATS=$2 LD_PRELOAD=$dir/floats.so "$raydiff" doctor --driver no-such-driver >"$dir/text" 2>"$dir/err"
+    code=$?
+    [ $((code == 4)) -eq $(($1 == 4)) ] || bad "doctor, floats $2: exit $code"
+    grep -qx "float  *$3" "$dir/text" || bad "doctor, floats $2: not '$3'"
+}
+case $(nm -D "$raydiff" 2>/dev/null | grep -c __asan_init) in
+0)
+    floats 0 none 'IEEE: FLT_EVAL_METHOD 0, subnormals kept, rounding to nearest'
+    floats 4 directed 'NOT IEEE: FLT_EVAL_METHOD 0, subnormals kept, rounding directed'
+    case $(uname -m) in x86_64) floats 4 flushed 'NOT IEEE: FLT_EVAL_METHOD 0, subnormals flushed, rounding to nearest' ;; esac
+    ;;
+*) echo 'SKIP floats of the environment: a sanitized program is to be loaded first' ;;
+esac
+
 # What a report says of the machine, and of two cards whose numbers are all different.
 perl tests/values/findings/machine.pl --two "$dir/json" >"$dir/two.json"
 case $? in
