@@ -72,12 +72,15 @@ plain)
     suite values_show sh tests/values/values_pictures.sh "$build/raydiff" show
     suite values_scenes sh tests/values/values_scenes.sh "$build/raydiff"
     suite values_conform sh tests/values/values_conform.sh "$build/raydiff"
+    suite values_selftest sh tests/values/values_selftest.sh "$build/raydiff"
     suite values_findings sh tests/values/values_findings.sh "$build/raydiff"
     suite values_export sh tests/values/values_export.sh "$build/raydiff"
     suite values_reports sh tests/values/values_reports.sh "$build/raydiff"
     suite exits sh tests/values/exits.sh "$build/raydiff" judging
     suite exits_findings sh tests/values/exits.sh "$build/raydiff" findings
     suite exits_files sh tests/values/exits.sh "$build/raydiff" files
+    suite exits_mixed sh tests/values/exits.sh "$build/raydiff" mixed
+    suite several sh tests/values/several.sh "$build/raydiff"
     suite exits_unwritable sh tests/values/exits.sh "$build/raydiff" unwritable
     suite fields sh tests/values/fields.sh
     suite shipped sh tests/scripts/shipped.sh "$build/raydiff"

@@ -176,22 +176,26 @@ static enum status check_given(const struct bench *bench, const char *name, stru
 {
     struct list engine, layout;
     char takes[2000] = "", by[80];
-    bool known = false;
+    const struct benchmark *known = NULL;
     for (size_t i = 0; benchmarks[i]; i++) {
         if (!is_meant(benchmarks[i], name))
             continue;
-        known = true;
+        known = benchmarks[i];
         size_t used = strlen(takes);
         snprintf(takes + used, sizeof takes - used, " %s", benchmarks[i]->takes);
     }
     if (!known)
         return unknown(name, reason);
+    const bool undrawn = name && known->undrawn;
     snprintf(by, sizeof by, "benchmark %s", name ? name : "all");
+    const char *spec = bench->scene_count ? bench->scene[0] : undrawn ? known->scenes : NULL;
     const struct option_use use = {.by = by,
                                    .only = takes,
                                    .engine = or_all(&bench->engine, TABLE_ENGINES, &engine),
                                    .layout = or_all(&bench->layout, TABLE_LAYOUTS, &layout),
-                                   .seeded = true};
+                                   .scene = undrawn ? (char *const *)(uintptr_t)&spec : NULL,
+                                   .scene_count = undrawn,
+                                   .seeded = !undrawn};
     enum status status = options_check(&use, reason);
     if (!status && bench->bvh && bench->scene_count != 1)
         return fail(reason, STATUS_INPUT,

@@ -70,6 +70,7 @@ struct benchmark {
     bool titled;                     /* prints its name before the scenes */
     bool triangles;                  /* a scene without triangles is an error */
     bool alone;          /* runs only if it is named: takes minutes or writes files of its own */
+    bool undrawn;        /* it draws no rays: --seed is of the scene, or of the one in `scenes` */
     bool rows_out;       /* --out BASE names the files of its rows and its plot */
     const char *shown;   /* what exit code 0 means, for the last line */
     const char *refuted; /* what 1 means; NULL: nothing is judged */

@@ -101,7 +101,7 @@ static enum status measure(struct bench *bench, const char *spec, const struct s
 static int run(struct bench *bench)
 {
     struct reason reason = {""};
-    const char *spec = bench->scene_count ? bench->scene[0] : "rtrs";
+    const char *spec = bench->scene_count ? bench->scene[0] : bench_frames.scenes;
     if (bench->scene_count > 1 || bench->box.count > 1 || bench->tri.count > 1)
         return usage_error("bench", "frames: one scene, one box test and one triangle test");
     struct scene scene;
@@ -120,6 +120,8 @@ const struct benchmark bench_frames = {
     .takes = "scene seed engine layout tri box bvh frames size out turns warm-up bounces "
              "profile" BENCH_MACHINE BENCH_OUTSIDE " wide",
     .about = about,
+    .scenes = "rtrs",
     .run = run,
     .alone = true,
+    .undrawn = true,
 };

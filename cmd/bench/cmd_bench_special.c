@@ -244,7 +244,8 @@ const struct benchmark bench_special = {
     .shown = "same bits, and no special pipeline is slower",
     .refuted = "bits differ, or a special pipeline is slower",
     .summary = "the pipeline that a scene gets against the general one: same bits, ratio of times",
-    .takes = "layout csv json frames size out quick" BENCH_MACHINE BENCH_OUTSIDE BENCH_SCREEN,
+    .takes = "layout csv json frames size out quick driver device workgroup" BENCH_OUTSIDE
+        BENCH_SCREEN,
     .about = about,
     .run = run,
     .alone = true,

@@ -55,7 +55,11 @@ static const char *given[GIVEN_MOST];
 static size_t given_count;
 
 /* The named outputs. They are tried after all options are known to be right. */
-static const char *outputs[OUTPUTS_MOST];
+static struct output {
+    const char *name; /* of the option */
+    const char *path;
+    bool tried;
+} outputs[OUTPUTS_MOST];
 static size_t output_count;
 
 void options_begin(void)
@@ -85,17 +89,45 @@ enum status option_note(const char *name, bool repeats, struct reason *reason)
     return STATUS_OK;
 }
 
-void output_note(const char *path)
+void output_note(const char *name, const char *path, bool tried)
 {
     if (path && output_count < OUTPUTS_MOST)
-        outputs[output_count++] = path;
+        outputs[output_count++] = (struct output){name, path, tried};
+}
+
+static const char *without_here(const char *path)
+{
+    while (strncmp(path, "./", 2) == 0)
+        path += 2 + strspn(path + 2, "/");
+    return path;
+}
+
+/* True if the later output would take the place of the earlier one. */
+static bool is_same_file(const char *a, const char *b)
+{
+    struct stat of_a, of_b;
+    const bool there = stat(a, &of_a) == 0 && stat(b, &of_b) == 0;
+    if (there)
+        return S_ISREG(of_a.st_mode) && of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
+    return strcmp(without_here(a), without_here(b)) == 0;
+}
+
+enum status outputs_apart(struct reason *reason)
+{
+    for (size_t i = 0; i < output_count; i++)
+        for (size_t k = 0; k < i; k++)
+            if (strcmp(outputs[i].path, "-") != 0 && is_same_file(outputs[k].path, outputs[i].path))
+                return fail(reason, STATUS_INPUT, "--%s and --%s: both would be written to %s",
+                            outputs[k].name, outputs[i].name, outputs[i].path);
+    return STATUS_OK;
 }
 
 enum status outputs_try(struct reason *reason)
 {
     enum status status = STATUS_OK;
     for (size_t i = 0; i < output_count && !status; i++)
-        status = output_try(outputs[i], reason);
+        if (outputs[i].tried)
+            status = output_try(outputs[i].path, reason);
     return status;
 }
 

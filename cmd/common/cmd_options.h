@@ -16,8 +16,10 @@ bool option_was_given(const char *name);
 void options_begin(void);
 /* Notes an option. Errors: STATUS_INPUT it was given before and may not repeat. */
 enum status option_note(const char *name, bool repeats, struct reason *reason) MUST_USE;
-/* Notes an output (NULL: none). outputs_try calls output_try for all of them. */
-void output_note(const char *path);
+/* Notes an output and its option (NULL: none). outputs_try calls output_try for all that are
+ * to be tried. Errors of outputs_apart: STATUS_INPUT two of them are one file. */
+void output_note(const char *name, const char *path, bool tried);
+enum status outputs_apart(struct reason *reason) MUST_USE;
 enum status outputs_try(struct reason *reason) MUST_USE;
 /* For "-": redirects standard output to standard error from here on. Errors: STATUS_INPUT a second
  * "-", or cannot redirect. */

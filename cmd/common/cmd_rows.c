@@ -271,8 +271,8 @@ static int read_option(struct option_reading *r)
         status = take(owner, &value, &reason);
     if (!status && r->set->taken)
         status = r->set->taken(r->options, &value, &reason);
-    if (!status && (value.row->type == OPTION_DATA || value.row->type == OPTION_WRITTEN))
-        output_note(value.text);
+    if (!status && value.row->type >= OPTION_OUTPUT && value.row->type <= OPTION_DATA)
+        output_note(value.row->name, value.text, value.row->type != OPTION_OUTPUT);
     if (status)
         return option_error(r->set->command, status, &reason);
     for (int i = start; i < r->at; i++)
@@ -300,6 +300,8 @@ int options_read(const struct option_set *set, void *options, int argc, char **a
     }
     *first = r.first;
     enum status status = code < 0 ? plugin_shader_settle(&reason) : STATUS_OK;
+    if (!status && code < 0)
+        status = outputs_apart(&reason);
     if (!status && code < 0 && !set->makes_folder)
         status = outputs_try(&reason);
     return status ? option_error(set->command, status, &reason) : code;

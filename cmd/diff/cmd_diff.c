@@ -123,8 +123,12 @@ static enum status finish(struct diff_options *o, struct reason *reason)
         status = fail(reason, STATUS_INPUT, "--pixel: %u,%u is not in a picture of %u x %u", o->x,
                       o->y, o->settings.width, o->settings.height);
     const struct option_use pixel = {.by = "--pixel", .never = o->has_pixel ? "out list" : ""};
+    const struct option_use still = {.by = "diff, in which nothing orbits",
+                                     .never = "camera-fixed camera-orbit"};
     if (!status)
         status = options_check(&pixel, reason);
+    if (!status)
+        status = options_check(&still, reason);
     return status ? status : render_options_check(&o->settings, &o->engine, reason);
 }
 

@@ -241,6 +241,8 @@ int cmd_min(int argc, char **argv)
     if (first + 1 != argc)
         return usage_error("min", first == argc ? "no file or folder given" : "one at a time");
     signal(SIGPIPE, SIG_IGN); /* a dead peer is detected by its missing answer */
+    if (options.out && options.force)
+        return usage_error("min", "--force: not used with --out, whose file is replaced");
     if (stat(argv[first], &what) != 0 || !S_ISDIR(what.st_mode))
         return min_file(&options, argv[first]);
     if (options.out || options.force)

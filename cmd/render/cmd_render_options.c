@@ -51,6 +51,8 @@ static enum status take_handlers(void *options, const struct option_value *given
         out->bvh = given->text;
     else if (dash && given->text)
         out->build.eps = eps;
+    if (out->handler)
+        return fail(reason, STATUS_INPUT, "--%s: a handler is named already", given->row->name);
     return take_handler(dash ? dash + 1 : given->text, out, reason);
 }
 
@@ -77,9 +79,11 @@ static enum status take_layouts(void *options, const struct option_value *given,
 
 static enum status take_turn(void *options, const struct option_value *given, struct reason *reason)
 {
-    (void)reason;
+    struct render_settings *out = options;
     const bool fixed = strcmp(given->row->name, "camera-fixed") == 0;
-    ((struct render_settings *)options)->turn = fixed ? RENDER_FIXED : RENDER_ORBIT;
+    if (out->turn == (fixed ? RENDER_ORBIT : RENDER_FIXED))
+        return fail(reason, STATUS_INPUT, "--camera-fixed and --camera-orbit: one of them");
+    out->turn = fixed ? RENDER_FIXED : RENDER_ORBIT;
     return STATUS_OK;
 }
 

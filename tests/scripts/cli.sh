@@ -56,6 +56,11 @@ expect 2 "'0' is not a whole number from 1" check soup --leaf 0
 expect 2 "'-3' is not a whole number" check soup --count -3
 expect 2 "'1.5' is not a whole number" check soup --count 1.5
 expect 2 "'nan' is not a finite number" check soup --eps nan
+# Frames draw no rays: a seed is of a scene that is drawn by chance.
+frames="bench frames --engine cpu --layout f32 --frames 1 --size 8x8 --out $dir/frames --seed 3"
+expect 2 '--seed: not used here: it needs a scene or rays that are drawn by chance' $frames
+expect 0 . $frames --scene soup:n=9
+expect 2 '--threads: not used by benchmark special' bench special --threads 2
 if [ "${2-}" = usage ]; then
     echo "cli, usage: $failed failed"
     [ "$failed" -eq 0 ]

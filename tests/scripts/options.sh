@@ -61,6 +61,28 @@ is_refused() { # option
     return 1
 }
 
+# No two outputs of $base are one file, by the same name or by another: the second would take the first one's place.
+apart() {
+    outputs=$(echo "$uses" | tr ' ' '\n' | sed -n 's/^~\{0,1\}\([a-z]*\)=@$/\1/p' | grep -vx 'dir\|to')
+    for first in $outputs; do
+        for second in $outputs; do
+            [ "$first" != "$second" ] || continue
+            others=$(echo " $base " | sed -E "s# --($first|$second) [^- ][^ ]* # #g")
+            for other in x.png link.png; do
+                pairs=$((pairs + 1))
+                rm -rf "$files"
+                mkdir "$files"
+                [ $other = x.png ] || { : >"$files/x.png"; ln -s x.png "$files/$other"; }
+                find "$files" -exec ls -ld {} + | sort >"$dir/before"
+                "$raydiff" $others --$first "$files/x.png" --$second "$files/$other" >"$dir/out" 2>"$dir/err" <"$input"
+                code=$?
+                is_refused "$first" && is_refused "$second" || bad "raydiff $base: --$first and --$second are one file: exit $code"
+                find "$files" -exec ls -ld {} + | sort | cmp -s - "$dir/before" || bad "raydiff $base: --$first and --$second: written"
+            done
+        done
+    done
+}
+
 # walk 'COMMAND WORDS' 'OPTION=VALUE ...': these are used, all others that any command knows refused. A
 # '~' before an option: nothing of the output can show it. '@' as value: a file that it writes.
 walk() {
@@ -93,6 +115,7 @@ walk() {
             bad "raydiff $base --$option $given: is taken, and changes nothing"
         fi
     done
+    apart
     for option in $every; do
         case $uses in *" $option "* | *" ~$option "* | *" $option="* | *" ~$option="*) continue ;; esac
         # What the command knows nothing of is tried once.
@@ -109,6 +132,7 @@ walk() {
 
 "$raydiff" precompute --scene soup:n=40,seed=2 --out "$dir/soup.json" 2>/dev/null
 "$raydiff" precompute --scene rtrs --out "$dir/rtrs.json" 2>/dev/null
+"$raydiff" precompute --scene cornell --out "$dir/cornell.json" 2>/dev/null
 echo "closest.* it is known https://example.org" >"$dir/waivers"
 
 # What trees are played on, and by whom.
@@ -151,7 +175,7 @@ trial=fuzz/corpus/slot-not-read.trial
 walk "export $trial --form text" 'to=@ ~form=text engine=embree ~ray=0'
 walk "replay $trial --engine cpu" 'engine=brute layout=f32 ~time=9 brief as-expected json=@ ~threads=1 ~wide color=always'
 walk "min $trial --asks 5 --out $files/m.trial" \
-    'out=@ ~force asks=6 ~time=9 ~trial-time=9 ~memory=999 ~engine=cpu json=@ ~threads=1'
+    'out=@ asks=6 ~time=9 ~trial-time=9 ~memory=999 ~engine=cpu json=@ ~threads=1'
 # Suites, campaigns, measurements, pictures.
 walk 'conform closest.cpu.f32.median.robust.mt.soup.random.1' "list count=70 ~brute=300 ~waivers=$dir/waivers ~require=cpu verbose tap junit=@
     ~threads=1 ~wide color=always"
@@ -162,6 +186,19 @@ walk 'conform world.*.identity.*.1.1 --list --engine cpu' 'engine=brute layout=r
 walk 'bench builders --scene soup:n=40 --rounds 1 --threads 1' 'scene=soup:n=41 ~rounds=2 csv=@ json=@ threads=2 wide color=always'
 walk 'bench fuzz --count 3 --rounds 1 --engine cpu --layout f32' '~count=4 ~rounds=2 csv=@ ~seed=3 json=@ engine=cpu_stackless
     layout=f32,rf16'
+bench='--scene cornell --count 64 --rounds 1'
+walk "bench error $bench --engine cpu --layout f32 --tri mt --rays random" "scene=sphere:n=2 ~count=70 ~rounds=2 csv=@ json=@ svg=@
+    ~seed=3 engine=cpu_stackless layout=rf16 ~tri=woop ~box=watertight rays=vertices ~bvh=$dir/cornell.json ~threads=1 wide color=always"
+walk "bench spawn $bench --engine cpu --layout f32 --tri mt --rays random" 'scene=sphere:n=2 count=70 ~rounds=2 csv=@ json=@
+    seed=3 ~engine=cpu_stackless ~layout=f32 tri=woop ~box=watertight rays=vertices ~threads=1 wide color=always'
+walk "bench matrix $bench --engine cpu --layout f32" 'scene=sphere:n=2 ~count=70 ~rounds=2 csv=@ json=@ svg=@
+    ~seed=3 engine=cpu_stackless layout=rf16 store=compact ~threads=1 wide color=always'
+walk "bench fast $bench" 'scene=sphere:n=2 ~count=70 ~rounds=2 csv=@ json=@ ~seed=3 engine=cpu ~threads=2'
+walk 'bench tightness --scene cornell --count 64' 'scene=sphere:n=2 count=70 csv=@ json=@ seed=3 wide color=always'
+walk "bench worlds $bench --instances 9" 'scene=sphere:n=2 ~count=70 ~rounds=2 csv=@ json=@ ~seed=3 threads=2 instances=10'
+# Frames draw no rays: there is no seed but of a scene that is drawn by chance.
+walk "bench frames --scene cornell --engine cpu --layout f32 --frames 2 --size 16x12 --out $files/f" "scene=sphere:n=2 ~engine=cpu layout=rf16
+    ~tri=woop ~box=watertight ~bvh=$dir/cornell.json frames=3 ~size=8x8 ~out=@ turns=2 ~warm-up=3 bounces=2 ~profile=rtrs ~threads=1 ~wide"
 walk 'bench oracle --scene soup:n=40 --count 64 --rounds 1' 'scene=soup:n=41 count=70 ~rounds=2 csv=@ ~seed=3 json=@'
 walk "render --path rtrs --width 8 --height 8 --engine cpu --out $files/tree.png" \
     "out=@ frames=2 ~camera-orbit json=@ show=t path=cornell width=9 height=9 ~workgroup-size=4 profile=rtrs bounces=0
@@ -177,12 +214,11 @@ input=/dev/null
 walk 'doctor --driver stock' '~driver=stock ~device=0 json=@ ~threads=1 ~workgroup=32'
 walk "construct --out $files/made.json --model soup:n=9 0 --camera-pos 0 1 -8 0 0 0 --camera-fixed" \
     '~seed=3 json ~fill-normals ~camera-fixed ~scale=2'
-"$raydiff" precompute --scene cornell --out "$dir/cornell.json" 2>/dev/null
 walk 'diff --path cornell --engine cpu,fast --width 24 --height 18' "pixel=3,3 angle=30 ~list=1 out=@ json=@ path=sphere:n=4
     width=25 height=19
     ~workgroup-size=3 profile=rtrs bounces=0 ~ambience=0.5 camera-light-strength=0.5 engine=cpu,brute ~threads=1
     ~layout=rf16 leaf=1 builder=ploc box=watertight ~tri=woop optimize=reinsert ~waves ~bvh=$dir/cornell.json
-    handler=bvh-rf handler-bvh-rf ~handler-bvh handler-blank ~camera-orbit ~camera-fixed"
+    handler=bvh-rf handler-bvh-rf ~handler-bvh handler-blank"
 walk "fuzz --trials 20 --jobs 1 --engine cpu --layout f32 --corpus none --dir $files/d" 'trials=40 ~time=60 ~until=1 seed=3
     ~jobs=2 ~shard=1/1 engine=cpu,fast layout=f32,rf16 builder=ploc faithful worlds rays=9 triangles=4-8 ~feedback
     pairs=1

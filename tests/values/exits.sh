@@ -2,7 +2,7 @@
 # The exit codes of every command, each in the situations that its help tells: all is well, something is wrong, bad
 # input, an engine that fails, a driver that is not there, nothing that was run though it was wanted. Where gcc has its
 # LeakSanitizer, whatever way a command ends, it has given its memory back.
-#   sh tests/values/exits.sh RAYDIFF [PART...]     PART: judging, findings, files, unwritable
+#   sh tests/values/exits.sh RAYDIFF [PART...]     PART: judging, findings, files, mixed, unwritable
 set -u
 raydiff=$1
 shift
@@ -243,6 +243,46 @@ files() {
     for command in report doctor list scene render diff bench construct precompute; do ends 2 $command --frobnicate; done
 }
 
+# The worst of what happened ends a command, in any order of scenes and engines: 3 before 2, 1, 77 and 0.
+worst() {
+    code=0
+    for happened in $*; do
+        case $code.$happened in
+        *.cpu) ;;
+        0.missing) code=77 ;;
+        0.blind | 77.blind) code=1 ;;
+        [01].gone | 77.gone) code=2 ;;
+        *.dies) code=3 ;;
+        esac
+    done
+    echo "$code"
+}
+mixed() {
+    small="--count 100 --layout f32"
+    for who in 'cpu' 'cpu blind' 'cpu missing' 'cpu dies' 'cpu blind missing' 'cpu missing blind' 'cpu blind dies' 'cpu dies blind' \
+        'cpu missing dies' 'cpu dies missing' 'cpu blind missing dies' 'cpu dies missing blind' 'cpu missing dies blind'; do
+        engines=cpu
+        for one in ${who#cpu}; do eval "engines=\$engines,\$$one"; done
+        for of in sphere:n=4 "sphere:n=4 $gone.obj" "$gone.obj sphere:n=4"; do
+            unread=
+            [ "$of" = sphere:n=4 ] || unread=gone
+            want=$(worst $who $unread)
+            ends "$want" check $of --engine "$engines" --repeat 1 $small
+            ends "$want" bench error --scene "$(echo "$of" | tr ' ' ';')" --engine "$engines" --rounds 1 $small --tri mt --box robust
+            ends "$want" bench matrix --scene "$(echo "$of" | tr ' ' ';')" --engine "$engines" --rounds 1 $small
+            [ -n "$unread" ] || [ "$who" = cpu ] || ends "$want" diff $of --engine "$engines" --width 16 --height 16
+            # A report is of scenes that can be read, or it is not written.
+            [ -n "$unread" ] || ends "$want" report $of --engine "$engines" --parts check --quick $small --out "$dir/r.html"
+        done
+        ends "$(worst $who)" conform 'closest.*.sphere.random.1' --engine "$engines" --builder median --box robust --tri mt $small
+        ends "$(worst $who)" conform 'hard.01*.closest.*' --engine "$engines" --builder median --box robust --tri mt --layout f32
+    done
+    # A named layout that refuses is told where the rows stand.
+    "$raydiff" check sphere:n=100 --engine "cpu,$blind" --layout rf16,f32 --repeat 1 --count 100 >"$dir/text" 2>"$dir/err"
+    code=$?
+    [ "$code" -eq 2 ] && grep -q '^refused rf16 ' "$dir/text" || bad "a layout that refuses beside what is WRONG: exit $code"
+}
+
 # Arguments of raydiff with TO in place of a file that cannot be written: exit code 2, one line on standard error that
 # names it, and nothing that was not there before.
 unwritten() {
@@ -330,6 +370,6 @@ locked() {
     chmod -R u+w "$dir/locked"
 }
 
-for part in ${*:-judging findings files unwritable}; do "$part"; done
+for part in ${*:-judging findings files mixed unwritable}; do "$part"; done
 echo "exits: $tried runs, $failed failed"
 [ "$failed" -eq 0 ]

@@ -51,6 +51,16 @@ both 60 check mixed:count=20 --layout f32 --engine cpu,brute --query closest,any
 run check placed-mirrored:count=3 --layout f32 --count 200 --repeat 1 --json "$dir/json" && awk -f tests/values/flat.awk "$dir/json" >"$dir/flat" &&
     grep -q '^scenes.0.scenes_only=.*stackless' "$dir/flat" && ! grep -q '^rows.*engine=.*stackless' "$dir/flat" || bad "$ran: engines of scenes"
 both 200 leaks sphere:n=8 --engine cpu,fast --layout f32,rf16 --count 4000 --threads 1
+# Several scenes and worlds in one call: what is told of each, rays that are lost or hit twice, and the conclusion.
+run scene convert sphere:n=4 "$dir/x.obj"
+for form in --wide --color=never; do
+    run leaks room sphere:n=4 wall:n=2 placed-turned --seed 7 --count 1000 --engine cpu,brute,cpu_stackless --layout f32,rf16 --tri mt,woop \
+        --box watertight --profile dxr $form --json "$dir/json" || continue
+    awk -f tests/values/flat.awk "$dir/json" >"$dir/flat"
+    awk '/^    [^ ]/ { sub(/^ */, " "); line = line $0; next } NR > 1 { print line } { line = $0 } END { print line }' "$dir/text" >"$dir/whole"
+    awk -v least=500 -v seed=7 -f tests/values/lib.awk -f tests/values/floats.awk -f tests/values/scenes/obj.awk -f tests/values/leaks_told.awk "$dir/flat" \
+        "$dir/x.obj" "$dir/whole" || bad "$ran"
+done
 all_seen check leaks
 echo "values: $failed failed"
 [ "$failed" -eq 0 ]

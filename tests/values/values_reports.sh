@@ -7,6 +7,40 @@ raydiff=$1
 
 run doctor --json "$dir/json" && values doctor 80 processors="$(getconf _NPROCESSORS_ONLN)" "$dir/text"
 
+# Floats of the environment, which what is loaded first has set otherwise: exit code 4, and what is not so.
+cat >"$dir/floats.c" <<'END'
+#include <fenv.h>
+#include <stdlib.h>
+#ifdef __SSE2__
+#include <xmmintrin.h>
+#endif
+__attribute__((constructor)) static void set(void)
+{
+    const char *what = getenv("FLOATS");
+    if (what && what[0] == 'd')
+        fesetround(FE_UPWARD);
+#ifdef __SSE2__
+    if (what && what[0] == 'f')
+        _mm_setcsr(_mm_getcsr() | 0x8000u);
+#endif
+}
+END
+cc -O0 -shared -fPIC -o "$dir/floats.so" "$dir/floats.c" -lm || bad 'floats.c is not compiled'
+floats() { # exit code or 0 for any other than 4, what is set, the line
+    FLOATS=$2 LD_PRELOAD=$dir/floats.so "$raydiff" doctor --driver no-such-driver >"$dir/text" 2>"$dir/err"
+    code=$?
+    [ $((code == 4)) -eq $(($1 == 4)) ] || bad "doctor, floats $2: exit $code"
+    grep -qx "float  *$3" "$dir/text" || bad "doctor, floats $2: not '$3'"
+}
+case $(nm -D "$raydiff" 2>/dev/null | grep -c __asan_init) in
+0)
+    floats 0 none 'IEEE: FLT_EVAL_METHOD 0, subnormals kept, rounding to nearest'
+    floats 4 directed 'NOT IEEE: FLT_EVAL_METHOD 0, subnormals kept, rounding directed'
+    case $(uname -m) in x86_64) floats 4 flushed 'NOT IEEE: FLT_EVAL_METHOD 0, subnormals flushed, rounding to nearest' ;; esac
+    ;;
+*) echo 'SKIP floats of the environment: a sanitized program is to be loaded first' ;;
+esac
+
 # What a report says of the machine, and of two cards whose numbers are all different.
 perl tests/values/findings/machine.pl --two "$dir/json" >"$dir/two.json"
 case $? in
@@ -34,6 +68,41 @@ run check sphere:n=4 soup:n=100 --engine "cpu,brute,pipe:$dir/blind" --layout f3
 awk -f tests/values/flat.awk "$dir/check.json" >"$dir/other.flat"
 reported 0 0 15 --check "$dir/check.json" --parts check
 [ "$(sed -n 's/^wrong=//p' "$dir/flat")" -ge 50 ] || bad "report: nothing is WRONG"
+
+# Results of every outcome, in several orders: 3 before 1, 77 and 0; the page says the same in its first sentence.
+for engines in cpu "cpu,pipe:$dir/blind" "cpu,pipe:$dir/missing" 'cpu,pipe:false'; do
+    ran="raydiff check sphere:n=4 --engine $engines"
+    "$raydiff" check sphere:n=4 --engine "$engines" --layout f32 --count 200 --repeat 1 --json "$dir/outcome" >"$dir/text" 2>"$dir/err"
+    code=$?
+    mv "$dir/outcome" "$dir/outcome$code.json" || bad "$ran: no JSON"
+done
+for codes in '0' '0 77' '77 1 0' '1 77' '3 77 1' '1 3' '77 3 0'; do
+    given= want=0
+    : >"$dir/other.all"
+    for code in $codes; do
+        awk -f tests/values/flat.awk "$dir/outcome$code.json" >>"$dir/other.all"
+        given="$given --check $dir/outcome$code.json"
+        case $want.$code in 0.* | 77.[13] | 1.3) want=$code ;; esac
+    done
+    ran="report of $codes"
+    "$raydiff" report $given --parts check --out "$dir/page.html" --json "$dir/json" >"$dir/text" 2>"$dir/err"
+    code=$?
+    [ "$code" -eq "$want" ] || bad "$ran: exit $code, not $want"
+    # Rows of all of them, numbered on.
+    awk -F= '/^rows.0.engine=/ { from += rows; rows = 0 }
+        /^rows\.[0-9]/ { split($1, part, "."); if (part[2] + 1 > rows) rows = part[2] + 1; sub(/^rows\.[0-9]+/, "rows." from + part[2]); print }
+        END { print "rows.count=" from + rows }' "$dir/other.all" >"$dir/other.flat"
+    values report 10 bytes="$(wc -c <"$dir/page.html")" figures=0 findings=0 failing=0 "$dir/other.flat" "$dir/text"
+    case $want in
+    0) sentence='Everything agrees' ;;
+    77) sentence='Everything that ran agrees; some parts could not run' ;;
+    *)
+        sentence='A part has no good result: see below'
+        case " $codes " in *' 1 '*) sentence="WRONG answers: $(sed -n 's/^wrong=//p' "$dir/flat"); with other bits: 0" ;; esac
+        ;;
+    esac
+    grep -qF ">$sentence (exit code $want)<" "$dir/page.html" || bad "$ran: the page does not say '$sentence (exit code $want)'"
+done
 
 # The tables of a page, cell by cell: rows that are WRONG, as published, refused and skipped; any benchmark.
 run check sphere:n=4 soup:n=100 --engine "cpu,cpu_stackless,rayquery,pipe:$dir/blind" --layout f32,rtrs_rf,tiny8 --query closest,any \

@@ -1,6 +1,6 @@
 #!/bin/sh
 # The numbers of `raydiff scene`, `construct`, `precompute` and `judge gen` by value: against the scene as OBJ, trees as
-# JSON. sh tests/values/values_scenes.sh RAYDIFF [info list construct precompute gen]
+# JSON. sh tests/values/values_scenes.sh RAYDIFF [info list names construct precompute gen]
 set -u
 raydiff=$1
 shift
@@ -123,7 +123,58 @@ play_list() {
     done <"$dir/tries"
 }
 
-for part in ${*:-info list construct precompute gen}; do
+# What is named in a list can be named elsewhere: the tables are those of each option's complaint, and one kind is its part.
+play_names() {
+    run list && cp "$dir/text" "$dir/whole"
+    run list '' && cmp -s "$dir/text" "$dir/whole" || bad 'list of all kinds: not the whole list'
+    : >"$dir/parts"
+    while read -r kind option given; do
+        run list $kind || continue
+        cat "$dir/text" >>"$dir/parts"
+        [ "$(grep -c '^[a-z]' "$dir/text")" -eq 1 ] && grep -q "^$kind" "$dir/text" || bad "list $kind: not one kind"
+        names=$(awk '/^  [a-z]/ { printf "%s%s", n++ ? ", " : "", $1 }' "$dir/text")
+        # shellcheck disable=SC2086 # words of a command
+        "$raydiff" $given --$option nothing >"$dir/text" 2>"$dir/err"
+        known=$(sed -n 's/.* are: \([^;]*\).*/\1/p' "$dir/err" | sed 's/, pipe:COMMAND.*//; s/ (see raydiff.*//; s/, \.\.\. .*/, /; s/; did you mean.*//')
+        case "$names" in
+        "$known") ;;
+        "$known"*) [ "$kind" = layouts ] || bad "list $kind: '$names', known are '$known'" ;;
+        *) bad "list $kind: '$names', known are '$known'" ;;
+        esac
+        tables=$((${tables:-0} + 1))
+    done <<END
+builders builder check soup
+layouts layout check soup
+box box check soup
+triangle tri check soup
+queries query check soup
+engines engine check soup
+END
+    for kind in scenes ray storages; do run list $kind && cat "$dir/text" >>"$dir/parts"; done
+    cmp -s "$dir/parts" "$dir/whole" || bad 'list: not its parts, one after the other'
+    [ "$tables" -eq 6 ] || bad "list: $tables tables"
+    # Generators: those of the list of scenes are those with parameters, and what worlds are by default is what convert tells.
+    run list scenes && awk '/^  [a-z]/ { print $1 }' "$dir/text" >"$dir/generators"
+    run scene list
+    awk '/^generators of worlds/ { exit } /^  [a-z]/ { print $1 }' "$dir/text" | cmp -s - "$dir/generators" || bad 'scene list: other generators than list scenes'
+    awk '/^  [a-z]/ { name = $1 } sub(/^    \(by default /, "") { sub(/\)$/, ""); print name ": " $0 }' "$dir/text" >"$dir/worlds"
+    [ "$(wc -l <"$dir/worlds")" -ge 8 ] || bad 'scene list: worlds'
+    while IFS= read -r line; do
+        run scene convert "${line%%:*}" "$dir/x.world.json"
+        [ "${line%%:*}: $(sed 's/^[^:]*: //' "$dir/text")" = "$line" ] || bad "scene list: $line, but convert tells $(cat "$dir/text")"
+    done <"$dir/worlds"
+    # Meshes that were fetched: every file but hidden ones, and its bytes.
+    program=$(realpath "$raydiff")
+    mkdir -p "$dir/sources/scenes/fetched"
+    (cd "$dir/sources" && "$program" scene list) | grep -qx '  none here: `make scenes` fetches them' || bad 'scene list: no mesh, and it is not told'
+    : >"$dir/sources/scenes/fetched/.hidden.obj"
+    printf 'v 0 0 0\n' >"$dir/sources/scenes/fetched/b.obj"
+    cp "$dir/odd.obj" "$dir/sources/scenes/fetched/a.obj"
+    [ "$(cd "$dir/sources" && "$program" scene list | sed -n '/^fetched/,$s/^  *scenes/scenes/p' | tr -s ' ')" = "scenes/fetched/a.obj $(($(wc -c <"$dir/odd.obj"))) bytes
+scenes/fetched/b.obj 8 bytes" ] || bad 'scene list: fetched meshes'
+}
+
+for part in ${*:-info list names construct precompute gen}; do
     "play_$part"
     case $part in
     info) all_seen scene_info && all_seen world_info ;;

@@ -16,7 +16,20 @@
     heads++
     next
 }
-/: exit code [0-9]+/ { told++ }
+# Parts that are not well, in their order.
+/^  .*: exit code [0-9]+/ {
+    for (part += told > 0; part < v["parts.count"] && (v["parts." part ".exit"] == 0 || v["parts." part ".known"] != ""); part++) continue
+    p = "parts." part
+    why = v[p ".why"]
+    sub(/\n.*/, "", why)
+    equal("part that is not well", $0, "  " v[p ".name"] ": exit code " v[p ".exit"] (why == "" ? "" : ": " why))
+    told++
+}
+# The worse of two codes: 4, 3, 2, 1, 77, 0.
+function worse(a, b,  order) {
+    order = " 4 3 2 1 77 0 "
+    return index(order, " " a " ") < index(order, " " b " ") ? a : b
+}
 END {
     for (r = 0; r < w["rows.count"]; r++) {
         p = "rows." r
@@ -38,9 +51,9 @@ END {
         known += v[p ".known"] != ""
         truth("what is known fails " k, v[p ".known"] == "" || v[p ".exit"] == 1)
         code = v[p ".known"] == "" ? v[p ".exit"] : 0
-        if (code > worst) worst = code
+        worst = worse(code + 0, worst + 0)
         bads += code != 0
-        truth("state " k, v[p ".state"] == (answers ? "given" : "ran"))
+        truth("state " k, v[p ".state"] == (v[p ".command"] ~ /^# read from / ? "given" : "ran"))
         truth("seconds " k, (v[p ".seconds"] > 0) == (v[p ".state"] == "ran"))
         seconds += v["parts." k ".seconds"]
     }

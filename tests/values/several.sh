@@ -1,0 +1,89 @@
+#!/bin/sh
+# What a command tells of a scene, a file or a folder does not depend on what it was given before or behind that: rows of
+# several are the rows of each alone, in their order, but for times.
+#   sh tests/values/several.sh RAYDIFF [PART...]     PART: info, judged, bench, files
+set -u
+raydiff=$1
+shift
+. tests/values/compare.sh
+compared=0
+
+# FILE: values of a JSON that are no times, nor what is made of them; ARRAY: of one array, numbered from FROM.
+of() { # array, first number, file
+    awk -f tests/values/flat.awk "$3" | awk -F= -v array="$1" -v from="$2" '
+        index($1, array ".") != 1 { next }
+        {
+            path = substr($1, length(array) + 2)
+            key = path
+            sub(/^.*\./, "", key)
+            if (key ~ /(^|_)(ns|us|ms|s|mrays|ratio|speed|seconds|median|least|most|noise|warm|memory|bytes_peak|resident|rss)(_|$)/ ||
+                path ~ /(mrays|ratio|speed|warm|times|spread)|\.(front|worth)$/) next
+            n = path
+            sub(/\..*/, "", n)
+            if (path ~ /^[0-9]+\./) print n + from path_behind(path) "=" substr($0, length($1) + 2)
+        }
+        function path_behind(p) { sub(/^[0-9]+/, "", p); return p }'
+}
+count_of() { awk -f tests/values/flat.awk "$2" | sed -n "s/^$1\.count=//p"; }
+
+# array of the JSON, least number of values, words with ONE for what is named, then what is named
+alone() {
+    array=$1 least=$2 words=$3
+    shift 3
+    : >"$dir/each"
+    from=0
+    for one in "$@"; do
+        told "$(echo "$words" | sed "s|ONE|$one|")" || return
+        of "$array" "$from" "$dir/json" >>"$dir/each"
+        from=$((from + $(count_of "$array" "$dir/json")))
+    done
+    told "$(echo "$words" | sed "s|ONE|$(echo "$*" | tr ' ' "$between")|")" || return
+    of "$array" 0 "$dir/json" >"$dir/all"
+    values=$(wc -l <"$dir/each")
+    [ "$values" -ge "$least" ] || bad "$ran: only $values values"
+    cmp -s "$dir/each" "$dir/all" || { bad "$ran: other values than of each alone"; diff "$dir/each" "$dir/all" | head -n 6; }
+    compared=$((compared + values))
+}
+told() {
+    # shellcheck disable=SC2086 # words of a command
+    run $1 --json "$dir/json"
+}
+
+info() {
+    for one in rtrs mixed:count=9 sphere:n=3 crowd:n=7 soup:n=4; do
+        run scene info $one && cat "$dir/text" >>"$dir/each.info"
+    done
+    run scene info rtrs mixed:count=9 sphere:n=3 crowd:n=7 soup:n=4
+    cmp -s "$dir/each.info" "$dir/text" || { bad "$ran: not the lines of each alone"; diff "$dir/each.info" "$dir/text" | head -n 4; }
+    compared=$((compared + $(wc -l <"$dir/text")))
+}
+judged() {
+    between=' '
+    few='--count 200 --repeat 1 --threads 1'
+    alone rows 200 "check ONE --engine cpu,brute --layout f32,rtrs_rf --tri mt,woop --box robust $few" rtrs sphere:n=4 soup:n=300,size=0.5
+    alone scenes 20 "check ONE --engine cpu,brute --layout f32 $few" rtrs crowd:n=5 sphere:n=4
+    alone rows 100 "leaks ONE --engine cpu,brute --layout f32,rf16 --count 1000 --threads 1" sphere:n=4 wall:n=2 sphere:n=6
+    alone scenes 30 "leaks ONE --engine cpu --layout f32 --count 1000 --threads 1" sphere:n=4 room wall:n=2
+}
+bench() {
+    between=';'
+    few='--count 300 --rounds 1'
+    scenes='sphere:n=4 cornell soup:n=300'
+    alone rows 100 "bench error --scene ONE --engine cpu,brute --layout f32,rtrs_rf --tri mt,woop --box robust $few" $scenes
+    alone rows 200 "bench spawn --scene ONE --engine cpu --layout f32 --tri mt $few" $scenes
+    alone rows 100 "bench layouts --scene ONE --threads 1 $few" sphere:n=4 soup:n=300
+    alone rows 100 "bench matrix --scene ONE --engine cpu,fast --layout f32,rf16 $few" $scenes
+    alone rows 60 "bench builders --scene ONE --threads 1 --rounds 1" $scenes
+    alone rows 15 "bench oracle --scene ONE $few" $scenes
+    alone rows 100 "bench tightness --scene ONE --count 300" $scenes
+    alone rows 60 "bench fast --scene ONE $few" $scenes
+    alone rows 60 "bench worlds --scene ONE --instances 9 $few" $scenes
+}
+files() {
+    between=' '
+    alone files 80 "replay ONE --engine cpu,brute" fuzz/corpus/wrong-item.trial fuzz/corpus/bad-rays.trial fuzz/corpus/slot-not-read.trial
+}
+
+for part in ${*:-info judged bench files}; do "$part"; done
+echo "several: $compared values, $failed failed"
+[ "$failed" -eq 0 ]
