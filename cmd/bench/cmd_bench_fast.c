@@ -117,7 +117,7 @@ static void print_row(struct contest *c, size_t kind, size_t i)
            warm_ratio.least, warm_ratio.most);
     bench_row(c->bench, &bench_fast,
               json_record("scene=%s rays=%s engine=%s called=%s threads=%u triangles=%u mrays=%g "
-                          "ratio=%g ratio_least=%g ratio_most=%g warm_mrays=%g warm_ratio=%g "
+                          "ratio=%g ratio_least=%g ratio_most=%g warm_mrays=%g warm=%g "
                           "warm_least=%g warm_most=%g bytes_per_triangle=%g missed=%zu",
                           c->spec, kinds[kind], name, engine_called(r->engine, r->self),
                           c->bench->engines.threads, c->scene->tri_count, mrays.median,

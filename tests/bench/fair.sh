@@ -27,7 +27,7 @@ while :; do
         {
             rows++
             for (turn = 0; turn < 2; turn++) {
-                ratio = $at[turn ? "warm_ratio" : "ratio"] - 1
+                ratio = $at[turn ? "warm" : "ratio"] - 1
                 far = ratio < 0 ? -ratio : ratio
                 if (far > most) most = far
                 if (!(far <= limit)) { print "  " $at["scene"] " " $at["rays"] (turn ? " warm" : "") ": plain is " 1 + ratio " of embree"; bad = 1 }

@@ -158,8 +158,8 @@ expect 0 . bench fast --scene "$dir/square.obj" --rounds 3 --count 500 --csv "$d
 rows "$dir/f.csv" '{
     if (!($c["ratio"] >= $c["ratio_least"] && $c["ratio"] <= $c["ratio_most"])) wrong("spread")
     if ($c["rays"] == "primary" && $c["missed"] != 0) wrong("missed")
-    if (!($c["warm_ratio"] >= $c["warm_least"] && $c["warm_ratio"] <= $c["warm_most"])) wrong("warm spread")
-    if ($c["engine"] == "embree" && ($c["ratio"] != 1 || $c["warm_ratio"] != 1)) wrong("ratio to itself") }'
+    if (!($c["warm"] >= $c["warm_least"] && $c["warm"] <= $c["warm_most"])) wrong("warm spread")
+    if ($c["engine"] == "embree" && ($c["ratio"] != 1 || $c["warm"] != 1)) wrong("ratio to itself") }'
 # Named engines race Embree, which is there once; one that is no tracer of the processor is none of them.
 expect 0 . bench fast --scene "$dir/square.obj" --rounds 1 --count 100 --engine cpu,embree,fast --csv "$dir/f.csv"
 [ "$(cut -d , -f 4 "$dir/f.csv" | sort | uniq -c | tr -s ' ' | tr '\n' ';')" = ' 4 cpu; 4 embree; 1 engine; 4 fast;' ] ||

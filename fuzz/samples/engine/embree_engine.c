@@ -20,10 +20,12 @@
 struct plain {
     RTCDevice device;
     RTCScene scene;
+    void *kept; /* memory of rays that were freed, for the next ones: fresh pages cost time */
+    size_t kept_bytes;
 };
 
 struct rays {
-    size_t count;
+    size_t count, bytes;
     struct RTCRayHit *closest; /* one of the two */
     struct RTCRay *any;
 };
@@ -50,6 +52,7 @@ static void close_tracer(void *self)
     if (plain->scene)
         rtcReleaseScene(plain->scene);
     rtcReleaseDevice(plain->device);
+    free(plain->kept);
     free(plain);
 }
 
@@ -86,19 +89,25 @@ static int build(void *self, const struct raydiff_engine_mesh *mesh, char *reaso
 static int rays_make(void *self, const struct raydiff_engine_ray *ray, size_t count, uint32_t query,
                      void **out, char *reason)
 {
+    struct plain *plain = self;
     struct rays *rays = calloc(1, sizeof *rays);
     const int any = query == RAYDIFF_ENGINE_QUERY_ANY;
-    (void)self;
     (void)reason;
     *out = rays;
     if (!rays)
         return RAYDIFF_ENGINE_MEMORY;
     rays->count = count;
-    /* Embree wants both aligned to 16 bytes, which malloc does. */
-    if (any)
-        rays->any = malloc((count + 1) * sizeof *rays->any);
+    rays->bytes = (count + 1) * sizeof *rays->closest;
+    if (plain->kept_bytes >= rays->bytes)
+        rays->bytes = plain->kept_bytes;
     else
-        rays->closest = malloc((count + 1) * sizeof *rays->closest);
+        free(plain->kept), plain->kept = malloc(rays->bytes); /* aligned to 16, as Embree wants */
+    if (any)
+        rays->any = plain->kept;
+    else
+        rays->closest = plain->kept;
+    plain->kept = NULL;
+    plain->kept_bytes = 0;
     if (!rays->any && !rays->closest)
         return RAYDIFF_ENGINE_MEMORY;
     for (size_t i = 0; i < count; i++) {
@@ -158,10 +167,11 @@ static void hits_read(void *self, const void *made, struct raydiff_engine_hit *h
 
 static void rays_free(void *self, void *made)
 {
+    struct plain *plain = self;
     struct rays *rays = made;
-    (void)self;
-    free(rays->closest);
-    free(rays->any);
+    free(plain->kept);
+    plain->kept = rays->any ? (void *)rays->any : rays->closest;
+    plain->kept_bytes = plain->kept ? rays->bytes : 0;
     free(rays);
 }
 

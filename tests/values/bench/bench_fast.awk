@@ -13,7 +13,7 @@ function engine_at(column,  name) {
     product = product_warm = 1
     for (i = 0; i < r; i++) if (v["rows." i ".engine"] == engine) {
         product *= v["rows." i ".ratio"]
-        product_warm *= v["rows." i ".warm_ratio"]
+        product_warm *= v["rows." i ".warm"]
     }
     split(substr($0, 27), word, " ")
     same("mean of " engine, word[1], "%.2f", product ^ 0.25)
@@ -50,7 +50,7 @@ part == "engines" {
     if (v[p ".ratio"] != "null") {
         same(name "ratio", word[2], "%.2f", v[p ".ratio"])
         same_span(name "ratio", word[3], "%.2f", v[p ".ratio_least"], v[p ".ratio_most"])
-        same(name "warm ratio", word[5], "%.2f", v[p ".warm_ratio"])
+        same(name "warm ratio", word[5], "%.2f", v[p ".warm"])
         same_span(name "warm ratio", word[6], "%.2f", v[p ".warm_least"], v[p ".warm_most"])
     }
     truth(name "whole bytes", v[p ".bytes_per_triangle"] * v[p ".triangles"] - int(v[p ".bytes_per_triangle"] * v[p ".triangles"] + 0.5) < 1e-4)
@@ -58,7 +58,7 @@ part == "engines" {
         q = "rows." i
         if (v[q ".engine"] == "embree" && v[q ".rays"] == v[p ".rays"] && rounds == 1) {
             near(name "ratio to embree", v[p ".ratio"], v[p ".mrays"] / v[q ".mrays"])
-            near(name "warm ratio to embree", v[p ".warm_ratio"], v[p ".warm_mrays"] / v[q ".warm_mrays"])
+            near(name "warm ratio to embree", v[p ".warm"], v[p ".warm_mrays"] / v[q ".warm_mrays"])
         }
         if (v[q ".engine"] == v[p ".engine"]) equal(name "bytes on other rays", v[q ".bytes_per_triangle"], v[p ".bytes_per_triangle"])
     }
