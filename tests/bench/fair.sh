@@ -8,7 +8,11 @@ raydiff=${1?} limit=0.02 rounds=41 rays=30000 tries=5
 scenes='sphere:n=60;terrain:k=6;terrain:k=8'
 [ "${2:-}" = quick ] && limit=0.05 rounds=15 rays=8000 scenes='terrain:k=6'
 version=$(ldd "$raydiff" | sed -n 's/.*libembree\([34]\)\..*/\1/p' | head -n 1)
-[ -n "$version" ] || { echo "SKIPPED fair: $raydiff is built without Embree"; exit 77; }
+if [ -z "$version" ]; then
+    "$raydiff" doctor 2>&1 | grep -q 'built without Embree' && { echo "SKIPPED fair: $raydiff is built without Embree"; exit 77; }
+    echo "FAILED  fair: $raydiff has no Embree, and does not say so"
+    exit 1
+fi
 [ -e "/usr/include/embree$version/rtcore.h" ] || { echo "SKIPPED fair: no embree$version/rtcore.h"; exit 77; }
 dir=$(mktemp -d) || exit 4
 trap 'rm -rf "$dir"' EXIT

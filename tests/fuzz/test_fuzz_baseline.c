@@ -1,5 +1,5 @@
 /* The baseline: what is known, until when, and what of it is unused. */
-#define _POSIX_C_SOURCE 200809L
+#define _DEFAULT_SOURCE /* timegm */
 #include "fuzz/findings/baseline.h"
 
 #include <setjmp.h>
@@ -138,6 +138,32 @@ static void bad_lines_are_refused(void **state)
     baseline_close(&b);
 }
 
+/* Every day of the calendar, and no other. */
+static void days_are_those_of_the_calendar(void **state)
+{
+    (void)state;
+    static const int years[] = {2024, 2027, 2100, 2000};
+    size_t taken = 0;
+    for (size_t y = 0; y < ARRAY_COUNT(years); y++)
+        for (int month = 0; month <= 13; month++)
+            for (int day = 0; day <= 32; day++) {
+                char text[80];
+                struct tm time = {.tm_year = years[y] - 1900, .tm_mon = month - 1, .tm_mday = day};
+                const time_t at = timegm(&time);
+                const struct tm *there = gmtime(&at);
+                const bool is_day = there->tm_mday == day && there->tm_mon == month - 1 &&
+                                    there->tm_year == years[y] - 1900;
+                struct baseline b = {0};
+                snprintf(text, sizeof text, "*.*.bits.* until %04d-%02d-%02d why%s", years[y],
+                         month, day, LINK);
+                assert_int_equal(baseline_add(&b, "list", text, strlen(text), &reason),
+                                 is_day ? STATUS_OK : STATUS_INPUT);
+                taken += is_day;
+                baseline_close(&b);
+            }
+    assert_int_equal(taken, 366 + 365 + 365 + 366);
+}
+
 static void files_are_added(void **state)
 {
     (void)state;
@@ -238,6 +264,7 @@ int main(void)
         cmocka_unit_test(today_is_the_same_everywhere),
         cmocka_unit_test(entries_excuse_until_their_day),
         cmocka_unit_test(bad_lines_are_refused),
+        cmocka_unit_test(days_are_those_of_the_calendar),
         cmocka_unit_test(files_are_added),
         cmocka_unit_test(the_shipped_list_is_of_others),
         cmocka_unit_test(unused_entries_are_told),

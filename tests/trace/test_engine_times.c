@@ -72,7 +72,9 @@ static void expect_time(const struct engine *engine, struct timed *t, bool world
                                : engine->prepare(self, &job, &reason);
     if (status)
         fail_msg("%s: %s", engine->name, reason.text);
-    /* Tracing is nearly all that passes, but that another program may take its turn after it. */
+    /* Tracing is nearly all that passes, but that another program may take its turn after it. The
+     * rays of a library are filled before it is timed, and its hits read behind. */
+    const double least = engine->library ? 0.6 : 0.9;
     double most = 0;
     for (int i = 0; i < 12; i++) {
         uint64_t start = time_ns();
@@ -85,7 +87,7 @@ static void expect_time(const struct engine *engine, struct timed *t, bool world
         assert_true(report.ns <= passed);
         most = fmax(most, (double)report.ns / (double)passed);
     }
-    if (most < 0.9)
+    if (most < least)
         fail_msg("%s, %s: at most %g of the time that passes is reported", engine->name,
                  world ? "a world" : "a scene", most);
     engine->close(self);
