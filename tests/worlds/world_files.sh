@@ -56,6 +56,11 @@ expect 0 . scene convert "$dir/points.gltf" "$dir/p.json"
 grep -q '^left out: 2 primitives of points or lines$' "$dir/out" || bad 'points are left out, and that is not told'
 grep -q '^left out: 1 skin, 0 primitives with morph targets; they are placed at rest$' "$dir/out" || bad 'skins'
 
+"$raydiff" scene convert placed-turned "$dir/placed.gltf" >"$dir/out"
+sed 's/"attributes": {"POSITION": 0}/&, "targets": [{}]/' "$dir/placed.gltf" >"$dir/morphs.gltf"
+expect 0 . scene convert "$dir/morphs.gltf" "$dir/p.json"
+grep -q '^left out: 0 skins, 1 primitive with morph targets; they are placed at rest$' "$dir/out" || bad "morph targets: $(cat "$dir/out")"
+
 # Files beside a file.
 mkdir "$dir/below"
 cp "$dir/s.obj" "$dir/below/ball.obj"
