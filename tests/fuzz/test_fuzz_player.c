@@ -290,11 +290,88 @@ static void layouts_that_an_engine_does_not_take_are_refused(void **state)
     fuzz_trial_free(&trial);
 }
 
+/* --- promises --------------------------------------------------------------------------------- */
+
+static enum status hitter_open(const struct engine_options *options, void **self,
+                               struct reason *why)
+{
+    (void)options, (void)why;
+    *self = NULL;
+    return STATUS_OK;
+}
+
+static enum status hitter_prepare(void *self, const struct job *job, struct reason *why)
+{
+    (void)self, (void)job, (void)why;
+    return STATUS_OK;
+}
+
+static enum status hitter_trace(void *self, const struct ray *ray, size_t count, struct hit *hit,
+                                struct trace_report *report, struct reason *why)
+{
+    (void)self, (void)ray, (void)why;
+    *report = (struct trace_report){0};
+    for (size_t i = 0; i < count; i++)
+        hit[i] = (struct hit){2, 0.25f, 0.25f, 0};
+    return STATUS_OK;
+}
+
+static void hitter_close(void *self)
+{
+    (void)self;
+}
+
+static struct model closed_model(void *self, const struct tri_test *tri)
+{
+    (void)self, (void)tri;
+    return (struct model){.formula = TWIN_MT, .rounding = ROUNDING_IEEE};
+}
+
+static struct model open_model(void *self, const struct tri_test *tri)
+{
+    struct model model = closed_model(self, tri);
+    model.open = true;
+    return model;
+}
+
+/* A hit at exactly tmin is one where the range is closed, and none where it is open, whoever is
+ * beside. */
+static void each_is_held_to_its_own_range(void **state)
+{
+    (void)state;
+    struct engine closed = {.name = "closed", .own_tri = true, .open = hitter_open,
+                            .prepare = hitter_prepare, .trace = hitter_trace,
+                            .model = closed_model, .close = hitter_close};
+    struct engine open = closed;
+    open.name = "open", open.model = open_model;
+    for (int turn = 0; turn < 2; turn++) {
+        const struct engine *engine[] = {turn ? &open : &closed, turn ? &closed : &open};
+        struct fuzz_field field;
+        struct fuzz_player *player = open_player(engine, 2, &field);
+        struct fuzz_trial trial;
+        struct fuzz_result result;
+        struct reason reason;
+        if (fuzz_trial_make(3, 1, 1, &trial, &reason))
+            fail_msg("%s", reason.text);
+        memcpy(trial.scene.vertex, (const float[9]){0, 0, 0, 4, 0, 0, 0, 4, 0}, 9 * sizeof(float));
+        memcpy(trial.scene.index, (const uint32_t[3]){0, 1, 2}, 3 * sizeof(uint32_t));
+        trial.ray[0] = (struct ray){{1, 1, -2}, 2, {0, 0, 1}, INFINITY};
+        trial.query = QUERY_CLOSEST;
+        if (fuzz_play(player, &trial, 1, &result, NULL, NULL, &reason))
+            fail_msg("%s", reason.text);
+        assert_int_equal(result.finding_count, 1);
+        assert_int_equal(result.finding[0].contestant, !turn);
+        fuzz_player_close(player);
+        fuzz_trial_free(&trial);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(many_at_once_have_the_verdicts_of_matches),
         cmocka_unit_test(every_kind_of_fault_is_found),
+        cmocka_unit_test(each_is_held_to_its_own_range),
         cmocka_unit_test(layouts_that_an_engine_does_not_take_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
