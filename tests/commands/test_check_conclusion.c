@@ -136,7 +136,7 @@ static bool is_sound(const struct row *row)
     return row->status == ROW_OK && row->judged && row->differences == 0;
 }
 
-/* What is said of speeds, "" if nothing: of each row of f32 those of the same name. */
+/* The conclusion on speeds, "" for none: each row of f32 is compared with those of its name. */
 static void speeds_of(const struct drawn_rows *d, char *text, size_t text_bytes)
 {
     double best = 0;

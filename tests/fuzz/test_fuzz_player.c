@@ -334,8 +334,8 @@ static struct model open_model(void *self, const struct tri_test *tri)
     return model;
 }
 
-/* A hit at exactly tmin is one where the range is closed, and none where it is open, whoever is
- * beside. */
+/* A hit at exactly tmin is right in a closed range and WRONG in an open one, whatever the range of
+ * the other contestant. */
 static void each_is_held_to_its_own_range(void **state)
 {
     (void)state;

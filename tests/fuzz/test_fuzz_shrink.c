@@ -216,8 +216,8 @@ static void the_same_every_time_and_never_more_than_was_allowed(void **state)
     fuzz_trial_free(&trial);
 }
 
-/* "asks" is said of a result for which there were too few of them, not of what was too dear in an
- * earlier round: where asks are left, the result alone ends in the same way. */
+/* The end "asks" means that there were too few of them for the result itself. What was too dear in
+ * an earlier round does not count: where asks are left, the result alone ends in the same way. */
 static void its_end_is_that_of_the_result_alone(void **state)
 {
     (void)state;

@@ -35,7 +35,7 @@ static void make(struct timed *t)
                                     .top_options = options,
                                     .bottom_options = options};
     struct rng rng = rng_make(1, 2);
-    t->scene = built_soup(300, 1);
+    t->scene = built_soup(3000, 1);
     assert_int_equal(bvh_build(builder_find("median"), &t->scene, &options, &t->bvh, NULL), 0);
     assert_int_equal(packed_make(layout_find("f32"), &t->bvh, &t->scene, &t->packed, NULL), 0);
     assert_int_equal(world_of_scene(&t->scene, &t->world, NULL), 0);
@@ -72,9 +72,8 @@ static void expect_time(const struct engine *engine, struct timed *t, bool world
                                : engine->prepare(self, &job, &reason);
     if (status)
         fail_msg("%s: %s", engine->name, reason.text);
-    /* Tracing is nearly all that passes, but that another program may take its turn after it. The
-     * rays of a library are filled before it is timed, and its hits read behind. */
-    const double least = engine->library ? 0.6 : 0.9;
+    /* Tracing is nearly all that passes, in a scene of that size also beside the filling of a
+     * library's rays; but another program may take its turn after it. */
     double most = 0;
     for (int i = 0; i < 12; i++) {
         uint64_t start = time_ns();
@@ -87,7 +86,7 @@ static void expect_time(const struct engine *engine, struct timed *t, bool world
         assert_true(report.ns <= passed);
         most = fmax(most, (double)report.ns / (double)passed);
     }
-    if (most < least)
+    if (most < 0.9)
         fail_msg("%s, %s: at most %g of the time that passes is reported", engine->name,
                  world ? "a world" : "a scene", most);
     engine->close(self);

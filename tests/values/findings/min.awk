@@ -44,7 +44,7 @@ heads && NF >= 6 {
     pages++
     next
 }
-# What is said of the end, of what the result shows and of where it is.
+# The words that tell how min ended, what the result shows and where it lies.
 function words(text) {
     gsub(/[ \n]+/, " ", text)
     return text
