@@ -95,6 +95,7 @@ plain)
     suite named_others sh tests/scripts/named_others.sh "$build/raydiff"
     suite watertight sh tests/scripts/watertight.sh "$build/raydiff"
     alone bench sh tests/scripts/bench.sh "$build/raydiff"
+    suite lazy sh tests/guest/lazy.sh "$build/raydiff"
     alone fair sh tests/bench/fair.sh "$build/raydiff" quick
     suite diff sh tests/scripts/diff.sh "$build"
     alone window sh tests/scripts/window.sh "$build"

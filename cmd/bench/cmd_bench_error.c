@@ -64,13 +64,13 @@ static enum status make_leak_rays(struct error_field *field, size_t count, struc
 }
 
 static enum status judge_rays(const struct error_field *field, const struct contestant *c,
-                              const struct known_rays *known, struct error_row *row,
-                              struct reason *reason)
+                              const struct known_rays *known, const struct hit *hit,
+                              struct error_row *row, struct reason *reason)
 {
-    return known_judge(field->oracle, known, c, QUERY_CLOSEST, field->hit, &row->verdicts, reason);
+    return known_judge(field->oracle, known, c, QUERY_CLOSEST, hit, &row->verdicts, reason);
 }
 
-/* Counts the leaks and errors of one contestant. */
+/* Counts the leaks of one contestant, and the errors of what it answered when it was timed. */
 static enum status measure(const struct error_field *field, const struct contestant *c,
                            const struct known_rays *known, struct error_row *row,
                            struct reason *reason)
@@ -82,17 +82,15 @@ static enum status measure(const struct error_field *field, const struct contest
         if (leak->count)
             status = known_trace(leak, c, field->hit, &report, reason);
         if (leak->count && status == STATUS_OK)
-            status = judge_rays(field, c, leak, row, reason);
+            status = judge_rays(field, c, leak, field->hit, row, reason);
         for (size_t i = 0; i < leak->count && status == STATUS_OK; i++)
             row->leak[target] += field->hit[i].prim == ABI_NO_PRIM;
     }
     if (status == STATUS_OK)
-        status = known_trace(known, c, field->hit, &report, reason);
-    if (status == STATUS_OK)
-        status = error_sum_make(field->oracle, field->scene, known->ray, known->truth, field->hit,
+        status = error_sum_make(field->oracle, field->scene, known->ray, known->truth, c->answer,
                                 known->count, &row->sum, reason);
     if (status == STATUS_OK)
-        status = judge_rays(field, c, known, row, reason);
+        status = judge_rays(field, c, known, c->answer, row, reason);
     return status;
 }
 
@@ -137,7 +135,7 @@ static void take_speeds(struct error_field *field, struct error_page *page)
         }
 }
 
-/* Fills one page: first the errors, then the speeds of the race. */
+/* Fills one page: the speeds of the race, and the errors. */
 static enum status play(struct error_field *field, const struct ray_set *set,
                         struct error_page *page, struct reason *reason)
 {
@@ -155,6 +153,8 @@ static enum status play(struct error_field *field, const struct ray_set *set,
     if (status == STATUS_OK)
         status = decide(field, &known, reason);
     page->exact_hits = status ? 0 : known_hits(&known);
+    if (status == STATUS_OK)
+        status = race_run(&field->race, QUERY_CLOSEST, known.ray, known.count, reason);
     for (size_t i = 0; i < field->race.count && status == STATUS_OK; i++) {
         const struct contestant *c = &field->race.contestant[i];
         progress_step(&field->bench->progress, "%s: errors of %s", label, c->engine->name);
@@ -162,8 +162,6 @@ static enum status play(struct error_field *field, const struct ray_set *set,
         status = measure(field, c, &known, &page->row[i], reason);
         page->row_count = i + 1;
     }
-    if (status == STATUS_OK)
-        status = race_run(&field->race, known.ray, known.count, field->hit, reason);
     if (status == STATUS_OK)
         take_speeds(field, page);
     progress_end(&field->bench->progress);

@@ -33,7 +33,7 @@ struct contest {
     struct bvh bvh;
     struct race race;
     struct fast_entry entry[RIVALS]; /* per contestant */
-    struct hit *hit[RIVALS];
+    struct hit *hit; /* scratch */
     double log_ratio[RIVALS], log_warm[RIVALS]; /* of all kinds, summed */
     size_t missed[RIVALS];
     bool embree; /* the first contestant is Embree, which the others are compared with */
@@ -56,24 +56,18 @@ static const struct {
     {"fast", "fast", false, false, false},
 };
 
-/* Traces the rays with contestant i, untimed. */
-static enum status trace(struct contest *c, size_t i, struct reason *reason)
-{
-    const struct contestant *who = &c->race.contestant[i];
-    struct trace_report report;
-    return who->engine->trace(who->self, c->ray, c->count, c->hit[i], &report, reason);
-}
-
 /* Replaces the primary rays by rays from their hits to a light. */
 static enum status make_shadow_rays(struct contest *c, struct reason *reason)
 {
-    size_t fast = c->race.count - 1; /* the last contestant; it runs everywhere */
+    const struct contestant *who = &c->race.contestant[0]; /* Embree, if it can run */
+    struct trace_report report;
     struct ray *out = alloc_zeroed(c->count, sizeof *out);
     if (!out)
         return fail(reason, STATUS_MEMORY, "no memory for %zu rays", c->count);
-    enum status status = trace(c, fast, reason);
+    enum status status =
+        who->engine->trace(who->self, c->ray, c->count, c->hit, &report, reason);
     if (!status)
-        status = shadow_rays_make(c->scene, c->ray, c->hit[fast], c->count, out, reason);
+        status = shadow_rays_make(c->scene, c->ray, c->hit, c->count, out, reason);
     if (!status)
         memcpy(c->ray, out, c->count * sizeof *out);
     free(out);
@@ -107,7 +101,7 @@ static void print_row(struct contest *c, size_t kind, size_t i)
     struct contestant *r = &c->race.contestant[i];
     const struct spread ratio = ratio_of(c, r->ratio), warm_ratio = ratio_of(c, r->warm_ratio);
     const struct spread mrays = spread_of(r->mrays, rounds), warm = spread_of(r->warm, rounds);
-    const size_t missed = race_missed(&c->race, c->hit, c->count, i);
+    const size_t missed = race_missed(&c->race, c->count, i);
     const char *name = c->entry[i].name;
     c->log_ratio[i] += log(ratio.median);
     c->log_warm[i] += log(warm_ratio.median);
@@ -130,10 +124,9 @@ static enum status play_kind(struct contest *c, size_t kind, struct reason *reas
 {
     enum status status = make_rays(c, kind, reason);
     if (!status)
-        status = race_run(&c->race, c->ray, c->count, c->hit[0], reason);
+        status = race_run(&c->race, kind == KINDS - 1 ? QUERY_ANY : QUERY_CLOSEST, c->ray, c->count,
+                          reason);
     progress_end(&c->bench->progress);
-    for (size_t i = 0; i < c->race.count && !status; i++)
-        status = trace(c, i, reason);
     for (size_t i = c->race.count; i-- > 0 && !status;)
         print_row(c, kind, i);
     return status;
@@ -220,14 +213,8 @@ static enum status enter_named(struct contest *c, struct reason *reason)
 
 static enum status enter_all(struct contest *c, struct reason *reason)
 {
-    enum status status = c->bench->engine.count ? enter_named(c, reason)
-                                                : enter_own(c, ARRAY_COUNT(own), reason);
-    for (size_t i = 0; i < c->race.count && !status; i++) {
-        c->hit[i] = alloc_zeroed(c->count, sizeof *c->hit[i]);
-        if (!c->hit[i])
-            status = fail(reason, STATUS_MEMORY, "no memory for %zu answers", c->count);
-    }
-    return status;
+    return c->bench->engine.count ? enter_named(c, reason)
+                                  : enter_own(c, ARRAY_COUNT(own), reason);
 }
 
 static enum status open_contest(struct contest *c, struct reason *reason)
@@ -236,7 +223,9 @@ static enum status open_contest(struct contest *c, struct reason *reason)
     enum status status = bvh_build(builder_find("sah_sweep"), c->scene, &build, &c->bvh, reason);
     if (!status)
         c->ray = alloc_zeroed(c->count, sizeof *c->ray);
-    if (!status && !c->ray)
+    if (!status)
+        c->hit = alloc_zeroed(c->count, sizeof *c->hit);
+    if (!status && !(c->ray && c->hit))
         status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", c->count);
     return status ? status : enter_all(c, reason);
 }
@@ -264,8 +253,7 @@ static enum status bench_scene(struct bench *bench, const char *spec, const stru
     if (!status)
         print_ends(&c);
     race_leave(&c.race);
-    for (size_t i = 0; i < RIVALS; i++)
-        free(c.hit[i]);
+    free(c.hit);
     free(c.ray);
     bvh_free(&c.bvh);
     return status;

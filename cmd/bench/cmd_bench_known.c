@@ -68,12 +68,22 @@ enum status known_judge(const struct oracle *oracle, const struct known_rays *kn
     judge_free(judge);
     if (failed)
         return fail(reason, STATUS_MEMORY, "no memory to judge %zu answers", failed);
-    sum->compared += known->count;
-    sum->allowed += allowed;
-    sum->wrong += wrong;
-    sum->over = fmax(sum->over, over);
-    sum->displacement = fmax(sum->displacement, displacement);
+    const struct known_verdicts more = {.compared = known->count,
+                                        .allowed = allowed,
+                                        .wrong = wrong,
+                                        .over = over,
+                                        .displacement = displacement};
+    known_add(sum, &more);
     return STATUS_OK;
+}
+
+void known_add(struct known_verdicts *sum, const struct known_verdicts *more)
+{
+    sum->compared += more->compared;
+    sum->allowed += more->allowed;
+    sum->wrong += more->wrong;
+    sum->over = fmax(sum->over, more->over);
+    sum->displacement = fmax(sum->displacement, more->displacement);
 }
 
 size_t known_hits(const struct known_rays *known)

@@ -44,6 +44,9 @@ enum status known_judge(const struct oracle *oracle, const struct known_rays *kn
                         const struct contestant *c, enum query query, const struct hit *hit,
                         struct known_verdicts *sum, struct reason *reason) MUST_USE;
 
+/* Adds verdicts to *sum. */
+void known_add(struct known_verdicts *sum, const struct known_verdicts *more);
+
 /* How many of the rays hit something exactly. */
 size_t known_hits(const struct known_rays *known);
 

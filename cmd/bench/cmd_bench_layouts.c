@@ -166,8 +166,7 @@ static enum status bench_rays(struct layouts_field *field, const struct ray_set 
     struct pool pool = {.options = field->bench->engines};
     size_t count = bench_rays_count(field->bench, OWN_RAYS);
     struct ray *ray = alloc_zeroed(count, sizeof *ray);
-    struct hit *hit = alloc_zeroed(count, sizeof *hit);
-    enum status status = ray && hit ? STATUS_OK : STATUS_MEMORY;
+    enum status status = ray ? STATUS_OK : STATUS_MEMORY;
     char label[120];
     snprintf(label, sizeof label, "%.80s, %s rays", field->spec, set->name);
     field->race = (struct race){
@@ -181,7 +180,7 @@ static enum status bench_rays(struct layouts_field *field, const struct ray_set 
     if (status == STATUS_OK) {
         enter_all(field);
         judge_all(field);
-        status = race_run(&field->race, ray, count, hit, reason);
+        status = race_run(&field->race, QUERY_CLOSEST, ray, count, reason);
         progress_end(&field->bench->progress);
         for (size_t i = 0; i < field->race.count && status == STATUS_OK; i++)
             print_contestant(field, i);
@@ -190,7 +189,6 @@ static enum status bench_rays(struct layouts_field *field, const struct ray_set 
     }
     pool_free(&pool);
     free(ray);
-    free(hit);
     return status;
 }
 

@@ -179,7 +179,12 @@ static enum status race_kinds(struct matrix *m, struct matrix_row **row, struct 
         if (kind == MATRIX_CLOSEST)
             status = prepare_any(m, row, reason);
         if (!status)
-            status = race_run(&m->race, m->ray[kind], m->count, m->hit, reason);
+            status = race_run(&m->race, kind < MATRIX_CLOSEST ? QUERY_CLOSEST : QUERY_ANY,
+                              m->ray[kind], m->count, reason);
+        for (size_t i = 0; i < m->race.count && !status; i++)
+            if (row[i])
+                status = matrix_judge_timed(m, (enum matrix_kind)kind, &m->race.contestant[i],
+                                            row[i], reason);
         if (!status)
             take_speeds(m, kind, row);
     }
@@ -210,7 +215,7 @@ static enum status play_group(struct matrix *m, size_t first, size_t last, unsig
         progress_step(&m->bench->progress, "%s: errors and lines of %s", m->spec, e->name);
         for (const struct matrix_row *k = known; k && k->entry; k++)
             if (k->entry == e)
-                *made = *k;
+                *made = *k, matrix_forget_timed(made);
         if (!made->asked)
             status = matrix_measure(m, c, made, reason);
         made->threads = threads;

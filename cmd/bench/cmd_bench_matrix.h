@@ -54,6 +54,7 @@ struct matrix_row {
     bool judged;                    /* false: a member as published; verdicts are only counted */
     struct known_verdicts verdicts; /* of prim, rand and leak rays, and of any hits */
     bool judged_any;                /* the verdicts on any hits are among them */
+    struct known_verdicts timed;    /* of them, on what was answered when it was timed */
     bool touched;                   /* false: what it reads is unknown */
     struct matrix_touch touch[MATRIX_CLOSEST];
     bool on_front;
@@ -114,6 +115,16 @@ enum status matrix_measure(struct matrix *matrix, const struct contestant *c,
  * Errors: those of engine.trace; STATUS_MEMORY. */
 enum status matrix_judge_any(struct matrix *matrix, const struct contestant *c,
                              struct matrix_row *row, struct reason *reason) MUST_USE;
+
+/* Judges what a contestant answered when it was timed, of the rays of that kind whose exact answers
+ * are known; of KIND_DIFF there are none, and one with `few` has other rays. Errors:
+ * STATUS_MEMORY. */
+enum status matrix_judge_timed(struct matrix *matrix, enum matrix_kind kind,
+                               const struct contestant *c, struct matrix_row *row,
+                               struct reason *reason) MUST_USE;
+
+/* Takes these verdicts off the row's, for other times. */
+void matrix_forget_timed(struct matrix_row *row);
 
 /* Marks the rows that are on the front and worth using, prints the tables and adds the rows. With
  * `full`, also prints the table of sizes, which do not depend on threads. */

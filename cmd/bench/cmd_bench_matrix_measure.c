@@ -91,6 +91,35 @@ enum status matrix_judge_any(struct matrix *matrix, const struct contestant *c,
     return status;
 }
 
+enum status matrix_judge_timed(struct matrix *matrix, enum matrix_kind kind,
+                               const struct contestant *c, struct matrix_row *row,
+                               struct reason *reason)
+{
+    const bool any = kind >= MATRIX_CLOSEST;
+    const struct known_rays *all = any ? &matrix->any : &matrix->sample;
+    const size_t each = all->count / 2;
+    const size_t half = kind == KIND_RAND || kind == KIND_O_RAND ? each : 0;
+    struct known_rays part = {all->ray + half, all->truth + half, each};
+    if (kind == KIND_DIFF || c->few)
+        return STATUS_OK;
+    for (size_t i = 0; i < each; i++)
+        matrix->hit[i] = c->answer[i * matrix->count / each];
+    struct known_verdicts one = {0};
+    enum status status = known_judge(matrix->oracle, &part, c, any ? QUERY_ANY : QUERY_CLOSEST,
+                                     matrix->hit, &one, reason);
+    known_add(&row->verdicts, &one);
+    known_add(&row->timed, &one);
+    return status;
+}
+
+void matrix_forget_timed(struct matrix_row *row)
+{
+    row->verdicts.compared -= row->timed.compared;
+    row->verdicts.allowed -= row->timed.allowed;
+    row->verdicts.wrong -= row->timed.wrong;
+    row->timed = (struct known_verdicts){0};
+}
+
 /* --- lines ------------------------------------------------------------------------------------ */
 
 /* A traversal whose reads are recorded: of engine fast, or of a packed tree. */

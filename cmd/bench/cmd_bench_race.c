@@ -6,6 +6,7 @@
 #include "ref/base/command.h"
 #include "ref/store.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static struct job job_of(const struct race *race, const struct contestant *c, enum query query)
@@ -156,14 +157,14 @@ void race_enter(struct race *race)
     }
 }
 
-size_t race_missed(const struct race *race, struct hit *const *hit, size_t count, size_t i)
+size_t race_missed(const struct race *race, size_t count, size_t i)
 {
     size_t missed = 0;
     for (size_t n = 0; n < count; n++) {
         bool any = false;
         for (size_t k = 0; k < race->count; k++)
-            any = any || hit[k][n].prim != ABI_NO_PRIM;
-        missed += any && hit[i][n].prim == ABI_NO_PRIM;
+            any = any || race->contestant[k].answer[n].prim != ABI_NO_PRIM;
+        missed += any && race->contestant[i].answer[n].prim == ABI_NO_PRIM;
     }
     return missed;
 }
@@ -173,6 +174,7 @@ void race_leave(struct race *race)
     for (size_t i = 0; i < race->count; i++) {
         race->contestant[i].engine->close(race->contestant[i].self);
         packed_free(&race->contestant[i].packed);
+        free(race->contestant[i].answer);
     }
     race->count = 0;
 }
@@ -200,15 +202,92 @@ const char *race_base_name(const struct race *race, const struct contestant *con
                                                               : base->engine->name;
 }
 
+/* --- rounds ----------------------------------------------------------------------------------- */
+
+/* The rays of a race, each array two times in a row, so that a trace may begin anywhere. */
+struct laps {
+    enum query query;
+    struct ray *ray, *few;
+    size_t count, few_count;
+    struct hit *hit; /* of one trace */
+    struct rng rng;
+};
+
+static struct ray *twice(const struct ray *ray, size_t count)
+{
+    struct ray *out = alloc_zeroed(2 * count, sizeof *out);
+    if (out && count) {
+        memcpy(out, ray, count * sizeof *out);
+        memcpy(out + count, ray, count * sizeof *out);
+    }
+    return out;
+}
+
+static void laps_free(struct laps *laps)
+{
+    free(laps->ray);
+    free(laps->few);
+    free(laps->hit);
+}
+
+/* Room for answers of all contestants, none of which is known yet. */
+static enum status laps_make(struct race *race, enum query query, const struct ray *ray,
+                             size_t count, struct laps *out, struct reason *reason)
+{
+    *out = (struct laps){.query = query,
+                         .ray = twice(ray, count),
+                         .few = twice(race->few, race->few_count),
+                         .count = count,
+                         .few_count = race->few_count,
+                         .hit = alloc_zeroed(count, sizeof *out->hit),
+                         .rng = rng_make(race->bench->seed, count + 1)};
+    bool room = out->ray && out->few && out->hit;
+    for (size_t i = 0; i < race->count && room; i++) {
+        struct contestant *c = &race->contestant[i];
+        free(c->answer);
+        c->answer = alloc_zeroed(count, sizeof *c->answer);
+        c->answers = 0;
+        room = c->answer != NULL;
+    }
+    return room ? STATUS_OK : fail(reason, STATUS_MEMORY, "no memory for %zu rays", count);
+}
+
+static bool same_answer(enum query query, const struct hit *a, const struct hit *b)
+{
+    const bool miss = a->prim == ABI_NO_PRIM;
+    if (miss || query == QUERY_ANY)
+        return miss == (b->prim == ABI_NO_PRIM);
+    return memcmp(a, b, sizeof *a) == 0;
+}
+
+/* Takes the answers of a trace that began at ray `first`; later ones are to be the same. */
+static enum status take_answers(struct contestant *c, const struct laps *laps, size_t count,
+                                size_t first, struct reason *reason)
+{
+    for (size_t i = 0; i < count; i++) {
+        const size_t ray = (first + i) % count;
+        if (c->answers == 0)
+            c->answer[ray] = laps->hit[i];
+        else if (!same_answer(laps->query, &c->answer[ray], &laps->hit[i]))
+            return fail(reason, STATUS_DEVICE,
+                        "%.80s: its answer to ray %zu is another one from trace to trace",
+                        c->engine->name, ray);
+    }
+    c->answers = count;
+    return STATUS_OK;
+}
+
 /* Traces once. *mrays: million rays a second. */
-static enum status time_once(const struct race *race, struct contestant *c, const struct ray *ray,
-                             size_t count, struct hit *hit, double *mrays, struct reason *reason)
+static enum status time_once(const struct race *race, struct contestant *c, struct laps *laps,
+                             double *mrays, struct reason *reason)
 {
     struct trace_report report = {0};
-    const size_t rays = c->few ? race->few_count : count;
+    const size_t rays = c->few ? laps->few_count : laps->count;
+    const size_t packets = rays % RACE_PACKET ? 0 : rays / RACE_PACKET;
+    const size_t first = packets ? RACE_PACKET * rng_below(&laps->rng, (uint32_t)packets) : 0;
+    const struct ray *ray = (c->few ? laps->few : laps->ray) + first;
     const uint64_t start = core_time_ns();
-    enum status status =
-        race_trace(race, c, c->few ? race->few : ray, rays, hit, &report, reason);
+    enum status status = race_trace(race, c, ray, rays, laps->hit, &report, reason);
     const uint64_t ns = !race->core_time ? report.ns
                         : report.core_ns ? report.core_ns /* without conversions */
                                          : core_time_ns() - start;
@@ -217,18 +296,17 @@ static enum status time_once(const struct race *race, struct contestant *c, cons
     if (report.memory_bytes > c->memory_bytes)
         c->memory_bytes = report.memory_bytes;
     *mrays = 1e3 * (double)rays / (double)(ns ? ns : 1);
-    return status;
+    return status ? status : take_answers(c, laps, rays, first, reason);
 }
 
-/* The turn of a contestant in a round; of round 0 nothing is kept. */
+/* The turn of a contestant in a round; of round 0 no speed is kept. */
 static enum status play_turn(const struct race *race, struct contestant *c, size_t round,
-                             const struct ray *ray, size_t count, struct hit *hit,
-                             struct reason *reason)
+                             struct laps *laps, struct reason *reason)
 {
     double mrays, warm = 0;
-    enum status status = time_once(race, c, ray, count, hit, &mrays, reason);
+    enum status status = time_once(race, c, laps, &mrays, reason);
     for (int i = 0; i < RACE_WARM && race->warm && round > 0 && !status; i++)
-        status = time_once(race, c, ray, count, hit, &warm, reason);
+        status = time_once(race, c, laps, &warm, reason);
     if (round > 0) {
         c->mrays[round - 1] = mrays;
         c->warm[round - 1] = warm;
@@ -249,13 +327,14 @@ static void make_ratios(struct race *race)
     }
 }
 
-enum status race_run(struct race *race, const struct ray *ray, size_t count, struct hit *hit,
+enum status race_run(struct race *race, enum query query, const struct ray *ray, size_t count,
                      struct reason *reason)
 {
     struct bench *bench = race->bench;
     struct rng rng = rng_make(bench->seed, count);
     size_t order[CONTESTANTS];
-    enum status status = STATUS_OK;
+    struct laps laps;
+    enum status status = laps_make(race, query, ray, count, &laps, reason);
     turns_start(order, race->count);
     /* Round 0 is for warming up: pipelines, caches, page faults. */
     for (size_t round = 0; round <= bench->rounds && !status; round++) {
@@ -265,9 +344,10 @@ enum status race_run(struct race *race, const struct ray *ray, size_t count, str
                           (bench->rounds + 1) * race->count, "these rounds");
             progress_step(&bench->progress, "%s, round %zu of %llu", race->label, round,
                           (unsigned long long)bench->rounds);
-            status = play_turn(race, &race->contestant[order[i]], round, ray, count, hit, reason);
+            status = play_turn(race, &race->contestant[order[i]], round, &laps, reason);
         }
     }
+    laps_free(&laps);
     if (!status)
         make_ratios(race);
     return status;

@@ -7,6 +7,7 @@
 
 #define CONTESTANTS 96
 #define RACE_WARM   3
+#define RACE_PACKET 16 /* rays */
 
 /* One engine with one layout and triangle test, prepared and kept while the others run. */
 struct contestant {
@@ -26,6 +27,8 @@ struct contestant {
     double warm[BENCH_ROUNDS];  /* the two again, of races with `warm` */
     double warm_ratio[BENCH_ROUNDS];
     size_t base; /* index of the contestant it is compared with; its own index: none */
+    struct hit *answer; /* to race_run's rays, or to race.few, when it was timed */
+    size_t answers;     /* room for so many */
 };
 
 struct race {
@@ -67,12 +70,15 @@ enum status race_add(struct race *race, const struct contestant *who,
 /* Prepares all contestants for another query. Errors: those of engine.prepare. */
 enum status race_prepare(struct race *race, enum query query, struct reason *reason) MUST_USE;
 
-/* Traces `count` rays with all contestants: one round to warm up, then the rounds of the bench.
- * Fills in speeds and ratios. The base of vulkan is vulkan on f32; that of the others is Embree. In
- * a round each contestant traces once, with the others' data in the caches. With `warm` it goes on:
- * RACE_WARM traces follow, and the last is its warm speed, as of a renderer that runs alone.
- * `hit` is scratch space. Errors: those of engine.trace. */
-enum status race_run(struct race *race, const struct ray *ray, size_t count, struct hit *hit,
+/* Traces `count` rays with all contestants, which are prepared for `query`: one round to warm up,
+ * then the rounds of the bench. Fills in speeds and ratios. The base of vulkan is vulkan on f32;
+ * that of the others is Embree. In a round each contestant traces once, with the others' data in
+ * the caches. With `warm` it goes on: RACE_WARM traces follow, and the last is its warm speed, as
+ * of a renderer that runs alone. Each trace begins at another ray, by whole packets of 16, so that
+ * answers that were kept are of no use. contestant.answer has what was answered when it was timed,
+ * the same every time. Errors: those of engine.trace; STATUS_DEVICE the answers of a contestant
+ * change; STATUS_MEMORY. */
+enum status race_run(struct race *race, enum query query, const struct ray *ray, size_t count,
                      struct reason *reason) MUST_USE;
 
 /* Traces `count` rays with one contestant. Errors: those of engine.trace. */
@@ -80,8 +86,8 @@ enum status race_trace(const struct race *race, const struct contestant *who, co
                        size_t count, struct hit *hit, struct trace_report *report,
                        struct reason *reason) MUST_USE;
 
-/* Number of rays that contestant i misses and another one hits. `hit` has the answers of each. */
-size_t race_missed(const struct race *race, struct hit *const *hit, size_t count, size_t i);
+/* Number of rays that contestant i misses and another one hits, of what race_run traced. */
+size_t race_missed(const struct race *race, size_t count, size_t i);
 
 /* Closes all contestants. */
 void race_leave(struct race *race);

@@ -214,7 +214,7 @@ static void print_row(struct world_race *a, size_t kind, size_t i, size_t wrong)
     if (!based)
         ratio = (struct spread){NAN, NAN, NAN};
     a->log_sum[i] += log(ratio.median);
-    const size_t missed = race_missed(&a->race, a->hit, a->count, i);
+    const size_t missed = race_missed(&a->race, a->count, i);
     printf("  %-8s %-14s %8.3f  %6.3f (%.3f-%.3f) %8zu %8zu\n", kinds[kind], who->engine->name,
            mrays.median, ratio.median, ratio.least, ratio.most, missed, wrong);
     if (wrong > 0)
@@ -233,7 +233,8 @@ static enum status play_kind(struct world_race *a, size_t kind, struct reason *r
     const enum query query = kind == SHADOW ? QUERY_ANY : QUERY_CLOSEST;
     enum status status = make_rays(a, kind, reason);
     if (!status)
-        status = race_run(&a->race, a->ray, a->count, a->hit[0], reason);
+        status = race_run(&a->race, kind == SHADOW ? QUERY_ANY : QUERY_CLOSEST, a->ray, a->count,
+                          reason);
     if (!status)
         status = trace_all(a, reason);
     if (!status)

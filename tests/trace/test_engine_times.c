@@ -13,7 +13,7 @@
 
 #include "tests/support/built.h"
 
-#define RAYS 5000u
+#define RAYS 2000u
 
 struct timed {
     struct scene scene;

@@ -64,7 +64,7 @@ function sizes(  k, touched, sum, at) {
     equal(name "allowed", word[at++], v[p ".allowed"])
     equal(name "WRONG", word[at], v[p ".judged"] == "true" ? v[p ".judged_wrong"] : "(" v[p ".judged_wrong"] ")")
     if (v[p ".leak_rays"] > 0) equal(name "leak rays at edges and vertices", v[p ".leak_rays"], 2 * (v["rows.0.rays"] < 4096 ? v["rows.0.rays"] : 4096))
-    equal(name "compared", v[p ".compared"], 2 * v[p ".asked"] + v[p ".leak_rays"])
+    equal(name "compared", v[p ".compared"], (v[p ".rays"] < v["rows.0.rays"] ? 2 : 4) * v[p ".asked"] + v[p ".leak_rays"])
     truth(name "verdicts", v[p ".allowed"] + v[p ".judged_wrong"] <= v[p ".compared"])
     equal(name "judged", v[p ".judged"], v[p ".layout"] ~ /^rtrs_/ ? "false" : "true")
     if (v[p ".judged"] == "true") any_wrong += v[p ".judged_wrong"]
