@@ -53,7 +53,7 @@ static enum status fast_prepare(void *self, const struct job *job, struct reason
     if (!status)
         status = fast_make(&bvh, job->scene, &fast->tree, reason);
     if (fast->alone)
-        fast->tree.in_packets = fast->tree.in_pairs = false;
+        fast->tree.in_packets = fast->tree.in_stream = fast->tree.in_pairs = false;
     bvh_free(&bvh);
     return status;
 }

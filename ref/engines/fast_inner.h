@@ -5,7 +5,7 @@
 #include "ref/engine.h"
 #include "ref/fast/fast_world.h"
 
-#define FAST_CHUNK 64 /* rays of a thread's unit of work */
+#define FAST_CHUNK 512 /* rays of a thread's unit of work */
 
 struct layout;
 

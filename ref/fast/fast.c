@@ -163,7 +163,9 @@ static enum status fill(struct fast_tree *tree, const struct wide_tree *wide, co
     tree->stack_need = wide->stack_need;
     for (uint32_t i = 0; i < wide->node_count; i++)
         fill_node(tree, wide, i, bvh, scene, items);
-    tree->in_packets = true;
+    tree->packet_width =
+        FAST_PACKET_TRIS * (float)sqrt(box_half_area(&tree->bounds) / scene->tri_count);
+    tree->in_packets = tree->in_stream = true;
     tree->in_pairs = fast_bytes(tree) >> 20 >= FAST_PAIRS;
     return STATUS_OK;
 }

@@ -10,6 +10,8 @@
 
 #define FAST_WIDTH 8u
 #define FAST_STACK 256u /* entries of the traversal's stack */
+#define FAST_PACKET_TRIS 24.0f /* triangles side by side over which rays are alike, measured on
+                                  dragons: beyond it rays in turns are faster than packets */
 #define FAST_PAIRS 8u   /* MB; from this size on, two rays at once (ref/fast/fast_pair.h) */
 
 /* A node, aligned to its size in a tree. Code q of axis k is the bound lo[k] + step[k] * q of the
@@ -40,6 +42,8 @@ struct fast_tree {
     uint32_t stack_need;
     bool in_packets; /* kernels with 16 lanes trace rays together that are alike
                         (ref/fast/fast_packet.h) */
+    float packet_width; /* as far apart such rays may be in the scene's middle */
+    bool in_stream; /* the same kernels trace the other rays in turns (ref/fast/fast_stream.h) */
     bool in_pairs; /* kernels trace two rays at once: the tree is larger than caches */
 };
 

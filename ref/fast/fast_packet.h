@@ -195,14 +195,33 @@ INLINE void packet_trace(const struct fast_tree *tree, const struct ray *ray, bo
     }
 }
 
-/* Whether 16 rays may be alike, by four of them: to prepare them at once does not pay otherwise. */
-INLINE bool seem_alike(const struct ray *ray)
+/* Where a ray meets the plane through the scene's middle that is across its main axis. */
+INLINE float4 at_middle(const struct fast_tree *tree, const struct ray *ray)
+{
+    float4 o, d, lo, extent;
+    memcpy(&o, (const char *)ray + offsetof(struct ray, org), sizeof o);
+    memcpy(&d, (const char *)ray + offsetof(struct ray, dir), sizeof d);
+    memcpy(&lo, tree->lo, sizeof lo);
+    memcpy(&extent, tree->extent, sizeof extent);
+    const float4 size = size4(d), ahead = (lo + extent * 0.5f - o) / d;
+    const uint32_t main = (uint32_t)__builtin_ctz((bits4((float4)(size == most3(size))) & 7) | 8);
+    return o + d * all4(ahead[main & 3]);
+}
+
+/* Whether 16 rays may be alike, by four of them: to prepare them at once does not pay otherwise.
+ * Rays that are many triangles apart do not stay together for long. */
+INLINE bool seem_alike(const struct fast_tree *tree, const struct ray *ray)
 {
     uint32_t differ = 0;
     for (int k = 0; k < 3; k++)
         for (int i = 5; i < 16; i += 5)
             differ |= float_bits(ray[0].dir[k]) ^ float_bits(ray[i].dir[k]);
-    return !(differ >> 31);
+    if (differ >> 31)
+        return false;
+    float4 first = at_middle(tree, ray), most = {0, 0, 0, 0};
+    for (int i = 5; i < 16; i += 5)
+        most = max4(size4(at_middle(tree, ray + i) - first), most);
+    return most3(most)[0] <= tree->packet_width;
 }
 
 INLINE void walk_packets(const struct fast_tree *tree, const struct ray *ray, size_t count,
@@ -212,7 +231,7 @@ INLINE void walk_packets(const struct fast_tree *tree, const struct ray *ray, si
     for (size_t i = 0; i + LANES <= count; i += LANES) {
         for (size_t k = 0; k < LANES; k += 2) /* processors do not foresee it */
             __builtin_prefetch(ray + i + 2 * LANES + k);
-        if (!seem_alike(ray + i))
+        if (!seem_alike(tree, ray + i))
             continue;
         walk_apart(tree, ray + apart, i - apart, any, hit + apart);
         packet_trace(tree, ray + i, any, hit + i);

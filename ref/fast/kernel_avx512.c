@@ -102,9 +102,34 @@ INLINE uint32_t push_any(uint32_t *ref, const uint32_t *child, uint32_t mask)
     return (uint32_t)__builtin_popcount(rest);
 }
 
+/* --- rays in a stream ------------------------------------------------------------------------- */
+
+/* Writes all children in `mask`, in order. Returns their number. */
+INLINE uint32_t push_all(uint32_t *ref, const uint32_t *child, uint32_t mask)
+{
+    __m256i refs = _mm256_loadu_si256((const __m256i *)(const void *)child);
+    _mm256_storeu_si256((__m256i *)(void *)ref, _mm256_maskz_compress_epi32((__mmask8)mask, refs));
+    return (uint32_t)__builtin_popcount(mask);
+}
+
+/* The first lane with the least number of the lanes `in`, and that number; of no lanes, any lane
+ * and infinity. */
+INLINE uint32_t nearest(float8 t, uint32_t in, float *least)
+{
+    const __m256 far = _mm256_set1_ps(__builtin_inff());
+    const __m256 all = _mm256_mask_blend_ps((__mmask8)in, far, (__m256)t);
+    __m256 m = _mm256_min_ps(all, _mm256_permute2f128_ps(all, all, 1));
+    m = _mm256_min_ps(m, _mm256_permute_ps(m, 0x4E));
+    m = _mm256_min_ps(m, _mm256_permute_ps(m, 0xB1));
+    const uint32_t lane = _tzcnt_u32(_mm256_cmp_ps_mask(all, m, _CMP_EQ_OQ)) & 7;
+    /* Of zeros of both signs, that lane's. */
+    *least = _mm256_cvtss_f32(_mm256_permutexvar_ps(_mm256_set1_epi32((int)lane), all));
+    return lane;
+}
+
 /* --- 16 rays ---------------------------------------------------------------------------------- */
 
-#define FAST_PACKETS
+#define FAST_LANES
 
 INLINE float16 fma16(float16 a, float16 b, float16 c)
 {
@@ -165,12 +190,10 @@ INLINE __m512 four_rays(const float *from)
     return _mm512_mask_broadcast_f32x4(v, 0xF000, _mm_loadu_ps(from + 96));
 }
 
-/* Words 0 to 3 of 16 rays from `from` on, a vector each. A gather is slower. */
-INLINE void words16(const float *from, float16 out[4])
+/* Exchanges rows and columns of the four 4 x 4 squares that 4 vectors hold. */
+INLINE void turn4(const __m512 r[4], float16 out[4])
 {
-    __m512 r[4], low[2], high[2];
-    for (int i = 0; i < 4; i++)
-        r[i] = four_rays(from + 8 * i);
+    __m512 low[2], high[2];
     for (int i = 0; i < 2; i++) {
         low[i] = _mm512_unpacklo_ps(r[2 * i], r[2 * i + 1]);
         high[i] = _mm512_unpackhi_ps(r[2 * i], r[2 * i + 1]);
@@ -179,6 +202,24 @@ INLINE void words16(const float *from, float16 out[4])
     out[1] = (float16)_mm512_shuffle_ps(low[0], low[1], 0xEE);
     out[2] = (float16)_mm512_shuffle_ps(high[0], high[1], 0x44);
     out[3] = (float16)_mm512_shuffle_ps(high[0], high[1], 0xEE);
+}
+
+/* Words 0 to 3 of 16 rays from `from` on, a vector each. A gather is slower. */
+INLINE void words16(const float *from, float16 out[4])
+{
+    __m512 r[4];
+    for (int i = 0; i < 4; i++)
+        r[i] = four_rays(from + 8 * i);
+    turn4(r, out);
+}
+
+/* The reverse: four words of lane 4 i + j from word 4 (4 j + i) of `out` on. */
+INLINE void lanes16(const float16 word[4], float out[64])
+{
+    const __m512 r[4] = {(__m512)word[0], (__m512)word[1], (__m512)word[2], (__m512)word[3]};
+    float16 turned[4];
+    turn4(r, turned);
+    memcpy(out, turned, sizeof turned);
 }
 
 #include "ref/fast/walk.h"

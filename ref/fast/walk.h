@@ -177,97 +177,7 @@ INLINE uint32_t choose(uint32_t *key, uint32_t *ref, size_t *depth, const struct
     return ref[*depth];
 }
 
-/* Keeps the nearest of the triangles in `in`, all of which have t in range. */
-INLINE void keep(struct walk_best *best, uint32_t in, float8 t)
-{
-    uint32_t lane = (uint32_t)__builtin_ctz(in);
-    float at[8];
-    memcpy(at, &t, sizeof at);
-    for (uint32_t rest = in & (in - 1); rest; rest &= rest - 1) {
-        uint32_t i = (uint32_t)__builtin_ctz(rest);
-        lane = at[i] < at[lane] ? i : lane;
-    }
-    best->lane = lane;
-    best->t = at[lane];
-}
-
-/* Returns those of the triangles in `in` that count as hits; `inside` is the ray in the instance.
- * */
-INLINE uint32_t admitted(const struct instance_at *at, const struct ray *inside,
-                         const struct walk_best *hits, const uint32_t *block, uint32_t n,
-                         uint32_t in, float8 t)
-{
-    float all[8];
-    memcpy(all, &t, sizeof all);
-    for (uint32_t rest = in; rest; rest &= rest - 1) {
-        uint32_t i = (uint32_t)__builtin_ctz(rest), tag;
-        struct hit hit = {all[i], hits->v[i] / hits->det[i], hits->w[i] / hits->det[i],
-                          block_prim(block, n, i)};
-        if (!candidate_counts(at, inside->dir, &hit, &tag))
-            in &= ~(1u << i);
-    }
-    return in;
-}
-
-/* Tests all triangles of a leaf with the operations of tri_woop; each vertex is translated and
- * sheared once. Returns true if a triangle is hit nearer than the best hit, of a world one that
- * counts.
- *   at   the instance that the ray is in, and `inside` the ray there; NULL: all triangles count */
-INLINE bool test_leaf(const struct walk_ray *r, const struct fast_tree *tree, uint32_t leaf,
-                      const struct instance_at *at, const struct ray *inside,
-                      struct walk_best *best)
-{
-    const uint32_t *block = tree->block + (leaf & (FAST_LEAF_WORDS - 1));
-    uint32_t n = (leaf >> FAST_LEAF_COUNT & 15u) + 1;
-    const uint32_t *row = block + BLOCK_CORNERS;
-    float16 az = vertices(row + r->axis[2] * n, n) - r->o[2];
-    float16 x = vertices(row + r->axis[0] * n, n) - r->o[0] - r->shear[0] * az;
-    float16 y = vertices(row + r->axis[1] * n, n) - r->o[1] - r->shear[1] * az;
-    codes8 c0 = codes(block[0]), c1 = codes(block[1]), c2 = codes(block[2]);
-    float8 x0 = corners(x, c0, n), x1 = corners(x, c1, n), x2 = corners(x, c2, n);
-    float8 y0 = corners(y, c0, n), y1 = corners(y, c1, n), y2 = corners(y, c2, n);
-    float8 w0 = x2 * y1 - y2 * x1;
-    float8 w1 = x0 * y2 - y0 * x2;
-    float8 w2 = x1 * y0 - y1 * x0;
-    float8 det = (w0 + w1) + w2, zero = all8(0);
-    uint32_t outside = less(min8(min8(w0, w1), w2), zero) & less(zero, max8(max8(w0, w1), w2));
-    uint32_t in = unequal(det, zero) & ~outside;
-    if (in == 0)
-        return false;
-    float16 z = r->shear[2] * az;
-    float8 t = (w0 * corners(z, c0, n) + w1 * corners(z, c1, n)) + w2 * corners(z, c2, n);
-    t = t / det;
-    in &= not_above(r->tmin, t) & less(t, r->tbest);
-    if (in == 0)
-        return false;
-    if (at) {
-        struct walk_best hits;
-        memcpy(hits.v, &w1, sizeof hits.v);
-        memcpy(hits.w, &w2, sizeof hits.w);
-        memcpy(hits.det, &det, sizeof hits.det);
-        in = admitted(at, inside, &hits, block, n, in, t);
-        if (in == 0)
-            return false;
-    }
-    keep(best, in, t);
-    memcpy(best->v, &w1, sizeof best->v);
-    memcpy(best->w, &w2, sizeof best->w);
-    memcpy(best->det, &det, sizeof best->det);
-    best->block = block;
-    best->vertices = n;
-    return true;
-}
-
-INLINE void write_hit(const struct walk_best *best, struct hit *hit)
-{
-    uint32_t lane = best->lane;
-    *hit = (struct hit){.prim = ABI_NO_PRIM};
-    if (best->block)
-        *hit = (struct hit){.t = best->t,
-                            .u = best->v[lane] / best->det[lane],
-                            .v = best->w[lane] / best->det[lane],
-                            .prim = block_prim(best->block, best->vertices, lane)};
-}
+#include "ref/fast/walk_leaf.h"
 
 /* Moves from a node to one of its children; returns false if the ray meets none. */
 INLINE bool descend(const struct walk_ray *r, const struct fast_tree *tree, bool any,
@@ -351,10 +261,21 @@ INLINE void walk(const struct fast_tree *tree, const struct ray *ray, bool any, 
 
 #include "ref/fast/fast_pair.h"
 
+#ifdef FAST_LANES
+#include "ref/fast/fast_lanes.h"
+#include "ref/fast/fast_stream.h"
+#endif
+
 /* Traces rays on their own. */
 INLINE void walk_apart(const struct fast_tree *tree, const struct ray *ray, size_t count, bool any,
                        struct hit *hit)
 {
+#ifdef FAST_LANES
+    if (tree->in_stream && count >= LANES) {
+        walk_stream(tree, ray, count, any, hit);
+        return;
+    }
+#endif
     if (tree->in_pairs && count > 1)
         walk_pairs(tree, ray, count, any, hit);
     else
@@ -362,15 +283,14 @@ INLINE void walk_apart(const struct fast_tree *tree, const struct ray *ray, size
             walk(tree, &ray[i], any, &hit[i]);
 }
 
-#ifdef FAST_PACKETS
-#include "ref/fast/fast_lanes.h"
+#ifdef FAST_LANES
 #include "ref/fast/fast_packet.h"
 #endif
 
 INLINE void walk_many(const struct fast_tree *tree, const struct ray *ray, size_t count, bool any,
                       struct hit *hit)
 {
-#ifdef FAST_PACKETS
+#ifdef FAST_LANES
     if (tree->in_packets) {
         walk_packets(tree, ray, count, any, hit);
         return;

@@ -63,17 +63,28 @@ static void check_kernel(const struct fast_kernel *kernel, const struct fast_tre
     kernel->closest(tree, ray, count, hit);
     for (size_t i = 0; i < count; i++)
         if (!same(&truth[i], &hit[i]))
-            fail_msg("%s%s%s, ray %zu: t %a prim %d, expected t %a prim %d", kernel->name,
-                     tree->in_pairs ? " in pairs" : "", tree->in_packets ? " in packets" : "", i,
-                     (double)hit[i].t, (int)hit[i].prim, (double)truth[i].t, (int)truth[i].prim);
+            fail_msg("%s%s%s%s, ray %zu: t %a prim %d, expected t %a prim %d", kernel->name,
+                     tree->in_pairs ? " in pairs" : "", tree->in_packets ? " in packets" : "",
+                     tree->in_stream ? " in a stream" : "", i, (double)hit[i].t, (int)hit[i].prim,
+                     (double)truth[i].t, (int)truth[i].prim);
     kernel->any(tree, ray, count, hit);
     for (size_t i = 0; i < count; i++)
         check_any(scene, &ray[i], &truth[i], &hit[i]);
     free(hit);
 }
 
-/* Ray by ray, in pairs whatever the size of the tree, and both with packets of rays that are alike.
- */
+/* Sets how kernels trace, by the bits of `way`: in pairs whatever the size of the tree, in packets
+ * of rays that are alike, however far apart, in a stream. */
+#define TREE_WAYS 8
+static inline void set_way(struct fast_tree *tree, int way)
+{
+    tree->in_pairs = way & 1;
+    tree->in_packets = way & 2;
+    tree->packet_width = INFINITY;
+    tree->in_stream = way & 4;
+}
+
+/* Ray by ray, and in all ways. */
 static inline void check_rays(struct fast_tree *tree, const struct scene *scene,
                               const struct ray *ray, size_t count)
 {
@@ -82,9 +93,8 @@ static inline void check_rays(struct fast_tree *tree, const struct scene *scene,
     for (size_t i = 0; i < count; i++)
         trace_brute(scene, woop(), QUERY_CLOSEST, &ray[i], &truth[i]);
     for (size_t k = 0; fast_kernels[k]; k++)
-        for (int way = 0; way < 4 && fast_kernels[k]->runs(); way++) {
-            tree->in_pairs = way & 1;
-            tree->in_packets = way & 2;
+        for (int way = 0; way < TREE_WAYS && fast_kernels[k]->runs(); way++) {
+            set_way(tree, way);
             check_kernel(fast_kernels[k], tree, scene, ray, count, truth);
         }
     free(truth);

@@ -3,6 +3,7 @@
 
 #define RAYS 1600
 #define TIED 40u /* rounds, and triangles less 6 */
+#define SAME 20u /* rays: enough for every way to trace them */
 
 static void check_scene(const struct scene *scene, uint64_t seed)
 {
@@ -64,6 +65,29 @@ static void scale_changes_nothing(void **state)
         fast_free(&tree);
         scene_free(&scene);
     }
+}
+
+/* Kernels leave rays of very long and very short directions to the careful way. */
+static void the_length_of_directions_changes_nothing(void **state)
+{
+    (void)state;
+    struct scene scene = make_scene("sphere", 5);
+    struct fast_tree tree = make_tree(&scene, 4);
+    struct ray ray[300];
+    struct hit hit;
+    size_t hits = 0;
+    make_rays("mixed", &scene, 3, ARRAY_COUNT(ray), ray);
+    for (size_t i = 0; i < ARRAY_COUNT(ray); i++) {
+        for (int k = 0; k < 3; k++)
+            ray[i].dir[k] = ldexpf(ray[i].dir[k], 50 * ((int)(i % 3) - 1));
+        ray[i].tmax = INFINITY;
+        trace_brute(&scene, woop(), QUERY_CLOSEST, &ray[i], &hit);
+        hits += i % 3 != 1 && hit.prim != ABI_NO_PRIM;
+    }
+    assert_true(hits > 20);
+    check_rays(&tree, &scene, ray, ARRAY_COUNT(ray));
+    fast_free(&tree);
+    scene_free(&scene);
 }
 
 static void far_and_flat_scenes_lose_nothing(void **state)
@@ -175,8 +199,9 @@ static void the_nearest_child_is_visited_first(void **state)
 {
     (void)state;
     struct rng rng = rng_make(1, 1);
-    const struct ray ray[2] = {{.org = {0, 0, -64}, .dir = {0, 0, 1}, .tmax = RAY_TMAX},
-                               {.org = {0, 0, -64}, .dir = {0, 0, 1}, .tmax = RAY_TMAX}};
+    struct ray ray[SAME];
+    for (size_t i = 0; i < SAME; i++)
+        ray[i] = (struct ray){.org = {0, 0, -64}, .dir = {0, 0, 1}, .tmax = RAY_TMAX};
     for (int round = 0; round < (int)TIED; round++) {
         struct scene scene;
         float ahead[6 + TIED];
@@ -195,14 +220,14 @@ static void the_nearest_child_is_visited_first(void **state)
         }
         struct fast_tree tree = make_tree(&scene, 1);
         for (size_t k = 0; fast_kernels[k]; k++)
-            for (int pairs = 0; pairs < 2 && fast_kernels[k]->runs(); pairs++) {
-                struct hit hit[2], watched;
-                tree.in_pairs = pairs;
+            for (int way = 0; way < TREE_WAYS && fast_kernels[k]->runs(); way++) {
+                struct hit hit[SAME], watched;
+                set_way(&tree, way);
                 fast_careful(&tree, ray, false, &watched);
-                fast_kernels[k]->closest(&tree, ray, 2, hit);
+                fast_kernels[k]->closest(&tree, ray, SAME, hit);
                 assert_true(watched.t == 64);
-                assert_memory_equal(&hit[0], &watched, sizeof watched);
-                assert_memory_equal(&hit[1], &watched, sizeof watched);
+                for (size_t i = 0; i < SAME; i++)
+                    assert_memory_equal(&hit[i], &watched, sizeof watched);
             }
         fast_free(&tree);
         scene_free(&scene);
@@ -214,6 +239,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(kernels_answer_as_all_triangles_do),
         cmocka_unit_test(scale_changes_nothing),
+        cmocka_unit_test(the_length_of_directions_changes_nothing),
         cmocka_unit_test(far_and_flat_scenes_lose_nothing),
         cmocka_unit_test(rays_out_of_contract_end),
         cmocka_unit_test(closed_meshes_stay_closed),

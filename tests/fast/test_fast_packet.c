@@ -144,9 +144,8 @@ static void rays_together_answer_as_alone(void **state)
             *(truth[i].prim == ABI_NO_PRIM ? &misses : &hits) += 1;
         }
         for (size_t k = 0; fast_kernels[k]; k++)
-            for (int pairs = 0; pairs < 2 && fast_kernels[k]->runs(); pairs++) {
-                tree.in_packets = true;
-                tree.in_pairs = pairs;
+            for (int way = 2; way < TREE_WAYS && fast_kernels[k]->runs(); way++) {
+                set_way(&tree, way);
                 check_kernel(fast_kernels[k], &tree, &scene, ray, ALL, truth);
             }
         fast_free(&tree);
