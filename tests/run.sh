@@ -80,6 +80,7 @@ plain)
     suite exits_findings sh tests/values/exits.sh "$build/raydiff" findings
     suite exits_files sh tests/values/exits.sh "$build/raydiff" files
     suite exits_mixed sh tests/values/exits.sh "$build/raydiff" mixed
+    suite exits_folders sh tests/values/exits.sh "$build/raydiff" folders
     suite several sh tests/values/several.sh "$build/raydiff"
     suite exits_unwritable sh tests/values/exits.sh "$build/raydiff" unwritable
     suite fields sh tests/values/fields.sh

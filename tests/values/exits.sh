@@ -2,7 +2,7 @@
 # The exit codes of every command, each in the situations that its help tells: all is well, something is wrong, bad
 # input, an engine that fails, a driver that is not there, nothing that was run though it was wanted. Where gcc has its
 # LeakSanitizer, whatever way a command ends, it has given its memory back.
-#   sh tests/values/exits.sh RAYDIFF [PART...]     PART: judging, findings, files, mixed, unwritable
+#   sh tests/values/exits.sh RAYDIFF [PART...]     PART: judging, findings, files, mixed, folders, unwritable
 set -u
 raydiff=$1
 shift
@@ -32,7 +32,7 @@ fi
 own_words() { sed -i '/^Warning: REAL(/d' "$dir/err"; }
 kept() { sed -n 's/^ *#[1-9][0-9]* 0x[0-9a-f]* in //p' "$dir/err" | head -n 2 | tr '\n' ' '; }
 
-# exit code, arguments of raydiff. 2 has its reason on standard error.
+# exit code, arguments of raydiff. 2 has its reason on standard error, or in the row of what failed.
 ends() {
     wanted=$1
     shift
@@ -42,7 +42,7 @@ ends() {
     own_words
     [ "$code" -ne 23 ] || bad "raydiff $*: memory is kept: $(kept)"
     [ "$code" -eq "$wanted" ] || bad "raydiff $*: exit $code, not $wanted: $(tail -n 1 "$dir/err")"
-    [ "$code" -ne 2 ] || [ -s "$dir/err" ] || bad "raydiff $*: no reason on standard error"
+    [ "$code" -ne 2 ] || [ -s "$dir/err" ] || grep -q '  failed: [^ ]' "$dir/text" || bad "raydiff $*: no reason on standard error"
 }
 for tracer in sees blind careless refuser ender; do tracer "$tracer"; done
 sees="pipe:$dir/sees" blind="pipe:$dir/blind" careless="pipe:$dir/careless"
@@ -248,9 +248,9 @@ worst() {
     code=0
     for happened in $*; do
         case $code.$happened in
-        *.cpu) ;;
+        *.cpu | *.shows) ;;
         0.missing) code=77 ;;
-        0.blind | 77.blind) code=1 ;;
+        0.blind | 77.blind | 0.cured | 77.cured) code=1 ;;
         [01].gone | 77.gone) code=2 ;;
         *.dies) code=3 ;;
         esac
@@ -281,6 +281,46 @@ mixed() {
     "$raydiff" check sphere:n=100 --engine "cpu,$blind" --layout rf16,f32 --repeat 1 --count 100 >"$dir/text" 2>"$dir/err"
     code=$?
     [ "$code" -eq 2 ] && grep -q '^refused rf16 ' "$dir/text" || bad "a layout that refuses beside what is WRONG: exit $code"
+}
+
+# What becomes of a tracer before its findings are shrunk: it shows them, it is cured, missing or dies, or no command of
+# it is given.
+becomes() { # tracer, what
+    cp "$dir/blind" "$dir/$1"
+    case $2 in
+    cured) cp "$dir/sees" "$dir/$1" ;;
+    missing) rm "$dir/$1" ;;
+    dies) printf '#!/bin/sh\nexit 9\n' >"$dir/$1" ;;
+    esac
+    [ "$2" = gone ] || named="$named,pipe:$dir/$1"
+}
+# The worst of all findings of a folder ends its shrinking, in whatever order they stand there; the JSON has the code
+# of each.
+folders() {
+    for tracer in one two three; do cp "$dir/blind" "$dir/$tracer"; done
+    all="pipe:$dir/one,pipe:$dir/two,pipe:$dir/three"
+    "$raydiff" fuzz --trials 64 --engine "$all" --until 1 --no-shrink --dir "$dir/pipes" --rays 40 --jobs 1 --corpus none \
+        >"$dir/text" 2>&1
+    each="$(grep -o '^{"signature":"pipe:[a-z]*[^"]*"' "$dir/pipes/findings.jsonl" | awk '!seen[$0]++' | sed 's/.*pipe://; s/[.].*//')"
+    [ "$(echo "$each" | sort -u | wc -l)" -eq 3 ] && [ "$(echo "$each" | tail -n 1)" != "$(echo "$each" | head -n 1)" ] ||
+        bad "findings of three tracers, one after the other: $(echo $each)"
+    for first in shows cured gone dies missing; do
+        for second in shows cured gone dies missing; do
+            for third in shows cured gone dies missing; do
+                [ "$first" != "$second" ] && [ "$first" != "$third" ] && [ "$second" != "$third" ] || continue
+                rm -rf "$dir/shrunk" && cp -r "$dir/pipes" "$dir/shrunk"
+                named=
+                becomes one "$first" && becomes two "$second" && becomes three "$third"
+                codes=$(for tracer in $each; do
+                    case $tracer in one) worst "$first" ;; two) worst "$second" ;; three) worst "$third" ;; esac
+                done)
+                ends "$(worst "$first" "$second" "$third")" min "$dir/shrunk" --asks 3 --engine "${named#,}" --json "$dir/json"
+                told=$(awk -f tests/values/flat.awk "$dir/json" | sed -n 's/^findings.*[.]exit=//p')
+                [ "$told" = "$codes" ] || bad "min of $first, $second and $third: its JSON has $(echo $told), not $(echo $codes)"
+                grep -qx " *\"exit\": $code,*" "$dir/json" || bad "min of $first, $second and $third: its JSON has another code"
+            done
+        done
+    done
 }
 
 # Arguments of raydiff with TO in place of a file that cannot be written: exit code 2, one line on standard error that
@@ -370,6 +410,6 @@ locked() {
     chmod -R u+w "$dir/locked"
 }
 
-for part in ${*:-judging findings files mixed unwritable}; do "$part"; done
+for part in ${*:-judging findings files mixed folders unwritable}; do "$part"; done
 echo "exits: $tried runs, $failed failed"
 [ "$failed" -eq 0 ]
