@@ -8,9 +8,14 @@
 /* Scene and rays for a tracer that reads text, what is right in comments. */
 static void write_text(const struct export_case *the, FILE *to)
 {
+    size_t next = 0; /* right answers are in the order of their rays */
     export_comment(the, "# ", to);
-    for (size_t i = 0; i < the->right_count; i++)
-        export_print_right(the, &the->right[i], to);
+    for (uint32_t i = 0; i < the->ray_count; i++) {
+        if (next == the->right_count || the->right[next].ray != i)
+            fprintf(to, "# ray %u is out of contract: %s\n", i, export_what_any(the));
+        while (next < the->right_count && the->right[next].ray == i)
+            export_print_right(the, &the->right[next++], to);
+    }
     if (the->world)
         pipe_text_write_world(to, NULL, the->world, the->ray, the->mode, the->ray_count,
                               the->trial->query, false);

@@ -78,7 +78,7 @@ bool export_is_vulkan(const struct export_case *the);
 
 /* Finds all right answers to the rays: the judge is given every triangle, and a miss, and the
  * intervals of those that it allows are widened as far as it allows. A ray without one is out of
- * contract: any answer is right. Errors: STATUS_MEMORY. */
+ * contract (export_what_any). Errors: STATUS_MEMORY. */
 enum status export_find_right(struct export_case *the, const struct judge *judge) MUST_USE;
 
 /* True if one of the right answers to ray `i` is this one (if export_is_followed: as far as its
@@ -95,6 +95,10 @@ bool export_is_wrong_here(const struct export_case *the, uint32_t i);
 /* Writes a comment line, "# ray 0, right: triangle 3, t in [1.5, 1.5000001]", "... a miss", "... a
  * hit". */
 void export_print_right(const struct export_case *the, const struct export_right *right, FILE *to);
+
+/* What is right of a ray that is out of contract: any answer, but in a world what the ray cannot
+ * meet stays wrong (ref/judge/judge_world.h). */
+const char *export_what_any(const struct export_case *the);
 
 /* True if answers are a hit or a miss, without a triangle. */
 bool export_is_unnamed(const struct export_case *the);

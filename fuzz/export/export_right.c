@@ -311,7 +311,9 @@ static enum status ask_ray(struct export_case *the, const struct judge *judge, u
     struct judgement judgement;
     enum status status = STATUS_OK;
     judge_it(&asking, &miss, &judgement);
-    if (asking.no_memory || judgement.verdict == VERDICT_OUT_OF_CONTRACT)
+    /* An instance that is ill-conditioned excuses a miss, but no hit of another one. */
+    bool any = judgement.verdict == VERDICT_OUT_OF_CONTRACT && !judgement.ill_conditioned;
+    if (asking.no_memory || any)
         return asking.no_memory ? fail(the->reason, STATUS_MEMORY, "no memory to judge a ray")
                                 : STATUS_OK;
     if (!export_is_unnamed(the)) {

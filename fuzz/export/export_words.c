@@ -128,6 +128,13 @@ void export_print_right(const struct export_case *the, const struct export_right
     fputc('\n', to);
 }
 
+const char *export_what_any(const struct export_case *the)
+{
+    return the->world ? "a miss is right, and any hit of what mask, flags and filter let it meet, "
+                        "as the side that it sees"
+                      : "any answer is right";
+}
+
 bool export_is_wrong_here(const struct export_case *the, uint32_t i)
 {
     return the->judgement[i].verdict == VERDICT_WRONG ||
@@ -156,7 +163,8 @@ static void say_truth(struct comment *c, const struct export_case *the, uint32_t
     if (truth->prim != ABI_NO_PRIM)
         export_place(the, truth->prim, place);
     if (truth->flags & ORACLE_REFUSED)
-        say(c, "Exactly", "ray %u is not finite, or its range is empty: any answer is right", i);
+        say(c, "Exactly", "ray %u is not finite, or its range is empty: %s", i,
+            export_what_any(the));
     else if (truth->prim == ABI_NO_PRIM)
         say(c, "Exactly", "ray %u hits nothing.", i);
     else
