@@ -2,6 +2,7 @@
 # Other processors and compilers, each in a minimal Debian that has them, on a clean clone:
 #   sh .ci/other.sh RESULTS aarch64      suites compiled for aarch64, under qemu-user (make arm-check)
 #   sh .ci/other.sh RESULTS warnings     gcc 12, clang 14, gcc 14 and clang 19 warn of nothing (make warnings-check)
+#   sh .ci/other.sh RESULTS trimesh      trimesh's own tracer is judged from Python (make trimesh-check)
 # What is green replaces its line in RESULTS. Logs: build/other. Exit codes: 0 green; 1 not; 2 usage; 77 it
 # cannot be tried here, with the reason.
 set -u
@@ -22,6 +23,11 @@ plays() {
         tried='sh .ci/deps.sh check && sh tests/house/compilers.sh build/compilers'
         echo "warnings bookworm|bookworm|git make gcc clang-14 libomp-14-dev|$tried gcc-12 clang-14"
         echo "warnings trixie|trixie|git make gcc clang-19 libomp-19-dev|$tried gcc-14 clang-19"
+        ;;
+    trimesh) # Debian 12 has none
+        tried='sh .ci/deps.sh check && make -s -j2 all lib'
+        echo "trimesh|trixie|git make python3-trimesh python3-rtree python3-scipy|$tried &&" \
+            "sh tests/library/python.sh build --trimesh"
         ;;
     esac
 }
@@ -71,7 +77,7 @@ if [ "${1:-}" = --emulated ]; then
     exit
 fi
 results=${1:-} what=${2:-}
-[ $# -eq 2 ] && [ -n "$(plays "$what")" ] || { echo "usage: sh .ci/other.sh RESULTS aarch64|warnings" >&2; exit 2; }
+[ $# -eq 2 ] && [ -n "$(plays "$what")" ] || { echo "usage: sh .ci/other.sh RESULTS aarch64|warnings|trimesh" >&2; exit 2; }
 check=$what-check WHAT=$what
 export WHAT
 releases=$(plays "$what" | cut -d'|' -f2)

@@ -25,6 +25,11 @@ arm-check:
 warnings-check:
 	@sh .ci/other.sh tests/fresh.txt warnings
 
+# trimesh's own tracer, judged through raydiff.py in a minimal Debian 13.
+.PHONY: trimesh-check
+trimesh-check:
+	@sh .ci/other.sh tests/fresh.txt trimesh
+
 # Debian packages of both releases, or of RELEASE=trixie: built without network, clean under lintian, installed
 # in another minimal system, used and purged. Needs root. Exit code 77: not possible here. Slow.
 .PHONY: deb-check

@@ -1,6 +1,6 @@
 #!/bin/sh
 # raydiff.py over the shared library that was built:
-#   sh tests/library/python.sh BUILD
+#   sh tests/library/python.sh BUILD [--trimesh]     --trimesh: it has to be installed
 set -u
 build=$(realpath "$1")
 dir=$(mktemp -d) || exit 4
@@ -21,4 +21,4 @@ for spec in sphere:n=8 soup:n=500; do
     done
 done
 "$python" tests/library/judged.py || exit 1
-"$python" tests/library/trimesh_judged.py
+"$python" tests/library/trimesh_judged.py "${2:-}"
