@@ -129,6 +129,11 @@ assert world.judge(rays, hits).faults == 0
 masked = world.judge(rays, hits, masks=masks)
 assert masked.counts['masked'] > 50 and 'wrong masked' in masked.reason(masked.wrong[0]), masked.reasons()
 refused('input', 'formula: in a world', lambda: world.judge(rays, hits, formula='mt'))
+# The line on an answer says what its record says, whatever the masks of others.
+for i in list(masked.wrong[:40]) + list(range(0, 2000, 17)):
+    named = masked.reason(int(i)).split()
+    assert named[0].lower() == raydiff.VERDICTS[masked.verdict[i]], (i, named, masked.verdict[i])
+    assert named[0].lower() != 'wrong' or named[1].strip(':') == raydiff.FAULTS[masked.fault[i]], (i, named)
 refused('input', 'masks: there are no instances', lambda: scene.exact(rays, masks=masks))
 refused('input', 'masks: shape (3,)', lambda: world.exact(rays, masks=[1, 2, 3]))
 refused('input', 'instance 0: mesh 1, but', lambda: raydiff.World([(vertices, indices)], [(1, np.eye(3, 4), 1)]))

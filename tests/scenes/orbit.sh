@@ -54,6 +54,7 @@ orbit() {
     [ "$(ls "$dir"/o-*.png | wc -l)" -eq "$frames" ] || bad "$frames pictures"
 }
 orbit 5 72 0
+orbit 7 51.4285714285714286 0
 orbit 13 30 13 --angle 30
 orbit 9 -45 9 --angle -45 --engine embree
 orbit 4 360 3 --angle 360 --profile rtrs

@@ -198,6 +198,37 @@ static void odd_rays_are_traced_with_care(void **state)
     world_free(&world);
 }
 
+/* Instances of one size that lie in each other. In every second one numbers are too small for a
+ * kernel, so that the scalar code and a kernel find nearer hits than each other in turns. */
+static void care_in_one_instance_keeps_the_hits_of_others(void **state)
+{
+    (void)state;
+    struct world world = fixture_room(2, 12);
+    fixture_mesh(&world, 0, "soup:n=30,size=0.9", 1);
+    fixture_mesh(&world, 1, "soup:n=30,size=0.9", 1);
+    for (uint32_t i = 0; i < 3 * world.mesh[1].scene->vertex_count; i++)
+        world.mesh[1].scene->vertex[i] *= 0x1p-41f;
+    for (uint32_t i = 0; i < 12; i++) {
+        fixture_transform(WORLD_TURNED, i, world.instance[i].m);
+        world.instance[i].mesh = i % 2;
+        for (uint32_t k = 0; k < 12; k++)
+            if (k % 4 == 3)
+                world.instance[i].m[k / 4][3] = 0.1f * (float)(i * (k + 5) % 7);
+            else if (i % 2)
+                world.instance[i].m[k / 4][k % 4] *= 0x1p41f;
+    }
+    fixture_finish(&world);
+    struct fast_stand s;
+    open_stand(&world, "median", &s);
+    for (uint64_t i = 0; i < 4 * RAYS; i++) {
+        struct ray ray = stand_aim(&s.packed, 5, i);
+        must_agree(&s, &ray, ray_mode_all(), true);
+    }
+    assert_true(s.hits > 3 * RAYS);
+    close_stand(&s);
+    world_free(&world);
+}
+
 /* Without instances, with one, and where none is active. */
 static void small_worlds_are_worlds(void **state)
 {
@@ -324,6 +355,7 @@ int main(void)
         cmocka_unit_test(every_transform_is_traced),
         cmocka_unit_test(what_does_not_count_is_passed),
         cmocka_unit_test(odd_rays_are_traced_with_care),
+        cmocka_unit_test(care_in_one_instance_keeps_the_hits_of_others),
         cmocka_unit_test(small_worlds_are_worlds),
         cmocka_unit_test(an_engine_goes_from_worlds_to_scenes_and_back),
         cmocka_unit_test(worlds_may_go_before_the_engine),
