@@ -1,6 +1,6 @@
-/* Law of every engine that traces worlds: an answer depends on its ray and that ray's mask and flags
- * alone, wherever in a call it stands. Engines on a GPU cut calls into batches of some thousand
- * rays, others into pieces for threads. */
+/* Law of every engine that traces worlds: an answer depends on its ray and that ray's mask and
+ * flags alone, wherever in a call it stands. Engines on a GPU cut calls into batches of some
+ * thousand rays, others into pieces for threads. */
 #include "ref/engine.h"
 #include "ref/store.h"
 #include "ref/trace/trace_world.h"
@@ -26,7 +26,7 @@ static struct ray rays[RAYS];
 static struct ray_mode modes[RAYS];
 
 /* What the engine has for a call: a hit a ray, or a list. */
-struct answers {
+struct piece_answers {
     struct hit *hit;
     uint32_t *tag, *count;
 };
@@ -60,16 +60,16 @@ static int drop(void **state)
     return 0;
 }
 
-static struct answers answers_for(size_t count, bool lists)
+static struct piece_answers answers_for(size_t count, bool lists)
 {
     const size_t each = lists ? ROOM : 1;
-    struct answers a = {calloc(count * each, sizeof *a.hit), calloc(count * each, sizeof *a.tag),
-                        calloc(count, sizeof *a.count)};
+    struct piece_answers a = {calloc(count * each, sizeof *a.hit),
+                              calloc(count * each, sizeof *a.tag), calloc(count, sizeof *a.count)};
     assert_true(a.hit && a.tag && a.count);
     return a;
 }
 
-static void answers_free(struct answers *a)
+static void answers_free(struct piece_answers *a)
 {
     free(a->hit);
     free(a->tag);
@@ -77,7 +77,7 @@ static void answers_free(struct answers *a)
 }
 
 static void ask(const struct engine *engine, void *self, enum query query, size_t first,
-                size_t count, struct answers *out)
+                size_t count, struct piece_answers *out)
 {
     struct reason reason = {""};
     struct trace_report report;
@@ -91,7 +91,8 @@ static void ask(const struct engine *engine, void *self, enum query query, size_
         fail_msg("%s: %s", engine->name, reason.text);
 }
 
-static bool is_listed(const struct answers *a, size_t ray, const struct hit *hit, uint32_t tag)
+static bool is_listed(const struct piece_answers *a, size_t ray, const struct hit *hit,
+                      uint32_t tag)
 {
     for (uint32_t k = 0; k < a->count[ray]; k++)
         if (memcmp(&a->hit[ray * ROOM + k], hit, sizeof *hit) == 0 && a->tag[ray * ROOM + k] == tag)
@@ -100,8 +101,8 @@ static bool is_listed(const struct answers *a, size_t ray, const struct hit *hit
 }
 
 /* Ray `i` of a piece against the same one, `of`, of the whole call. */
-static bool same(enum query query, const struct answers *piece, size_t i,
-                 const struct answers *whole, size_t of)
+static bool same(enum query query, const struct piece_answers *piece, size_t i,
+                 const struct piece_answers *whole, size_t of)
 {
     const struct hit *a = &piece->hit[i], *b = &whole->hit[of];
     if (query == QUERY_ANY)
@@ -121,8 +122,8 @@ static void pieces_are_the_same(const struct engine *engine, void *self, enum qu
 {
     static const size_t begin[] = {0,           1, 4096 - PIECE / 2, 8192 - 3, 16384 - PIECE / 2,
                                    RAYS - PIECE};
-    struct answers whole = answers_for(RAYS, query == QUERY_ALL);
-    struct answers piece = answers_for(PIECE, query == QUERY_ALL);
+    struct piece_answers whole = answers_for(RAYS, query == QUERY_ALL);
+    struct piece_answers piece = answers_for(PIECE, query == QUERY_ALL);
     size_t hits = 0;
     ask(engine, self, query, 0, RAYS, &whole);
     for (size_t k = 0; k < ARRAY_COUNT(begin); k++) {
