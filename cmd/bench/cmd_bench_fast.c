@@ -52,6 +52,7 @@ static const struct {
     {"embree compact", "embree", true, false, false},
     {"embree high", "embree_high", false, false, false},
     {"embree 16", "embree_16", false, false, false},
+    {"fast small", "fast_small", false, false, false},
     {"fast alone", "fast", false, false, true},
     {"fast", "fast", false, false, false},
 };

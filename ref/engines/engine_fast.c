@@ -1,14 +1,15 @@
-/* The fast traversal on all cores. Any packed tree is converted to the form of ref/fast/fast.h. */
+/* The fast traversal on all cores. Any packed tree is converted to a form of ref/fast/fast.h. */
 #include "ref/engines/fast_inner.h"
 
 #include "ref/engines/cpu_rays.h"
 #include "ref/fast/decoded.h"
+#include "ref/fast/small.h"
 #include "ref/twin/model.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
-static enum status fast_open(const struct engine_options *options, void **self,
+enum status fast_engine_open(const struct engine_options *options, bool small, void **self,
                              struct reason *reason)
 {
     /* struct fast_tree is aligned for vectors. */
@@ -16,13 +17,20 @@ static enum status fast_open(const struct engine_options *options, void **self,
     *self = fast;
     if (!fast)
         return fail(reason, STATUS_MEMORY, "no memory for an engine");
-    *fast = (struct fast){.kernel = fast_kernel_best(),
+    *fast = (struct fast){.kernel = small ? fast_small_kernel_best() : fast_kernel_best(),
+                          .small = small,
                           .threads = cpu_rays_threads(options),
                           .alone = options->alone};
     return STATUS_OK;
 }
 
-static void fast_close(void *self)
+static enum status fast_open(const struct engine_options *options, void **self,
+                             struct reason *reason)
+{
+    return fast_engine_open(options, false, self, reason);
+}
+
+void fast_close(void *self)
 {
     struct fast *fast = self;
     if (fast) {
@@ -40,7 +48,7 @@ enum status fast_takes_layout(const struct layout *layout, struct reason *reason
     return STATUS_OK;
 }
 
-static enum status fast_prepare(void *self, const struct job *job, struct reason *reason)
+enum status fast_prepare(void *self, const struct job *job, struct reason *reason)
 {
     struct fast *fast = self;
     struct bvh bvh = {.node = NULL};
@@ -51,15 +59,15 @@ static enum status fast_prepare(void *self, const struct job *job, struct reason
         return status;
     status = fast_decode(job->packed, job->scene, &bvh, reason);
     if (!status)
-        status = fast_make(&bvh, job->scene, &fast->tree, reason);
+        status = (fast->small ? fast_make_small : fast_make)(&bvh, job->scene, &fast->tree, reason);
     if (fast->alone)
         fast->tree.in_packets = fast->tree.in_stream = fast->tree.in_pairs = false;
     bvh_free(&bvh);
     return status;
 }
 
-static enum status fast_trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
-                              struct trace_report *report, struct reason *reason)
+enum status fast_trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
+                       struct trace_report *report, struct reason *reason)
 {
     (void)reason;
     struct fast *fast = self;
@@ -76,16 +84,16 @@ static enum status fast_trace(void *self, const struct ray *ray, size_t ray_coun
         else
             fast->kernel->closest(&fast->tree, ray + first, count, hit + first);
     }
+    const size_t node = fast_node_bytes(&fast->tree);
     *report = (struct trace_report){.ns = time_ns() - start,
-                                    .node_bytes = sizeof(struct fast_node) * fast->tree.node_count,
+                                    .node_bytes = node * fast->tree.node_count,
                                     .item_bytes = 4 * fast->tree.block_words,
                                     .memory_bytes = fast_bytes(&fast->tree)};
     return STATUS_OK;
 }
 
-static enum status fast_trace_all(void *self, const struct ray *ray, size_t ray_count,
-                                  uint32_t capacity, struct hit *hit, uint32_t *hit_count,
-                                  struct reason *reason)
+enum status fast_trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
+                           struct hit *hit, uint32_t *hit_count, struct reason *reason)
 {
     (void)reason;
     struct fast *fast = self;
@@ -96,7 +104,7 @@ static enum status fast_trace_all(void *self, const struct ray *ray, size_t ray_
     return STATUS_OK;
 }
 
-static struct model fast_model(void *self, const struct tri_test *tri)
+struct model fast_model(void *self, const struct tri_test *tri)
 {
     (void)tri;
     return cpu_rays_model(self, tri_test_find("woop"));

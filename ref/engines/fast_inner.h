@@ -1,4 +1,4 @@
-/* The engine `fast`, on scenes (engine_fast.c) and on worlds (fast_worlds.c). */
+/* The engine `fast`, on scenes (engine_fast.c) and on worlds (fast_worlds.c), and `fast_small`. */
 #ifndef FAST_INNER_H
 #define FAST_INNER_H
 
@@ -15,6 +15,7 @@ struct fast {
     const struct fast_kernel *kernel;
     unsigned threads;
     bool alone;
+    bool small; /* the tree is of the form of ref/fast/small.h */
     enum query query;
 };
 
@@ -24,6 +25,17 @@ static inline size_t fast_chunk(size_t chunk, size_t count)
     size_t left = count - chunk * FAST_CHUNK;
     return left < FAST_CHUNK ? left : FAST_CHUNK;
 }
+
+/* What the engines share: functions of struct engine, and `open` for either form of tree. */
+enum status fast_engine_open(const struct engine_options *options, bool small, void **self,
+                             struct reason *reason) MUST_USE;
+enum status fast_prepare(void *self, const struct job *job, struct reason *reason) MUST_USE;
+enum status fast_trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
+                       struct trace_report *report, struct reason *reason) MUST_USE;
+enum status fast_trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
+                           struct hit *hit, uint32_t *hit_count, struct reason *reason) MUST_USE;
+struct model fast_model(void *self, const struct tri_test *tri);
+void fast_close(void *self);
 
 /* Errors: STATUS_UNSUPPORTED a layout as published. */
 enum status fast_takes_layout(const struct layout *layout, struct reason *reason) MUST_USE;

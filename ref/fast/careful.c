@@ -1,6 +1,7 @@
 #include "ref/fast/careful.h"
 
 #include "ref/fast/block.h"
+#include "ref/fast/small.h"
 
 static void tell(const struct careful *way, const void *at, size_t bytes)
 {
@@ -8,15 +9,29 @@ static void tell(const struct careful *way, const void *at, size_t bytes)
         way->read(way->reader, at, bytes);
 }
 
-static struct box decoded(const struct fast_tree *tree, const struct fast_node *node, uint32_t i)
-{
+/* A child of a node, of either form of tree. */
+struct careful_child {
+    uint32_t ref; /* 0: none */
     struct box box;
-    for (int k = 0; k < 3; k++) {
-        double lo = (double)tree->lo[k], step = (double)tree->step[k];
-        box.lo[k] = (float)(lo + step * node->bound[0][k][i]);
-        box.hi[k] = (float)(lo + step * node->bound[1][k][i]);
+};
+
+static struct careful_child child_of(const struct fast_tree *tree, uint32_t node, uint32_t i)
+{
+    const struct fast_node *from = tree->small ? NULL : &tree->node[node];
+    const struct fast_small_node *small = tree->small ? &tree->small[node] : NULL;
+    struct careful_child child = {0};
+    if (from)
+        child.ref = from->ref[i];
+    else if (i < small_children(small))
+        child.ref = small_ref(small, i);
+    for (int k = 0; k < 3 && child.ref; k++) {
+        const double lo = (double)tree->lo[k], step = (double)tree->step[k];
+        const uint32_t lower = from ? from->bound[0][k][i] : small_code(small, 0, k, i);
+        const uint32_t upper = from ? from->bound[1][k][i] : small_code(small, 1, k, i);
+        child.box.lo[k] = (float)(lo + step * lower);
+        child.box.hi[k] = (float)(lo + step * upper);
     }
-    return box;
+    return child;
 }
 
 /* Returns true if the ray ends at the hit. */
@@ -43,8 +58,30 @@ static bool is_nearer(const struct careful *way, const struct hit *hit)
 }
 
 /* Returns true if the traversal is finished. */
+static bool visit_small(struct careful *way, uint32_t ref)
+{
+    const uint32_t *block = way->tree->block + (ref & ~FAST_LEAF), numbers = small_row(*block, 3);
+    tell(way, block, (numbers + 31) / 32 * sizeof *block);
+    for (uint32_t i = 0; i < small_tris(*block); i++) {
+        float v[3][3];
+        struct hit hit;
+        small_tri(block, i, v);
+        if (!tri_test_run(ABI_TRI_WOOP, &way->tri, v, &hit) || !is_nearer(way, &hit))
+            continue;
+        hit.prim = small_prim(block, i);
+        if (way->query != QUERY_ALL)
+            tell(way, block + (numbers + small_prim_width(*block) * i) / 32, sizeof *block);
+        if (take(way, &hit, 0))
+            return true;
+    }
+    return false;
+}
+
+/* Returns true if the traversal is finished. */
 static bool visit_leaf(struct careful *way, uint32_t ref)
 {
+    if (way->tree->small)
+        return visit_small(way, ref);
     const uint32_t *word = way->tree->block + (ref & (FAST_LEAF_WORDS - 1));
     uint32_t vertices = (ref >> FAST_LEAF_COUNT & 15u) + 1;
     tell(way, word, (BLOCK_CORNERS + 3 * vertices) * sizeof *word);
@@ -84,13 +121,14 @@ static void walk(struct careful *way)
                 return;
             continue;
         }
-        const struct fast_node *node = &tree->node[now];
+        const size_t bytes = fast_node_bytes(tree);
+        const char *node = tree->small ? (const char *)tree->small : (const char *)tree->node;
         uint32_t base = depth;
-        tell(way, node, sizeof *node);
+        tell(way, node + bytes * now, bytes);
         for (uint32_t i = 0; i < FAST_WIDTH; i++) {
-            struct box box = decoded(tree, node, i);
+            const struct careful_child child = child_of(tree, now, i);
             float at;
-            if (node->ref[i] == 0 || !slab_watertight(&way->slab, &box, way->tbest, &at))
+            if (child.ref == 0 || !slab_watertight(&way->slab, &child.box, way->tbest, &at))
                 continue;
             uint32_t place = depth++; /* nearest on top, as in the kernels */
             for (; place > base && entry[place - 1] < at; place--) {
@@ -98,7 +136,7 @@ static void walk(struct careful *way)
                 ref[place] = ref[place - 1];
             }
             entry[place] = at;
-            ref[place] = node->ref[i];
+            ref[place] = child.ref;
         }
     }
 }

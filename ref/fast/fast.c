@@ -1,72 +1,17 @@
-#define _DEFAULT_SOURCE /* madvise */
 #include "ref/fast/fast.h"
 
 #include "ref/fast/block.h"
-#include "ref/base/memory.h"
+#include "ref/fast/frame.h"
 #include "ref/tree/wide_tree.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
-
-#define CODE_MOST  65535
-#define HUGE_PAGE  ((size_t)1 << 21)
-#define HUGE_LEAST ((size_t)1 << 20) /* smaller arrays use small pages */
 
 /* A leaf costs as much as a node, as all its triangles are tested together. */
 static float leaf_cost(void *self, const uint32_t *prim, uint32_t count)
 {
     struct block block;
     return block_make(*(const struct scene **)self, prim, count, &block) ? 1.0f : INFINITY;
-}
-
-/* Sets the frame: the scene's box in CODE_MOST steps. A step has 8 significant bits, so that step *
- * code is exact in float. */
-static void find_frame(struct fast_tree *tree, const struct box *bounds)
-{
-    float most = 0;
-    tree->bounds = *bounds;
-    for (int k = 0; k < 3; k++) {
-        double extent = (double)bounds->hi[k] - (double)bounds->lo[k];
-        int exponent;
-        double part = frexp(extent / CODE_MOST, &exponent);
-        float step = (float)ldexp(floor(part * 128) + 1, exponent - 7);
-        tree->lo[k] = bounds->lo[k];
-        tree->step[k] = extent == 0 ? 0 : step < FLT_MIN ? FLT_MIN : step;
-        tree->extent[k] = tree->step[k] * (CODE_MOST + 1);
-        most = tree->extent[k] > most ? tree->extent[k] : most;
-    }
-    /* Rays within this distance miss all absent children (docs/numerics.md, "Boxes", fast). */
-    tree->reach = most > 0x1p-60f ? most * 0x1p16f : 0;
-}
-
-/* The largest code whose bound is at or below b. In double step * code is exact. */
-static uint16_t code_down(const struct fast_tree *tree, int k, float b)
-{
-    double lo = (double)tree->lo[k], step = (double)tree->step[k];
-    if (step == 0)
-        return 0;
-    double code = floor(((double)b - lo) / step);
-    code = code < 0 ? 0 : code > CODE_MOST ? CODE_MOST : code;
-    while (code > 0 && lo + code * step > (double)b)
-        code--;
-    return (uint16_t)code;
-}
-
-/* The smallest code whose bound is at or above b. */
-static uint16_t code_up(const struct fast_tree *tree, int k, float b)
-{
-    double lo = (double)tree->lo[k], step = (double)tree->step[k];
-    if (step == 0)
-        return 0;
-    double code = ceil(((double)b - lo) / step);
-    code = code < 0 ? 0 : code > CODE_MOST ? CODE_MOST : code;
-    while (code < CODE_MOST && lo + code * step < (double)b)
-        code++;
-    return (uint16_t)code;
 }
 
 /* --- nodes and blocks ----------------------------------------------------------------------------
@@ -105,39 +50,19 @@ static void fill_node(struct fast_tree *tree, const struct wide_tree *wide, uint
     for (uint32_t i = 0; i < FAST_WIDTH; i++) {
         if (i >= wide->node[index].count) {
             for (int k = 0; k < 3; k++)
-                node.bound[0][k][i] = CODE_MOST;
+                node.bound[0][k][i] = FRAME_MOST;
             continue;
         }
         const struct wide_child *child = &wide->child[wide->node[index].first + i];
         for (int k = 0; k < 3; k++) {
-            node.bound[0][k][i] = code_down(tree, k, child->bounds.lo[k]);
-            node.bound[1][k][i] = code_up(tree, k, child->bounds.hi[k]);
+            node.bound[0][k][i] = frame_down(tree, k, child->bounds.lo[k]);
+            node.bound[1][k][i] = frame_up(tree, k, child->bounds.hi[k]);
         }
         node.ref[i] = child->first;
         if (child->count)
             node.ref[i] = add_leaf(tree, bvh->prim + child->first, child->count, scene, items);
     }
     tree->node[index] = node;
-}
-
-/* Returns zeroed memory, aligned to a node at least. Large arrays use huge pages where the system
- * has them, as a ray reads a few cache lines of many pages. Freed by free(). Returns NULL if there
- * is no memory. */
-static void *alloc_pages(uint64_t bytes)
-{
-    size_t unit = bytes < HUGE_LEAST ? sizeof(struct fast_node) : HUGE_PAGE;
-    if (bytes > SIZE_MAX - unit)
-        return NULL;
-    size_t whole = ((size_t)bytes + unit - 1) / unit * unit;
-    void *made = memory_fits(whole) ? aligned_alloc(unit, whole) : NULL;
-    if (!made)
-        return NULL;
-#if defined(__linux__)
-    if (unit == HUGE_PAGE)
-        (void)madvise(made, whole, MADV_HUGEPAGE); /* on failure pages are small */
-#endif
-    memset(made, 0, whole);
-    return made;
 }
 
 static enum status fill(struct fast_tree *tree, const struct wide_tree *wide, const struct bvh *bvh,
@@ -154,11 +79,11 @@ static enum status fill(struct fast_tree *tree, const struct wide_tree *wide, co
                     (unsigned long long)(words >> 18), FAST_LEAF_WORDS >> 18);
     /* Kernels read whole vectors: a row of vertices may be read up to BLOCK_VERTICES words beyond
      * the last block. */
-    tree->block = alloc_pages((words + BLOCK_VERTICES) * sizeof *tree->block);
-    tree->node = alloc_pages(wide->node_count * sizeof *tree->node);
+    tree->block = frame_pages((words + BLOCK_VERTICES) * sizeof *tree->block);
+    tree->node = frame_pages(wide->node_count * sizeof *tree->node);
     if (!tree->block || !tree->node)
         return fail(reason, STATUS_MEMORY, "fast: no memory for %u nodes", wide->node_count);
-    find_frame(tree, &wide->bounds);
+    frame_set(tree, &wide->bounds);
     tree->node_count = wide->node_count;
     tree->stack_need = wide->stack_need;
     for (uint32_t i = 0; i < wide->node_count; i++)
@@ -205,6 +130,7 @@ enum status fast_make_items(const struct bvh *bvh, const struct scene *items, st
 void fast_free(struct fast_tree *tree)
 {
     free(tree->node);
+    free(tree->small);
     free(tree->block);
     *tree = (struct fast_tree){.node = NULL};
 }

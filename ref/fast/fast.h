@@ -8,11 +8,13 @@
 #include "ref/abi.h"
 #include "ref/tree/bvh.h"
 
-#define FAST_WIDTH 8u
-#define FAST_STACK 256u /* entries of the traversal's stack */
-#define FAST_PACKET_TRIS 24.0f /* triangles side by side over which rays are alike, measured on
+#define FAST_WIDTH      8u
+#define FAST_SMALL_NODE 80u  /* bytes of a node of ref/fast/small.h */
+#define FAST_STACK      256u /* entries of the traversal's stack */
+#define FAST_PACKET_TRIS                                                                           \
+    24.0f             /* triangles side by side over which rays are alike, measured on
                                   dragons: beyond it rays in turns are faster than packets */
-#define FAST_PAIRS 8u   /* MB; from this size on, two rays at once (ref/fast/fast_pair.h) */
+#define FAST_PAIRS 8u /* MB; from this size on, two rays at once (ref/fast/fast_pair.h) */
 
 /* A node, aligned to its size in a tree. Code q of axis k is the bound lo[k] + step[k] * q of the
  * tree. Absent children have reference 0, lower bounds 65535 and upper bounds 0. */
@@ -36,15 +38,16 @@ struct fast_tree {
     float reach;                  /* rays with a farther origin are traced by fast_careful */
     struct box bounds;
     struct fast_node *node;
+    struct fast_small_node *small; /* or these: ref/fast/small.h */
     uint32_t *block;
     uint64_t block_words;
     uint32_t node_count;
     uint32_t stack_need;
-    bool in_packets; /* kernels with 16 lanes trace rays together that are alike
+    bool in_packets;    /* kernels with 16 lanes trace rays together that are alike
                         (ref/fast/fast_packet.h) */
     float packet_width; /* as far apart such rays may be in the scene's middle */
     bool in_stream; /* the same kernels trace the other rays in turns (ref/fast/fast_stream.h) */
-    bool in_pairs; /* kernels trace two rays at once: the tree is larger than caches */
+    bool in_pairs;  /* kernels trace two rays at once: the tree is larger than caches */
 };
 
 /* Makes the tree from a binary one whose form has been checked, by the cheapest collapse
@@ -61,10 +64,16 @@ enum status fast_make_items(const struct bvh *bvh, const struct scene *items, st
 
 void fast_free(struct fast_tree *tree);
 
+/* Bytes of a node. */
+static inline size_t fast_node_bytes(const struct fast_tree *tree)
+{
+    return tree->small ? FAST_SMALL_NODE : sizeof(struct fast_node);
+}
+
 /* Bytes of nodes and blocks. */
 static inline uint64_t fast_bytes(const struct fast_tree *tree)
 {
-    return sizeof(struct fast_node) * (uint64_t)tree->node_count + 4 * tree->block_words;
+    return fast_node_bytes(tree) * (uint64_t)tree->node_count + 4 * tree->block_words;
 }
 
 struct fast_world;
@@ -84,11 +93,13 @@ struct fast_kernel {
                   size_t count, bool any, struct hit *hit, uint32_t *tag);
 };
 
-/* NULL-terminated, fastest first. The last one runs everywhere. */
-extern const struct fast_kernel *const fast_kernels[];
+/* NULL-terminated, fastest first. The last one runs everywhere. Those for small trees trace no
+ * worlds: their `world` is NULL. */
+extern const struct fast_kernel *const fast_kernels[], *const fast_small_kernels[];
 
 /* The first kernel that runs on this processor. */
 const struct fast_kernel *fast_kernel_best(void);
+const struct fast_kernel *fast_small_kernel_best(void);
 
 /* Finds all triangles that the ray hits, written as trace_ray_all (ref/trace/trace.h) does. Returns
  * their number, which may be over `capacity`. */

@@ -160,7 +160,7 @@ INLINE void lane_keep(struct lanes *l, bool any, uint32_t lane, const struct wal
     const uint32_t at = best->lane;
     if (best->block)
         lanes_keep(l, any, 1u << lane, all16(best->t), all16(best->v[at]), all16(best->w[at]),
-                   all16(best->det[at]), block_prim(best->block, best->vertices, at));
+                   all16(best->det[at]), prim_of(best->block, best->part, at));
 }
 
 /* Traces the lanes `rays` from a node or leaf on. */

@@ -39,14 +39,13 @@ INLINE bool take(struct walker *w, struct walk_queue *queue)
     return false;
 }
 
-/* Prefetches the first two cache lines that the next step reads. */
+/* Prefetches the first cache lines that the next step reads. */
 INLINE void ask(const struct fast_tree *tree, uint32_t ref)
 {
-    const char *leaf = (const char *)(tree->block + (ref & (FAST_LEAF_WORDS - 1)));
-    const char *node = (const char *)(tree->node + (ref & ~FAST_LEAF));
-    const char *from = ref & FAST_LEAF ? leaf : node;
-    __builtin_prefetch(from);
-    __builtin_prefetch(from + 64);
+    const char *const base[2] = {(const char *)node_at(tree, 0), (const char *)tree->block};
+    const char *from = place_of(base, ref);
+    for (int i = 0; i < PLACE_LINES; i++)
+        __builtin_prefetch(from + 64 * i);
 }
 
 /* Visits one node or leaf; returns false when the ray is finished. */

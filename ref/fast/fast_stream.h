@@ -3,9 +3,9 @@
  * of several rays at once, and what the next ones read is prefetched. The hits are those of walk(),
  * except among triangles at the same t. Included by ref/fast/walk.h behind
  * ref/fast/fast_lanes.h, for kernels that define as well:
- *   push_all   writes the children of a mask; push() must have no branches for up to 4
- *   nearest    the first lane with the least number, of the lanes of a mask
- *   lanes16    four vectors, turned into four words of each lane */
+ *   push_all       writes the children of a mask; push() must have no branches for up to 4
+ *   group_nearest  the first lane with the least number, of the lanes of a mask
+ *   lanes16        four vectors, turned into four words of each lane */
 
 #define STREAM_RAYS 64u              /* under way */
 #define STREAM_DONE (FAST_LEAF | 1u) /* stands below all of a stack: no block begins at word 1 */
@@ -15,9 +15,9 @@ enum { STREAM_NODE, STREAM_LEAF, STREAM_END, STREAM_KINDS };
 
 /* The leaf of a best hit. */
 struct stream_best {
-    float v[8], w[8], det[8];
+    float v[GROUP], w[GROUP], det[GROUP];
     const uint32_t *block;
-    uint32_t vertices, lane;
+    uint32_t part, lane;
 };
 
 /* The part of a ray that is made for 16 at once: eight times four words. */
@@ -56,9 +56,6 @@ struct stream_source {
     struct stream_ray *spare[STREAM_RAYS];
     uint32_t spares;
 };
-
-/* The leaf of a ray without hits. It has no vertices, and the number of no triangle. */
-static const uint32_t stream_none[BLOCK_CORNERS + 1] = {0, 0, 0, ABI_NO_PRIM};
 
 INLINE uint32_t listed(uint64_t count, uint32_t kind)
 {
@@ -120,20 +117,21 @@ INLINE void stream_start(struct stream_ray *r, float ready[STREAM_WORDS][4 * LAN
     r->hit = hit;
     r->best[0].v[0] = r->best[0].w[0] = 0;
     r->best[0].det[0] = 1;
-    r->best[0].block = stream_none;
-    r->best[0].vertices = r->best[0].lane = 0;
+    r->best[0].block = leaf_none;
+    r->best[0].part = r->best[0].lane = 0;
     r->ref[0] = STREAM_DONE;
     r->key[0] = 0;
 }
 
 /* The lanes that meet a child of a node, by test_node. */
-INLINE uint32_t lanes_meet(const struct lanes *l, const struct fast_node *node)
+INLINE uint32_t lanes_meet(const struct lanes *l, const walk_node *node)
 {
     uint32_t met = 0;
-    for (uint32_t i = 0; i < FAST_WIDTH; i++) {
+    for (uint32_t i = 0, n = node_children(node); i < n; i++) {
         float16 in = l->tmin, out = l->tbest;
         for (int k = 0; k < 3; k++) {
-            const float16 lower = all16(node->bound[0][k][i]), upper = all16(node->bound[1][k][i]);
+            const float16 lower = all16(node_code(node, 0, k, i));
+            const float16 upper = all16(node_code(node, 1, k, i));
             const float16 near = blend16(l->down[k], lower, upper);
             const float16 far = blend16(l->down[k], upper, lower);
             in = max16(fma16(near, l->scale[k], l->near[k]), in);
@@ -164,7 +162,7 @@ INLINE void stream_fill(struct stream_source *from, bool any, struct stream_list
     lanes_prepare(&l, from->tree, n < LANES ? last : ray);
     for (uint32_t i = 0; i < n; i++)
         hit[i] = (struct hit){.prim = ABI_NO_PRIM};
-    uint32_t met = lanes_meet(&l, from->tree->node);
+    uint32_t met = lanes_meet(&l, node_at(from->tree, 0));
     if (met)
         lanes_ready(&l, ready);
     for (uint32_t rest = met; rest; rest &= rest - 1) {
@@ -187,12 +185,12 @@ INLINE void stream_write(const struct stream_ray *r)
     *r->hit = (struct hit){.t = float_from_bits(float_bits(r->ready.tbest) & (0 - r->is_hit)),
                            .u = best->v[lane] / best->det[lane],
                            .v = best->w[lane] / best->det[lane],
-                           .prim = block_prim(best->block, best->vertices, lane)};
+                           .prim = prim_of(best->block, best->part, lane)};
 }
 
 /* --- steps ------------------------------------------------------------------------------------ */
 
-/* The ray as test_node and see_leaf read it. */
+/* The ray as test_node and leaf_open read it. */
 INLINE struct walk_ray stream_seen(const struct stream_ready *from)
 {
     struct walk_ray r = {.key_most = 0};
@@ -215,32 +213,41 @@ INLINE struct walk_ray stream_seen(const struct stream_ready *from)
 INLINE uint32_t stream_node(struct stream_ray *r, const struct fast_tree *tree, bool any)
 {
     const struct walk_ray seen = stream_seen(&r->ready);
-    const struct fast_node *node = &tree->node[r->now];
+    const walk_node *node = node_at(tree, r->now);
     const uint32_t depth = r->depth;
+    uint32_t own[FAST_WIDTH];
+    const uint32_t *child = node_refs(node, own);
     float8 entry;
     const uint32_t mask = test_node(&seen, node, &entry);
-    return depth + (any ? push_all(r->ref + depth, node->ref, mask)
-                        : push(r->key + depth, r->ref + depth, node->ref, mask, entry));
+    return depth + (any ? push_all(r->ref + depth, child, mask)
+                        : push(r->key + depth, r->ref + depth, child, mask, entry));
 }
 
 /* Returns 1 if a triangle is hit, else 0. */
 INLINE uint32_t stream_leaf(struct stream_ray *r, const struct fast_tree *tree)
 {
-    const struct walk_ray ray = stream_seen(&r->ready);
-    struct stream_best *best = &r->best[r->kept ^ 1];
-    struct leaf_seen seen;
-    const uint32_t in = see_leaf(&ray, tree, r->now, false, &seen), hit = in != 0;
-    float least;
-    best->lane = nearest(seen.t, in, &least);
-    memcpy(best->v, &seen.v, sizeof best->v);
-    memcpy(best->w, &seen.w, sizeof best->w);
-    memcpy(best->det, &seen.det, sizeof best->det);
-    best->block = seen.block;
-    best->vertices = seen.vertices;
-    r->kept ^= hit;
-    r->is_hit |= hit;
-    r->ready.tbest = least < r->ready.tbest ? least : r->ready.tbest;
-    return hit;
+    struct walk_ray ray = stream_seen(&r->ready);
+    struct leaf_rows rows;
+    const uint32_t groups = leaf_open(&ray, tree, r->now, &rows);
+    uint32_t found = 0;
+    for (uint32_t number = 0; number < groups; number++) {
+        struct stream_best *best = &r->best[r->kept ^ 1];
+        struct leaf_seen seen;
+        const uint32_t in = see_group(&ray, &rows, number, false, &seen), hit = in != 0;
+        float least;
+        best->lane = group_nearest(seen.t, in, &least);
+        memcpy(best->v, &seen.v, sizeof best->v);
+        memcpy(best->w, &seen.w, sizeof best->w);
+        memcpy(best->det, &seen.det, sizeof best->det);
+        best->block = rows.block;
+        best->part = leaf_part(&rows, number);
+        r->kept ^= hit;
+        r->is_hit |= hit;
+        r->ready.tbest = least < r->ready.tbest ? least : r->ready.tbest;
+        ray.tbest = all8(r->ready.tbest);
+        found |= hit;
+    }
+    return found;
 }
 
 /* Pops what the ray does next, prefetches it, and puts the ray in that list.
@@ -256,12 +263,10 @@ INLINE void stream_next(struct stream_ray *r, uint32_t depth, const char *const 
     const uint32_t now = (r->ref[depth] & (over - 1)) | (STREAM_DONE & (0 - over));
     r->depth = depth;
     r->now = now;
-    const uint32_t leaf = now >> 31;
-    const uint64_t place = now & (~FAST_LEAF >> 4 * leaf); /* of a word or a node */
-    const char *from = base[leaf] + (place << (7 - 5 * leaf));
-    __builtin_prefetch(from);
-    __builtin_prefetch(from + 64);
-    list(to, count, leaf + (now == STREAM_DONE), r);
+    const char *from = place_of(base, now);
+    for (int i = 0; i < PLACE_LINES; i++)
+        __builtin_prefetch(from + 64 * i);
+    list(to, count, (now >> 31) + (now == STREAM_DONE), r);
 }
 
 /* --- the traversal ---------------------------------------------------------------------------- */
@@ -270,7 +275,7 @@ INLINE void stream_next(struct stream_ray *r, uint32_t depth, const char *const 
 INLINE void stream_step(const struct stream_lists *now, const struct fast_tree *tree, bool any,
                         struct stream_lists *to)
 {
-    const char *const base[2] = {(const char *)tree->node, (const char *)tree->block};
+    const char *const base[2] = {(const char *)node_at(tree, 0), (const char *)tree->block};
     uint64_t count = 0;
     for (uint32_t i = 0, n = listed(now->count, STREAM_NODE); i < n; i++) {
         struct stream_ray *r = now->ray[STREAM_NODE][i];

@@ -30,6 +30,12 @@ INLINE float8 planes(const uint16_t *code)
     return (float8)_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(v));
 }
 
+INLINE float8 bytes(const uint8_t *from)
+{
+    return (float8)_mm256_cvtepi32_ps(
+        _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)from)));
+}
+
 INLINE uint32_t bits4(float4 v)
 {
     return (uint32_t)_mm_movemask_ps((__m128)v);

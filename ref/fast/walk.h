@@ -8,7 +8,8 @@
  *   vertices    a row of up to 16 floats       corners    8 of a row, by 4-bit codes
  *   codes       the 8 4-bit codes of a word
  *   push        writes three or more children, farthest first; push_any all but the first
- * All comparisons with NaN are false, also by unequal. */
+ * and groups of triangles: ref/fast/group8.h or ref/fast/group16.h. FAST_SMALL chooses the nodes
+ * and leaves of ref/fast/small.h. All comparisons with NaN are false, also by unequal. */
 #include "ref/fast/fast.h"
 
 #include "ref/fast/block.h"
@@ -40,10 +41,10 @@ struct walk_ray {
 
 /* The best hit; u and v are divided at the end. */
 struct walk_best {
-    float v[8], w[8], det[8];
+    float v[GROUP], w[GROUP], det[GROUP];
     float t;
     const uint32_t *block; /* NULL: no hit */
-    uint32_t vertices, lane;
+    uint32_t part, lane;   /* as prim_of takes them */
 };
 
 /* The stack. It has room for one vector more, as push writes whole vectors. */
@@ -60,6 +61,11 @@ struct walk_place {
 INLINE float4 all4(float x)
 {
     return (float4){x, x, x, x};
+}
+
+INLINE int4 all4i(int32_t x)
+{
+    return (int4){x, x, x, x};
 }
 
 INLINE float4 size4(float4 v)
@@ -142,38 +148,29 @@ INLINE bool prepare(struct walk_ray *r, const struct fast_tree *tree, const stru
     return true;
 }
 
-/* Returns the bits of the children that the ray meets in its range, and sets their entry
- * distances. */
-INLINE uint32_t test_node(const struct walk_ray *r, const struct fast_node *node, float8 *entry)
-{
-    const uint16_t *row = node->bound[0][0];
-    float8 nx = fma8(planes(row + r->near_row[0]), r->scale[0], r->near[0]);
-    float8 ny = fma8(planes(row + r->near_row[1]), r->scale[1], r->near[1]);
-    float8 nz = fma8(planes(row + r->near_row[2]), r->scale[2], r->near[2]);
-    float8 fx = fma8(planes(row + r->far_row[0]), r->scale[0], r->far[0]);
-    float8 fy = fma8(planes(row + r->far_row[1]), r->scale[1], r->far[1]);
-    float8 fz = fma8(planes(row + r->far_row[2]), r->scale[2], r->far[2]);
-    *entry = max8(max8(nx, ny), max8(nz, r->tmin));
-    return not_above(*entry, min8(min8(fx, fy), min8(fz, r->tbest)));
-}
+#ifdef FAST_SMALL
+#include "ref/fast/walk_small.h"
+#else
+#include "ref/fast/walk_plain.h"
+#endif
 
 /* Returns the nearest child and pushes the others on the stack. `mask` is not 0. */
-INLINE uint32_t choose(uint32_t *key, uint32_t *ref, size_t *depth, const struct fast_node *node,
+INLINE uint32_t choose(uint32_t *key, uint32_t *ref, size_t *depth, const uint32_t *child,
                        uint32_t mask, float8 entry)
 {
     uint32_t bits[FAST_WIDTH];
     uint32_t i = (uint32_t)__builtin_ctz(mask), rest = mask & (mask - 1);
     if (rest == 0)
-        return node->ref[i];
+        return child[i];
     if ((rest & (rest - 1)) == 0) {
         uint32_t j = (uint32_t)__builtin_ctz(rest);
         memcpy(bits, &entry, sizeof bits);
         bool second = bits[j] < bits[i];
-        ref[*depth] = node->ref[second ? i : j];
+        ref[*depth] = child[second ? i : j];
         key[(*depth)++] = bits[second ? i : j];
-        return node->ref[second ? j : i];
+        return child[second ? j : i];
     }
-    *depth += push(key + *depth, ref + *depth, node->ref, mask, entry) - 1;
+    *depth += push(key + *depth, ref + *depth, child, mask, entry) - 1;
     return ref[*depth];
 }
 
@@ -183,16 +180,18 @@ INLINE uint32_t choose(uint32_t *key, uint32_t *ref, size_t *depth, const struct
 INLINE bool descend(const struct walk_ray *r, const struct fast_tree *tree, bool any,
                     struct walk_stack *stack, struct walk_place *at)
 {
-    const struct fast_node *node = &tree->node[at->now];
+    const walk_node *node = node_at(tree, at->now);
+    uint32_t own[FAST_WIDTH];
+    const uint32_t *child = node_refs(node, own);
     float8 entry;
     uint32_t mask = test_node(r, node, &entry);
     if (mask == 0)
         return false;
     if (any) {
-        at->depth += push_any(stack->ref + at->depth, node->ref, mask);
-        at->now = node->ref[__builtin_ctz(mask)];
+        at->depth += push_any(stack->ref + at->depth, child, mask);
+        at->now = child[__builtin_ctz(mask)];
     } else {
-        at->now = choose(stack->key, stack->ref, &at->depth, node, mask, entry);
+        at->now = choose(stack->key, stack->ref, &at->depth, child, mask, entry);
     }
     return true;
 }
@@ -283,14 +282,14 @@ INLINE void walk_apart(const struct fast_tree *tree, const struct ray *ray, size
             walk(tree, &ray[i], any, &hit[i]);
 }
 
-#ifdef FAST_LANES
+#ifdef FAST_PACKETS
 #include "ref/fast/fast_packet.h"
 #endif
 
 INLINE void walk_many(const struct fast_tree *tree, const struct ray *ray, size_t count, bool any,
                       struct hit *hit)
 {
-#ifdef FAST_LANES
+#ifdef FAST_PACKETS
     if (tree->in_packets) {
         walk_packets(tree, ray, count, any, hit);
         return;
@@ -311,4 +310,6 @@ KERNEL_TARGET static void any_hit(const struct fast_tree *tree, const struct ray
     walk_many(tree, ray, count, true, hit);
 }
 
+#ifndef FAST_SMALL
 #include "ref/fast/walk_world.h"
+#endif

@@ -83,7 +83,7 @@ INLINE void write_world_hit(const struct fast_world *fast, const struct ray *ray
     enter_ray(instance, ray, &inside);
     write_hit(&best->in, hit);
     for (int c = 0; c < 3; c++)
-        block_corner(best->in.block, best->in.vertices, best->in.lane, c, v[c]);
+        block_corner(best->in.block, best->in.part, best->in.lane, c, v[c]);
     bool front = (candidate_side(inside.dir, v) < 0.0f) !=
                  ((instance->flags & ABI_INSTANCE_FLIP_FACING) != 0);
     hit->prim += instance->first;

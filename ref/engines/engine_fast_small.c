@@ -1,0 +1,36 @@
+/* The fast traversal on all cores, of trees in the form of ref/fast/small.h. */
+#include "ref/engines/fast_inner.h"
+
+#include "ref/engines/cpu_rays.h"
+#include "ref/twin/model.h"
+
+#include <stdio.h>
+
+static enum status small_open(const struct engine_options *options, void **self,
+                              struct reason *reason)
+{
+    return fast_engine_open(options, true, self, reason);
+}
+
+static void small_describe(const struct engine_options *options, char *text, size_t text_bytes)
+{
+    snprintf(text, text_bytes, "%u threads, kernel %s, triangle test woop",
+             cpu_rays_threads(options), fast_small_kernel_best()->name);
+}
+
+extern const struct engine engine_fast_small;
+const struct engine engine_fast_small = {
+    .name = "fast_small",
+    .summary = "fast on half the memory: nodes of 80 bytes, vertices as differences; test woop",
+    .needs_packed = true,
+    .own_tri = true,
+    .tri_name = "woop",
+    .own_tree = true,
+    .open = small_open,
+    .prepare = fast_prepare,
+    .trace = fast_trace,
+    .trace_all = fast_trace_all,
+    .model = fast_model,
+    .close = fast_close,
+    .describe = small_describe,
+};
