@@ -197,10 +197,10 @@ struct fast_reader {
 static void read_fast(void *reader, const void *at, size_t bytes)
 {
     const struct fast_reader *r = reader;
-    const char *from = at, *node = (const char *)r->tree->node;
-    const char *block = (const char *)r->tree->block;
-    bool is_node = bytes == sizeof(struct fast_node) && from >= node &&
-                   from < node + sizeof(struct fast_node) * (size_t)r->tree->node_count;
+    const char *from = at, *block = (const char *)r->tree->block;
+    const char *node = r->tree->small ? (const char *)r->tree->small : (const char *)r->tree->node;
+    bool is_node = bytes == fast_node_bytes(r->tree) && from >= node &&
+                   from < node + bytes * (size_t)r->tree->node_count;
     cache_sim_read(r->cache,
                    is_node ? place(NODES, (uint64_t)(from - node))
                            : place(ITEMS, (uint64_t)(from - block)),

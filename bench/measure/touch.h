@@ -37,7 +37,7 @@ enum status touch_ray(struct touch *touch, const struct job *job, const struct r
 
 void touch_free(struct touch *touch);
 
-/* The same for engine fast's tree, using fast_watched. */
+/* The same for the tree of engine fast or fast_small, using fast_watched. */
 void touch_fast(const struct fast_tree *tree, const struct ray *ray, bool any,
                 struct cache_sim *cache, struct hit *hit);
 

@@ -5,6 +5,7 @@
 #include "bench/measure/shadow_rays.h"
 
 #include "ref/base/command.h"
+#include "bench/measure/small_parts.h"
 #include "ref/engines/embree_modes.h"
 #include "scenes/rays/rays.h"
 #include "ref/base/json_record.h"
@@ -147,6 +148,31 @@ static void print_ends(struct contest *c)
     }
 }
 
+/* What the bytes of engine fast_small hold, where it is a contestant. */
+static enum status print_parts(const struct contest *c, struct reason *reason)
+{
+    static struct fast_tree tree;
+    bool is = false;
+    for (size_t i = 0; i < c->race.count; i++)
+        is = is || c->entry[i].engine == engine_find("fast_small");
+    enum status status = is ? fast_make_small(&c->bvh, c->scene, &tree, reason) : STATUS_OK;
+    if (!is || status)
+        return status;
+    const struct small_parts parts = small_parts_count(&tree);
+    double held = 0, least = 0;
+    puts("  fast small       byte/tri  least");
+    for (int i = 0; i < SMALL_PARTS; i++) {
+        printf("  %-16s %8.2f %6.2f\n", small_part_names[i],
+               parts.held[i] / (double)c->scene->tri_count,
+               parts.least[i] / (double)c->scene->tri_count);
+        held += parts.held[i] / (double)c->scene->tri_count;
+        least += parts.least[i] / (double)c->scene->tri_count;
+    }
+    printf("  %-16s %8.2f %6.2f\n", "all", held, least);
+    fast_free(&tree);
+    return STATUS_OK;
+}
+
 static const struct engine *engine_of(const char *name)
 {
     for (size_t i = 0; embree_modes[i]; i++)
@@ -251,8 +277,10 @@ static enum status bench_scene(struct bench *bench, const char *spec, const stru
         puts("  rays    engine            Mray/s to embree (span)    warm to embree (span)");
     for (size_t kind = 0; kind < KINDS && !status; kind++)
         status = play_kind(&c, kind, reason);
-    if (!status)
+    if (!status) {
         print_ends(&c);
+        status = print_parts(&c, reason);
+    }
     race_leave(&c.race);
     free(c.hit);
     free(c.ray);
@@ -284,9 +312,10 @@ const struct benchmark bench_fast = {
              "(called): its rays are filled before, its answers read behind. --engine races those "
              "engines against embree, such as inside:FILE.so. Shadow rays go from primary hits to "
              "a light and ask for any hit. fast takes rays together that are alike, and two at "
-             "once in trees over 8 MB; 'fast alone' takes one, always. byte/tri: what the engine "
-             "holds, of fast all that it reads; missed: rays that another one hits; mean: "
-             "geometric, of the ratios.",
+             "once in trees over 8 MB; 'fast alone' takes one, always; 'fast small' has another "
+             "tree. byte/tri: what the engine holds, of fast all that it reads; least: of a code "
+             "for leaf by leaf; missed: rays that another one hits; mean: geometric, of the "
+             "ratios.",
     .scenes = "scenes/fetched/dragon-11k.ply.gz;scenes/fetched/dragon-203k.ply.gz;"
               "scenes/fetched/dragon-871k.ply.gz",
     .made = "terrain:k=6;terrain:k=8;terrain:k=9",

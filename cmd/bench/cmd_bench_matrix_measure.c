@@ -122,7 +122,7 @@ void matrix_forget_timed(struct matrix_row *row)
 
 /* --- lines ------------------------------------------------------------------------------------ */
 
-/* A traversal whose reads are recorded: of engine fast, or of a packed tree. */
+/* A traversal whose reads are recorded: of engine fast or fast_small, or of a packed tree. */
 struct watched {
     struct touch *touch;
     const struct fast_tree *fast;
@@ -178,10 +178,11 @@ static enum status watch_fast(struct matrix *m, const struct contestant *c, stru
     struct fast_tree *tree = aligned_alloc(_Alignof(struct fast_tree), sizeof *tree);
     if (!tree)
         return fail(reason, STATUS_MEMORY, "no memory for a tree");
-    enum status status = fast_make(c->bvh, m->scene, tree, reason);
+    const bool small = c->engine == engine_find("fast_small");
+    enum status status = (small ? fast_make_small : fast_make)(c->bvh, m->scene, tree, reason);
     if (!status) {
         struct watched w = {.fast = tree};
-        row->node_bytes = sizeof(struct fast_node) * (uint64_t)tree->node_count;
+        row->node_bytes = fast_node_bytes(tree) * (uint64_t)tree->node_count;
         row->item_bytes = 4 * tree->block_words;
         status = watch(m, &w, row, reason);
         fast_free(tree);

@@ -3,7 +3,6 @@
 
 #include "ref/engines/cpu_rays.h"
 #include "ref/fast/decoded.h"
-#include "ref/fast/small.h"
 #include "ref/twin/model.h"
 
 #include <stdio.h>
@@ -40,10 +39,11 @@ void fast_close(void *self)
     free(fast);
 }
 
-enum status fast_takes_layout(const struct layout *layout, struct reason *reason)
+enum status fast_takes_layout(const struct layout *layout, const char *engine,
+                              struct reason *reason)
 {
     if (layout->faithful)
-        return fail(reason, STATUS_UNSUPPORTED, "fast has no layout that loses hits, as %s",
+        return fail(reason, STATUS_UNSUPPORTED, "%s has no layout that loses hits, as %s", engine,
                     layout->name);
     return STATUS_OK;
 }
@@ -54,7 +54,8 @@ enum status fast_prepare(void *self, const struct job *job, struct reason *reaso
     struct bvh bvh = {.node = NULL};
     fast_free(&fast->tree);
     fast->query = job->query;
-    enum status status = fast_takes_layout(job->packed->layout, reason);
+    enum status status =
+        fast_takes_layout(job->packed->layout, fast->small ? "fast_small" : "fast", reason);
     if (status || job->packed->node_count == 0)
         return status;
     status = fast_decode(job->packed, job->scene, &bvh, reason);

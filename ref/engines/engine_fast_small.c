@@ -1,4 +1,4 @@
-/* The fast traversal on all cores, of trees in the form of ref/fast/small.h. */
+/* The fast traversal on all cores, of trees in the form of ref/fast/small_tree.h. */
 #include "ref/engines/fast_inner.h"
 
 #include "ref/engines/cpu_rays.h"

@@ -15,7 +15,7 @@ struct fast {
     const struct fast_kernel *kernel;
     unsigned threads;
     bool alone;
-    bool small; /* the tree is of the form of ref/fast/small.h */
+    bool small; /* the tree is of the form of ref/fast/small_tree.h */
     enum query query;
 };
 
@@ -38,7 +38,8 @@ struct model fast_model(void *self, const struct tri_test *tri);
 void fast_close(void *self);
 
 /* Errors: STATUS_UNSUPPORTED a layout as published. */
-enum status fast_takes_layout(const struct layout *layout, struct reason *reason) MUST_USE;
+enum status fast_takes_layout(const struct layout *layout, const char *engine,
+                              struct reason *reason) MUST_USE;
 
 extern const struct world_tracer fast_worlds;
 

@@ -27,7 +27,7 @@ static enum status decode_tree(const struct packed *packed, const struct scene *
     *out = (struct bvh){.node = NULL};
     if (packed->node_count == 0)
         return STATUS_OK;
-    enum status status = fast_takes_layout(packed->layout, reason);
+    enum status status = fast_takes_layout(packed->layout, "fast", reason);
     return status ? status : fast_decode(packed, scene, out, reason);
 }
 

@@ -1,7 +1,7 @@
 #include "ref/fast/careful.h"
 
 #include "ref/fast/block.h"
-#include "ref/fast/small.h"
+#include "ref/fast/small_tree.h"
 
 static void tell(const struct careful *way, const void *at, size_t bytes)
 {

@@ -1,7 +1,7 @@
 #include "ref/fast/fast.h"
 
 #include "ref/fast/block.h"
-#include "ref/fast/frame.h"
+#include "ref/fast/fast_frame.h"
 #include "ref/tree/wide_tree.h"
 
 #include <math.h>

@@ -9,12 +9,13 @@
 #include "ref/tree/bvh.h"
 
 #define FAST_WIDTH      8u
-#define FAST_SMALL_NODE 80u  /* bytes of a node of ref/fast/small.h */
+#define FAST_SMALL_NODE 80u  /* bytes of a node of ref/fast/small_tree.h */
 #define FAST_STACK      256u /* entries of the traversal's stack */
-#define FAST_PACKET_TRIS                                                                           \
-    24.0f             /* triangles side by side over which rays are alike, measured on
-                                  dragons: beyond it rays in turns are faster than packets */
-#define FAST_PAIRS 8u /* MB; from this size on, two rays at once (ref/fast/fast_pair.h) */
+#define FAST_PAIRS      8u   /* MB; from this size on, two rays at once (ref/fast/fast_pair.h) */
+
+/* Triangles side by side over which rays are alike, measured on dragons: beyond it rays in turns
+ * are faster than packets. */
+#define FAST_PACKET_TRIS 24.0f
 
 /* A node, aligned to its size in a tree. Code q of axis k is the bound lo[k] + step[k] * q of the
  * tree. Absent children have reference 0, lower bounds 65535 and upper bounds 0. */
@@ -38,7 +39,7 @@ struct fast_tree {
     float reach;                  /* rays with a farther origin are traced by fast_careful */
     struct box bounds;
     struct fast_node *node;
-    struct fast_small_node *small; /* or these: ref/fast/small.h */
+    struct fast_small_node *small; /* or these: ref/fast/small_tree.h */
     uint32_t *block;
     uint64_t block_words;
     uint32_t node_count;
@@ -56,8 +57,13 @@ struct fast_tree {
 enum status fast_make(const struct bvh *bvh, const struct scene *scene, struct fast_tree *out,
                       struct reason *reason) MUST_USE;
 
-/* The same for items that are not triangles, each in a leaf of its own: its reference is FAST_LEAF
- * and the item's number, below 2^31. There are no blocks.
+/* The same in the form of ref/fast/small_tree.h, of which most meshes take less than 14 bytes a
+ * triangle. The blocks may take 8192 MB. */
+enum status fast_make_small(const struct bvh *bvh, const struct scene *scene, struct fast_tree *out,
+                            struct reason *reason) MUST_USE;
+
+/* As fast_make, for items that are not triangles, each in a leaf of its own: its reference is
+ * FAST_LEAF and the item's number, below 2^31. There are no blocks.
  *   items  triangles with the items' bounds, which are of the same numbers */
 enum status fast_make_items(const struct bvh *bvh, const struct scene *items, struct fast_tree *out,
                             struct reason *reason) MUST_USE;

@@ -4,13 +4,13 @@
 
 #if defined(__x86_64__)
 
+#define FAST_AVX2
 #define KERNEL_TARGET __attribute__((target("avx2,fma,bmi,bmi2,lzcnt,popcnt")))
 #define INLINE        KERNEL_TARGET static inline __attribute__((always_inline))
 #include "ref/fast/vectors.h"
 #include "ref/fast/vectors_avx2.h"
-#include "ref/fast/lanes_avx2.h"
 #include "ref/fast/push.h"
-#include "ref/fast/group8.h"
+#include "ref/fast/walk_group.h"
 #include "ref/fast/walk.h"
 
 static bool runs(void)

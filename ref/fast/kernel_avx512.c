@@ -10,7 +10,7 @@
 #include "ref/fast/vectors.h"
 #include "ref/fast/vectors_avx2.h"
 #include "ref/fast/vectors_avx512.h"
-#include "ref/fast/group8.h"
+#include "ref/fast/walk_group.h"
 #include "ref/fast/walk.h"
 
 static bool runs(void)

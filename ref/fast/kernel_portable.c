@@ -4,7 +4,7 @@
 #include "ref/fast/vectors.h"
 #include "ref/fast/vectors_portable.h"
 #include "ref/fast/push.h"
-#include "ref/fast/group8.h"
+#include "ref/fast/walk_group.h"
 #include "ref/fast/walk.h"
 
 static bool runs(void)

@@ -1,17 +1,17 @@
-/* The AVX2 traversal of small trees: rows of 16 vertices in two registers, of which most leaves need
- * both. */
+/* The AVX2 traversal of small trees: rows of 16 vertices in two registers, of which most leaves
+ * need both. */
 #include "ref/fast/fast.h"
 
 #if defined(__x86_64__)
 
 #define FAST_SMALL
+#define FAST_AVX2
 #define KERNEL_TARGET __attribute__((target("avx2,fma,bmi,bmi2,lzcnt,popcnt")))
 #define INLINE        KERNEL_TARGET static inline __attribute__((always_inline))
 #include "ref/fast/vectors.h"
 #include "ref/fast/vectors_avx2.h"
-#include "ref/fast/lanes_avx2.h"
 #include "ref/fast/push.h"
-#include "ref/fast/group8.h"
+#include "ref/fast/walk_group.h"
 
 /* Every lane has its 12 bits, and 4 bits that are no code's. */
 INLINE void triplets(const uint32_t *from, group_codes c[3])

@@ -5,13 +5,14 @@
 #if defined(__x86_64__)
 
 #define FAST_SMALL
+#define GROUP_16
 #define KERNEL_TARGET                                                                              \
     __attribute__((target("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi,bmi2,lzcnt,popcnt")))
 #define INLINE KERNEL_TARGET static inline __attribute__((always_inline))
 #include "ref/fast/vectors.h"
 #include "ref/fast/vectors_avx2.h"
 #include "ref/fast/vectors_avx512.h"
-#include "ref/fast/group16.h"
+#include "ref/fast/walk_group.h"
 
 /* Two 16-bit words of each triangle, in which its 12 bits are. */
 INLINE void triplets(const uint32_t *from, group_codes c[3])

@@ -1,9 +1,9 @@
-/* Leaf blocks of small trees (ref/fast/small.h): up to 24 triangles over up to 16 vertices, bit for
- * bit. A block is whole words; its fields stand one after the other, lowest bits first.
+/* Leaf blocks of small trees (ref/fast/small_tree.h): up to 24 triangles over up to 16 vertices,
+ * bit for bit. A block is whole words; its fields stand one after the other, lowest bits first.
  *
- *   word 0          bits 0, 8, 16 on: widths of the differences in x, y, z, 6 bits each; bits 22 on:
- *                   vertices less one, 4 bits; 26 on: triangles less one, 5 bits; bits 6, 7, 14, 15
- *                   and 31: width of the numbers' differences, where 31 stands for 32
+ *   word 0          bits 0, 8, 16 on: widths of the differences in x, y, z, 6 bits each; 22 on:
+ *                   vertices less one, 4 bits; 26 on: triangles less one, 5 bits; bits 6, 7, 14,
+ *                   15 and 31: width of the numbers' differences, where 31 stands for 32
  *   words 1 - 3     the least x, y, z as an ordered integer
  *   word 4          the least number of a triangle
  *   12 bits each    the triangles' corners: 4 bits for each of the three vertices

@@ -6,7 +6,7 @@
 #include "ref/fast/vectors_portable.h"
 #include "ref/fast/push.h"
 #include "ref/fast/small_block.h"
-#include "ref/fast/group8.h"
+#include "ref/fast/walk_group.h"
 
 /* Words of eight codes each, as leaves of up to 8 triangles have them. */
 INLINE void triplets(const uint32_t *from, group_codes c[3])

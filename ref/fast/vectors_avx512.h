@@ -1,5 +1,5 @@
-/* Functions of the AVX-512 kernels: rows of 16 vertices in one register, and children sorted in one.
- * Expects INLINE, ref/fast/vectors.h and ref/fast/vectors_avx2.h. */
+/* Functions of the AVX-512 kernels: rows of 16 vertices in one register, and children sorted in
+ * one. Expects INLINE, ref/fast/vectors.h and ref/fast/vectors_avx2.h. */
 #ifndef FAST_VECTORS_AVX512_H
 #define FAST_VECTORS_AVX512_H
 

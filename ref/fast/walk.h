@@ -8,8 +8,8 @@
  *   vertices    a row of up to 16 floats       corners    8 of a row, by 4-bit codes
  *   codes       the 8 4-bit codes of a word
  *   push        writes three or more children, farthest first; push_any all but the first
- * and groups of triangles: ref/fast/group8.h or ref/fast/group16.h. FAST_SMALL chooses the nodes
- * and leaves of ref/fast/small.h. All comparisons with NaN are false, also by unequal. */
+ * and groups of triangles: ref/fast/walk_group.h. FAST_SMALL chooses the nodes
+ * and leaves of ref/fast/small_tree.h. All comparisons with NaN are false, also by unequal. */
 #include "ref/fast/fast.h"
 
 #include "ref/fast/block.h"
@@ -147,6 +147,13 @@ INLINE bool prepare(struct walk_ray *r, const struct fast_tree *tree, const stru
     narrow(r, above(ray->tmax));
     return true;
 }
+
+/* The vertices of a leaf, translated and sheared. */
+struct leaf_rows {
+    float16 x, y, az;
+    const uint32_t *block;
+    uint32_t vertices, tris; /* the second by small trees alone */
+};
 
 #ifdef FAST_SMALL
 #include "ref/fast/walk_small.h"

@@ -57,13 +57,6 @@ INLINE uint32_t test_node(const struct walk_ray *r, const walk_node *node, float
 /* The leaf of a ray without hits. It has no vertices, and the number of no triangle. */
 static const uint32_t leaf_none[BLOCK_CORNERS + 1] __attribute__((unused)) = {0, 0, 0, ABI_NO_PRIM};
 
-/* The vertices of a leaf, translated and sheared. */
-struct leaf_rows {
-    float16 x, y, az;
-    const uint32_t *block;
-    uint32_t vertices;
-};
-
 /* Returns the number of groups of triangles. */
 INLINE uint32_t leaf_open(const struct walk_ray *r, const struct fast_tree *tree, uint32_t leaf,
                           struct leaf_rows *rows)

@@ -1,9 +1,9 @@
-/* Nodes and leaves of ref/fast/small.h as a traversal reads them. Included by ref/fast/walk.h, for
- * kernels that define as well:
+/* Nodes and leaves of ref/fast/small_tree.h as a traversal reads them. Included by ref/fast/walk.h,
+ * for kernels that define as well:
  *   bytes      8 bytes as floats
  *   triplets   the corners of a group of triangles, from its first 12 bits on
  *   unpacked   up to 16 ordered integers of a row, from a bit on, as floats */
-#include "ref/fast/small.h"
+#include "ref/fast/small_tree.h"
 
 typedef struct fast_small_node walk_node;
 
@@ -79,13 +79,6 @@ INLINE uint32_t test_node(const struct walk_ray *r, const walk_node *node, float
 
 /* The leaf of a ray without hits: one triangle, with the number of none. */
 static const uint32_t leaf_none[SMALL_WORDS] __attribute__((unused)) = {0, 0, 0, 0, ABI_NO_PRIM};
-
-/* The vertices of a leaf, translated and sheared. */
-struct leaf_rows {
-    float16 x, y, az;
-    const uint32_t *block;
-    uint32_t vertices, tris;
-};
 
 /* Returns the number of groups of triangles. */
 INLINE uint32_t leaf_open(const struct walk_ray *r, const struct fast_tree *tree, uint32_t leaf,

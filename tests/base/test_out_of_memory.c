@@ -42,6 +42,7 @@ struct memory_work {
     const struct engine *engine;
     uint32_t passes, threads;
     bool silent; /* has no reason to give */
+    bool small;
 };
 
 typedef enum status work_fn(const struct memory_work *work, struct reason *reason);
@@ -167,9 +168,10 @@ static enum status do_quantise(const struct memory_work *work, struct reason *re
 static enum status do_fast(const struct memory_work *work, struct reason *reason)
 {
     struct fast_tree tree;
-    enum status status = fast_make(work->bvh, work->scene, &tree, reason);
+    enum status status =
+        (work->small ? fast_make_small : fast_make)(work->bvh, work->scene, &tree, reason);
     if (status)
-        assert_true(!tree.node && !tree.block && tree.node_count == 0);
+        assert_true(!tree.node && !tree.small && !tree.block && tree.node_count == 0);
     fast_free(&tree);
     return status;
 }
@@ -310,6 +312,8 @@ static void what_looks_at_trees(void **state)
         struct memory_work work = {.name = name[b], .scene = &scene, .bvh = &bvh};
         assert_true(fail_each(do_tree_check, &work, 1) > 0);
         assert_true(fail_each(do_fast, &work, 1) > 4);
+        work.small = true;
+        assert_true(fail_each(do_fast, &work, 1) > 4);
         assert_int_equal(bvh_is_split(&bvh), b == 1);
         if (b == 0)
             assert_true(fail_each(do_tree_refit, &work, 1) > 0);
@@ -363,7 +367,7 @@ static void what_looks_at_packed_trees(void **state)
 
 static void engines_on_the_processor(void **state)
 {
-    static const char *const name[] = {"brute", "cpu", "cpu_stackless", "fast"};
+    static const char *const name[] = {"brute", "cpu", "cpu_stackless", "fast", "fast_small"};
     (void)state;
     struct scene scene = built_soup(40, 7);
     struct bvh bvh = tree_of(&scene, "median");

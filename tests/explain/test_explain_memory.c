@@ -191,7 +191,7 @@ static enum status do_topology(const void *of, struct reason *reason)
 static void what_compares_answers(void **state)
 {
     (void)state;
-    static const char *const traced[] = {"cpu", "fast", "brute"};
+    static const char *const traced[] = {"cpu", "fast", "fast_small", "brute"};
     struct suspects s;
     start(&s, "f32");
     assert_true(each_fails("topology", do_topology, &s, 1) > 0);

@@ -162,6 +162,7 @@ static void fast_finds_what_is_there(void **state)
 {
     (void)state;
     engines_find_what_is_there("fast", of_shaders, ARRAY_COUNT(of_shaders));
+    engines_find_what_is_there("fast_small", of_shaders, ARRAY_COUNT(of_shaders));
 }
 
 static void without_a_stack_it_is_there(void **state)

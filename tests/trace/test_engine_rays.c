@@ -22,7 +22,7 @@
 
 static const uint32_t counts[] = {0,  1,  2,  3,  15,  16,  17,  31,  32,  33,
                                   63, 64, 65, 66, 127, 128, 129, 130, 193, RAYS};
-static const char *const names[] = {"brute", "cpu", "cpu_stackless", "fast"};
+static const char *const names[] = {"brute", "cpu", "cpu_stackless", "fast", "fast_small"};
 static const unsigned threads[] = {1, 3};
 
 static struct scene scene;
@@ -103,7 +103,7 @@ static uint64_t bytes_of(const struct job *job)
                        : bytes;
 }
 
-/* What one ray must get. Engine fast has an order of its own: alone. */
+/* What one ray must get. Engines fast and fast_small have an order of their own: alone. */
 static struct hit one_ray(const struct engine *engine, const struct job *job, uint32_t i,
                           struct trace_counts *work)
 {
@@ -112,7 +112,7 @@ static struct hit one_ray(const struct engine *engine, const struct job *job, ui
     if (engine->brute) {
         trace_brute(job->scene, job->tri, job->query, &ray[i], &hit);
         work->tris += job->scene->tri_count;
-    } else if (strcmp(engine->name, "fast") != 0) {
+    } else if (!engine->own_tree) {
         linked.parent = engine->binary ? links : NULL;
         assert_int_equal(trace_ray(&linked, &ray[i], &hit, work), STATUS_OK);
     } else {

@@ -326,7 +326,7 @@ static void trees_of_all_kinds_list_what_is_there(void **state)
         {"rf16", "cpu", false},       {"cwbvh80", "cpu", false},    {"bvh8_u8_node", "cpu", false},
         {"tiny8_l14", "fast", false}, {"cwbvh80", "vulkan", false}, {"half4", "vulkan", false},
         {"f32", "cpu", true},         {"half4", "cpu", true},       {"f32", "cpu_stackless", true},
-        {"f32", "fast", true},        {"f32", "vulkan", true}};
+        {"f32", "fast", true},        {"f32", "vulkan", true},      {"f32", "fast_small", true}};
     for (size_t k = 0; k < ARRAY_COUNT(kinds); k++) {
         make_tree(kinds[k].split, kinds[k].layout, k % 2 ? 1 : 3);
         (void)play(engine_find(kinds[k].engine), k % 3 ? "robust" : "watertight", FEW);

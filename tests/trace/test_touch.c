@@ -182,10 +182,11 @@ static void watching_changes_no_answer(void **state)
     scene_free(&scene);
 }
 
-/* The same of engine fast's tree: the kernels' hits, and no more lines than it has. */
-static void watching_fast_changes_no_answer(void **state)
+/* The same of the trees of engines fast and fast_small: the kernels' hits, and no more lines than
+ * they have. */
+static void check_watched(bool small)
 {
-    (void)state;
+    const struct fast_kernel *best = small ? fast_small_kernel_best() : fast_kernel_best();
     static struct ray ray[RAYS];
     static struct fast_tree tree;
     struct scene scene = generated("soup:n=900");
@@ -193,11 +194,12 @@ static void watching_fast_changes_no_answer(void **state)
     struct reason reason;
     struct cache_sim cache;
     assert_int_equal(ray_set_make(ray_set_find("random"), &scene, 3, RAYS, ray, NULL), STATUS_OK);
-    assert_int_equal(fast_make(&bvh, &scene, &tree, &reason), STATUS_OK);
+    assert_int_equal((small ? fast_make_small : fast_make)(&bvh, &scene, &tree, &reason),
+                     STATUS_OK);
     assert_int_equal(cache_sim_make(large, &cache, &reason), STATUS_OK);
     for (size_t i = 0; i < RAYS; i++) {
         struct hit kernel, watched;
-        fast_kernel_best()->closest(&tree, &ray[i], 1, &kernel);
+        best->closest(&tree, &ray[i], 1, &kernel);
         touch_fast(&tree, &ray[i], false, &cache, &watched);
         assert_int_equal(kernel.prim, watched.prim);
     }
@@ -207,6 +209,13 @@ static void watching_fast_changes_no_answer(void **state)
     fast_free(&tree);
     bvh_free(&bvh);
     scene_free(&scene);
+}
+
+static void watching_fast_changes_no_answer(void **state)
+{
+    (void)state;
+    check_watched(false);
+    check_watched(true);
 }
 
 /* --- shadow rays ------------------------------------------------------------------------------ */

@@ -1,5 +1,5 @@
 #define _DEFAULT_SOURCE /* madvise */
-#include "ref/fast/frame.h"
+#include "ref/fast/fast_frame.h"
 
 #include "ref/base/memory.h"
 

@@ -1,8 +1,8 @@
 /* Small trees: the form of ref/fast/fast.h in about half its bytes, of which a dragon takes less
  * than 14 a triangle. Nodes have 80 bytes, and leaves are blocks of ref/fast/small_block.h. Every
  * bound is still a code of the scene's frame, so that the proof of the box test is the same. */
-#ifndef FAST_SMALL_H
-#define FAST_SMALL_H
+#ifndef SMALL_TREE_H
+#define SMALL_TREE_H
 
 #include "ref/fast/fast.h"
 #include "ref/fast/small_block.h"
@@ -22,10 +22,6 @@ _Static_assert(sizeof(struct fast_small_node) == FAST_SMALL_NODE, "parts of two 
 #define SMALL_LEAF   0x8000u
 #define SMALL_OFFSET 0x7FFFu
 _Static_assert((FAST_WIDTH - 1) * SMALL_WORDS <= SMALL_OFFSET, "a node reaches all its blocks");
-
-/* As fast_make. Errors: those; STATUS_LIMIT the blocks are larger than 8192 MB. */
-enum status fast_make_small(const struct bvh *bvh, const struct scene *scene, struct fast_tree *out,
-                            struct reason *reason) MUST_USE;
 
 static inline uint32_t small_children(const struct fast_small_node *node)
 {

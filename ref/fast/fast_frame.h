@@ -1,14 +1,14 @@
 /* The frame of a tree, codes in it, and memory; inside ref/fast. */
-#ifndef FRAME_H
-#define FRAME_H
+#ifndef FAST_FRAME_H
+#define FAST_FRAME_H
 
 #include "ref/fast/fast.h"
 
 #define FRAME_MOST 65535
 #define FRAME_LINE 128u /* what frame_pages aligns to at least: two lines */
 
-/* Sets the frame: the scene's box in FRAME_MOST steps. A step has 8 significant bits, so that step *
- * code is exact in float. */
+/* Sets the frame: the scene's box in FRAME_MOST steps. A step has 8 significant bits, so that
+ * step * code is exact in float. */
 void frame_set(struct fast_tree *tree, const struct box *bounds);
 
 /* The largest code of axis k whose bound is at or below b. In double step * code is exact. */

@@ -1,6 +1,6 @@
-#include "ref/fast/small.h"
+#include "ref/fast/small_tree.h"
 
-#include "ref/fast/frame.h"
+#include "ref/fast/fast_frame.h"
 #include "ref/tree/wide_tree.h"
 
 #include <math.h>
@@ -18,14 +18,14 @@ static float leaf_cost(void *self, const uint32_t *prim, uint32_t count)
 }
 
 /* What a tree is made of. */
-struct making {
+struct small_making {
     struct fast_tree *tree;
     const struct wide_tree *wide;
     const struct bvh *bvh;
     const struct scene *scene;
 };
 
-static uint64_t count_words(const struct making *m)
+static uint64_t count_words(const struct small_making *m)
 {
     uint64_t words = 0;
     for (uint32_t i = 0; i < m->wide->child_count; i++) {
@@ -63,7 +63,7 @@ static void set_bounds(struct fast_small_node *node, const struct wide_child *ch
     node->shifts |= (uint16_t)(shift << 4 * k);
 }
 
-static uint32_t add_leaf(const struct making *m, const struct wide_child *child)
+static uint32_t add_leaf(const struct small_making *m, const struct wide_child *child)
 {
     struct small_block block;
     uint32_t first = (uint32_t)m->tree->block_words;
@@ -74,7 +74,7 @@ static uint32_t add_leaf(const struct making *m, const struct wide_child *child)
     return first;
 }
 
-static void fill_node(const struct making *m, uint32_t index)
+static void fill_node(const struct small_making *m, uint32_t index)
 {
     const struct wide_node *from = &m->wide->node[index];
     const struct wide_child *child = &m->wide->child[from->first];
@@ -95,7 +95,7 @@ static void fill_node(const struct making *m, uint32_t index)
     m->tree->small[index] = node;
 }
 
-static enum status fill(const struct making *m, struct reason *reason)
+static enum status fill(const struct small_making *m, struct reason *reason)
 {
     const uint64_t words = count_words(m);
     const struct wide_tree *wide = m->wide;
@@ -132,7 +132,7 @@ enum status fast_make_small(const struct bvh *bvh, const struct scene *scene, st
                                    .self = &scene};
     struct wide_tree wide;
     *out = (struct fast_tree){.node = NULL};
-    const struct making m = {out, &wide, bvh, scene};
+    const struct small_making m = {out, &wide, bvh, scene};
     enum status status = wide_tree_make(bvh, scene, &rule, &wide, reason);
     if (!status && wide.node_count > 0)
         status = fill(&m, reason);

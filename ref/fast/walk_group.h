@@ -1,6 +1,9 @@
-/* Triangles in groups of 16. Expects INLINE and the functions on 16 lanes of the AVX-512 kernels. */
-#ifndef FAST_GROUP16_H
-#define FAST_GROUP16_H
+/* Triangles that are tested at once: 8, or 16 where GROUP_16 is defined. Expects INLINE and the
+ * functions of a kernel on so many lanes. */
+#ifndef WALK_GROUP_H
+#define WALK_GROUP_H
+
+#ifdef GROUP_16
 
 #define GROUP 16
 typedef float16 group;
@@ -50,7 +53,7 @@ INLINE group group_corners(float16 row, group_codes code, uint32_t count)
     return (group)_mm512_permutexvar_ps(code, (__m512)row);
 }
 
-/* As in ref/fast/group8.h. */
+/* As below. */
 INLINE uint32_t group_nearest(group t, uint32_t in, float *least)
 {
     const __m512 far = _mm512_set1_ps(__builtin_inff());
@@ -64,5 +67,62 @@ INLINE uint32_t group_nearest(group t, uint32_t in, float *least)
     *least = _mm512_cvtss_f32(_mm512_permutexvar_ps(_mm512_set1_epi32((int)lane), all));
     return lane;
 }
+
+#else
+
+#define GROUP 8
+typedef float8 group;
+typedef codes8 group_codes;
+
+INLINE group group_all(float x)
+{
+    return all8(x);
+}
+
+INLINE group group_min(group a, group b)
+{
+    return min8(a, b);
+}
+
+INLINE group group_max(group a, group b)
+{
+    return max8(a, b);
+}
+
+INLINE uint32_t group_less(group a, group b)
+{
+    return less(a, b);
+}
+
+INLINE uint32_t group_unequal(group a, group b)
+{
+    return unequal(a, b);
+}
+
+INLINE uint32_t group_not_below(group t, float8 least)
+{
+    return not_above(least, t);
+}
+
+INLINE uint32_t group_below(group t, float8 most)
+{
+    return less(t, most);
+}
+
+INLINE group group_corners(float16 row, group_codes code, uint32_t count)
+{
+    return corners(row, code, count);
+}
+
+#ifdef FAST_LANES
+/* The first lane with the least number of the lanes `in`, and that number; of no lanes, any lane
+ * and infinity. */
+INLINE uint32_t group_nearest(group t, uint32_t in, float *least)
+{
+    return nearest8(t, in, least);
+}
+#endif
+
+#endif
 
 #endif
