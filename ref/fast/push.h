@@ -23,11 +23,11 @@ INLINE uint32_t push(uint32_t *key, uint32_t *ref, const uint32_t *child, uint32
     return count;
 }
 
-/* Writes all children in `mask` except the first, in order. Returns their number. */
+/* Writes all children in `mask` except the last, in order. Returns their number. */
 INLINE uint32_t push_any(uint32_t *ref, const uint32_t *child, uint32_t mask)
 {
     uint32_t count = 0;
-    for (mask &= mask - 1; mask; mask &= mask - 1)
+    for (; mask & (mask - 1); mask &= mask - 1)
         ref[count++] = child[__builtin_ctz(mask)];
     return count;
 }

@@ -7,7 +7,7 @@
  *   less, unequal, not_above                   bits of the lanes where it holds
  *   vertices    a row of up to 16 floats       corners    8 of a row, by 4-bit codes
  *   codes       the 8 4-bit codes of a word
- *   push        writes three or more children, farthest first; push_any all but the first
+ *   push        writes three or more children, farthest first; push_any all but the last
  * and groups of triangles: ref/fast/walk_group.h. FAST_SMALL chooses the nodes
  * and leaves of ref/fast/small_tree.h. All comparisons with NaN are false, also by unequal. */
 #include "ref/fast/fast.h"
@@ -196,7 +196,7 @@ INLINE bool descend(const struct walk_ray *r, const struct fast_tree *tree, bool
         return false;
     if (any) {
         at->depth += push_any(stack->ref + at->depth, child, mask);
-        at->now = child[__builtin_ctz(mask)];
+        at->now = child[31 - __builtin_clz(mask)]; /* in the order of a stream's rays */
     } else {
         at->now = choose(stack->key, stack->ref, &at->depth, child, mask, entry);
     }
