@@ -1,4 +1,4 @@
-/* What test_fast.c and test_fast_trees.c share. */
+/* What the tests of fast trees share. */
 #ifndef FAST_FIXTURE_H
 #define FAST_FIXTURE_H
 
@@ -18,14 +18,21 @@ static const struct tri_test *woop(void)
     return tri_test_find("woop");
 }
 
-static struct fast_tree make_tree(const struct scene *scene, uint32_t leaf)
+static bool small_form; /* trees are those of ref/fast/small_tree.h */
+
+static inline const struct fast_kernel *const *kernels(void)
+{
+    return small_form ? fast_small_kernels : fast_kernels;
+}
+
+static inline struct fast_tree make_tree(const struct scene *scene, uint32_t leaf)
 {
     struct build_options options = {.leaf = leaf};
     struct reason reason = {""};
     struct fast_tree tree;
     struct bvh bvh;
     assert_int_equal(builders[0]->build(scene, &options, &bvh, NULL), STATUS_OK);
-    if (fast_make(&bvh, scene, &tree, &reason))
+    if ((small_form ? fast_make_small : fast_make)(&bvh, scene, &tree, &reason))
         fail_msg("%s", reason.text);
     bvh_free(&bvh);
     return tree;
@@ -39,8 +46,8 @@ static bool same(const struct hit *a, const struct hit *b)
     return memcmp(a, b, sizeof *a) == 0;
 }
 
-static void check_any(const struct scene *scene, const struct ray *ray, const struct hit *truth,
-                      const struct hit *hit)
+static inline void check_any(const struct scene *scene, const struct ray *ray,
+                             const struct hit *truth, const struct hit *hit)
 {
     float v[3][3];
     struct hit one;
@@ -54,9 +61,9 @@ static void check_any(const struct scene *scene, const struct ray *ray, const st
     assert_memory_equal(&one, hit, sizeof one);
 }
 
-static void check_kernel(const struct fast_kernel *kernel, const struct fast_tree *tree,
-                         const struct scene *scene, const struct ray *ray, size_t count,
-                         const struct hit *truth)
+static inline void check_kernel(const struct fast_kernel *kernel, const struct fast_tree *tree,
+                                const struct scene *scene, const struct ray *ray, size_t count,
+                                const struct hit *truth)
 {
     struct hit *hit = calloc(count, sizeof *hit);
     assert_non_null(hit);
@@ -92,10 +99,10 @@ static inline void check_rays(struct fast_tree *tree, const struct scene *scene,
     assert_non_null(truth);
     for (size_t i = 0; i < count; i++)
         trace_brute(scene, woop(), QUERY_CLOSEST, &ray[i], &truth[i]);
-    for (size_t k = 0; fast_kernels[k]; k++)
-        for (int way = 0; way < TREE_WAYS && fast_kernels[k]->runs(); way++) {
+    for (size_t k = 0; kernels()[k]; k++)
+        for (int way = 0; way < TREE_WAYS && kernels()[k]->runs(); way++) {
             set_way(tree, way);
-            check_kernel(fast_kernels[k], tree, scene, ray, count, truth);
+            check_kernel(kernels()[k], tree, scene, ray, count, truth);
         }
     free(truth);
 }

@@ -1,4 +1,5 @@
-/* Laws of ref/fast/: every kernel answers as the tests on all triangles do. */
+/* Laws of ref/fast/, of both forms of trees: every kernel answers as the tests on all triangles
+ * do. */
 #include "tests/fast/fast_fixture.h"
 
 #define RAYS 1600
@@ -128,12 +129,12 @@ static void rays_out_of_contract_end(void **state)
             *part[k] = odd[(random >> 33) % n];
         }
         fast_careful(&tree, &ray, false, &hit[0]);
-        for (size_t k = 0; fast_kernels[k]; k++) {
-            if (!fast_kernels[k]->runs())
+        for (size_t k = 0; kernels()[k]; k++) {
+            if (!kernels()[k]->runs())
                 continue;
-            fast_kernels[k]->closest(&tree, &ray, 1, &hit[1]);
+            kernels()[k]->closest(&tree, &ray, 1, &hit[1]);
             assert_true(same(&hit[0], &hit[1]));
-            fast_kernels[k]->any(&tree, &ray, 1, &hit[1]);
+            kernels()[k]->any(&tree, &ray, 1, &hit[1]);
             assert_int_equal(hit[0].prim == ABI_NO_PRIM, hit[1].prim == ABI_NO_PRIM);
         }
     }
@@ -154,10 +155,10 @@ static void closed_meshes_stay_closed(void **state)
             struct hit hit;
             for (int k = 0; k < 3; k++)
                 ray.dir[k] = a[k] + (b[k] - a[k]) * (float)part * 0.3f - ray.org[k];
-            for (size_t k = 0; fast_kernels[k]; k++) {
-                if (!fast_kernels[k]->runs())
+            for (size_t k = 0; kernels()[k]; k++) {
+                if (!kernels()[k]->runs())
                     continue;
-                fast_kernels[k]->closest(&tree, &ray, 1, &hit);
+                kernels()[k]->closest(&tree, &ray, 1, &hit);
                 assert_int_not_equal(hit.prim, ABI_NO_PRIM);
             }
         }
@@ -219,12 +220,12 @@ static void the_nearest_child_is_visited_first(void **state)
                 scene.index[3 * i + c] = 3 * i + c;
         }
         struct fast_tree tree = make_tree(&scene, 1);
-        for (size_t k = 0; fast_kernels[k]; k++)
-            for (int way = 0; way < TREE_WAYS && fast_kernels[k]->runs(); way++) {
+        for (size_t k = 0; kernels()[k]; k++)
+            for (int way = 0; way < TREE_WAYS && kernels()[k]->runs(); way++) {
                 struct hit hit[SAME], watched;
                 set_way(&tree, way);
                 fast_careful(&tree, ray, false, &watched);
-                fast_kernels[k]->closest(&tree, ray, SAME, hit);
+                kernels()[k]->closest(&tree, ray, SAME, hit);
                 assert_true(watched.t == 64);
                 for (size_t i = 0; i < SAME; i++)
                     assert_memory_equal(&hit[i], &watched, sizeof watched);
@@ -246,5 +247,7 @@ int main(void)
         cmocka_unit_test(all_hits_are_those_of_all_triangles),
         cmocka_unit_test(the_nearest_child_is_visited_first),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    int failed = cmocka_run_group_tests_name("fast", tests, NULL, NULL);
+    small_form = true;
+    return failed + cmocka_run_group_tests_name("fast_small", tests, NULL, NULL);
 }

@@ -143,10 +143,10 @@ static void rays_together_answer_as_alone(void **state)
                 fast_careful(&tree, &ray[i], false, &truth[i]);
             *(truth[i].prim == ABI_NO_PRIM ? &misses : &hits) += 1;
         }
-        for (size_t k = 0; fast_kernels[k]; k++)
-            for (int way = 2; way < TREE_WAYS && fast_kernels[k]->runs(); way++) {
+        for (size_t k = 0; kernels()[k]; k++)
+            for (int way = 2; way < TREE_WAYS && kernels()[k]->runs(); way++) {
                 set_way(&tree, way);
-                check_kernel(fast_kernels[k], &tree, &scene, ray, ALL, truth);
+                check_kernel(kernels()[k], &tree, &scene, ray, ALL, truth);
             }
         fast_free(&tree);
         scene_free(&scene);
@@ -174,15 +174,15 @@ static void the_order_of_rays_changes_nothing(void **state)
     }
     for (size_t i = 0; i < ALL; i++)
         other[i] = ray[place[i]];
-    for (size_t k = 0; fast_kernels[k]; k++) {
-        if (!fast_kernels[k]->runs())
+    for (size_t k = 0; kernels()[k]; k++) {
+        if (!kernels()[k]->runs())
             continue;
-        fast_kernels[k]->closest(&tree, ray, ALL, hit);
-        fast_kernels[k]->closest(&tree, other, ALL, again);
+        kernels()[k]->closest(&tree, ray, ALL, hit);
+        kernels()[k]->closest(&tree, other, ALL, again);
         for (size_t i = 0; i < ALL; i++)
             assert_true(same(&hit[place[i]], &again[i]));
         for (size_t i = 0; i < ALL; i++)
-            fast_kernels[k]->closest(&tree, &ray[i], 1, &again[i]);
+            kernels()[k]->closest(&tree, &ray[i], 1, &again[i]);
         for (size_t i = 0; i < ALL; i++)
             assert_true(same(&hit[i], &again[i]));
     }
@@ -196,5 +196,7 @@ int main(void)
         cmocka_unit_test(rays_together_answer_as_alone),
         cmocka_unit_test(the_order_of_rays_changes_nothing),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    int failed = cmocka_run_group_tests_name("fast", tests, NULL, NULL);
+    small_form = true;
+    return failed + cmocka_run_group_tests_name("fast_small", tests, NULL, NULL);
 }
