@@ -68,8 +68,11 @@ struct trace_report {
     uint64_t core_ns;                /* the same in time of the calling thread; 0: not measured */
     bool device_clock;               /* ns is from GPU timestamps, else from the host's clock */
     uint64_t boxes, tris;            /* number of tests; 0 if not counted */
-    uint64_t node_bytes, item_bytes; /* of an engine with own_tree: of its own tree; else 0 */
-    uint64_t memory_bytes;           /* scene, tree and buffers held by the engine */
+    uint64_t node_bytes, item_bytes; /* of an engine with own_tree: of its own tree; of a tracer
+                                        from outside: of its nodes, if it tells; else 0 */
+    uint64_t scene_bytes;            /* of a tracer from outside: of the triangles in the form that
+                                        it reads, if it tells; else 0 */
+    uint64_t memory_bytes;           /* scene, tree and buffers held by the engine; 0: unknown */
     uint32_t flags;                  /* ABI_FLAG_* of the first unfinished ray, if known; else 0 */
 };
 
@@ -175,9 +178,11 @@ struct engine {
      * The caller keeps ray_count * capacity in bounds (as ref/trace/all_hits.h does). Errors: as
      * trace; STATUS_LIMIT capacity hits of one ray exceed a buffer. NULL: not supported (rows are
      * skipped). An engine whose traversal is not ours, such as a ray query, can list candidates and
-     * confirm none. */
+     * confirm none. See engine_lists. */
     enum status (*trace_all)(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
                              struct hit *hit, uint32_t *hit_count, struct reason *reason);
+    /* Whether this opened engine has trace_all at all. NULL: it does. */
+    bool (*lists)(const void *self);
     const struct world_tracer *worlds;     /* NULL: it traces no worlds (rows are skipped); see
                                               engine_traces_worlds */
     const struct frame_renderer *renderer; /* NULL: rendered ray by ray (scenes/render/render.h) */
@@ -206,6 +211,12 @@ static inline const char *engine_called(const struct engine *engine, const void 
 static inline bool engine_traces_worlds(const struct engine *engine, const void *self)
 {
     return engine->worlds && (!engine->worlds->traces || engine->worlds->traces(self));
+}
+
+/* Whether an opened engine lists all hits of scenes. */
+static inline bool engine_lists(const struct engine *engine, const void *self)
+{
+    return engine->trace_all && (!engine->lists || engine->lists(self));
 }
 
 /* For an engine that needs trees: false if it does not trace that layout (STATUS_UNSUPPORTED). */

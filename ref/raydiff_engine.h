@@ -34,7 +34,7 @@ enum raydiff_engine_status {
 /* Bits of `can`. */
 #define RAYDIFF_ENGINE_CLOSEST 1u  /* the nearest hit: build, trace */
 #define RAYDIFF_ENGINE_ANY     2u  /* any hit: build, trace */
-#define RAYDIFF_ENGINE_ALL     4u  /* all hits: build, trace_all; only inside:FILE.so */
+#define RAYDIFF_ENGINE_ALL     4u  /* all hits: build, trace_all */
 #define RAYDIFF_ENGINE_WORLDS  8u  /* instances, masks, filters: build_world, trace_world */
 #define RAYDIFF_ENGINE_NATIVE  16u /* ray buffers of its own: rays_make and the three behind it */
 
@@ -150,6 +150,7 @@ struct raydiff_engine_model {
     float displacement;
 };
 
+/* What is held after the last build or trace. 0: not known, and shown as '-'. */
 struct raydiff_engine_memory {
     uint64_t tree_bytes;  /* nodes */
     uint64_t scene_bytes; /* triangles, in whatever form it reads them */
@@ -176,7 +177,8 @@ struct raydiff_engine {
     int (*trace)(void *self, const struct raydiff_engine_ray *ray, size_t count, uint32_t query,
                  struct raydiff_engine_hit *hit, char *reason);
     /* The hits of ray i are hit[i * capacity ..], unordered; hit_count[i] is their full number,
-     * also if that is over `capacity`. */
+     * also if that is over `capacity`: then the ray is asked for again with more room. A triangle
+     * is listed once; a number over twice the triangles ends the tracer. */
     int (*trace_all)(void *self, const struct raydiff_engine_ray *ray, size_t count,
                      uint32_t capacity, struct raydiff_engine_hit *hit, uint32_t *hit_count,
                      char *reason);
@@ -195,7 +197,7 @@ struct raydiff_engine {
     void (*hits_read)(void *self, const void *rays, struct raydiff_engine_hit *hit);
     void (*rays_free)(void *self, void *rays);
 
-    /* Describes an opened tracer. NULL: all 0. *out is 0 before the call. */
+    /* Describe an opened tracer. NULL: all 0. *out is 0 before the call. */
     void (*model)(void *self, struct raydiff_engine_model *out);
     void (*memory)(void *self, struct raydiff_engine_memory *out);
 };

@@ -97,6 +97,7 @@ plain)
     suite watertight sh tests/scripts/watertight.sh "$build/raydiff"
     alone bench sh tests/scripts/bench.sh "$build/raydiff"
     suite lazy sh tests/guest/lazy.sh "$build/raydiff"
+    suite bytes sh tests/guest/bytes.sh "$build/raydiff"
     alone fair sh tests/bench/fair.sh "$build/raydiff" quick
     suite diff sh tests/scripts/diff.sh "$build"
     alone window sh tests/scripts/window.sh "$build"

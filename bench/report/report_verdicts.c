@@ -63,8 +63,8 @@ static void put_row(struct html *html, const json_t *row)
     report_number(html, "%.3f", value_number(speed, "median"));
     report_number(html, "%.3f", value_number(speed, "min"));
     report_number(html, "%.3f", value_number(speed, "max"));
-    report_number(html, "%.1f", (double)value_count(row, "node_bytes") / 1e3);
-    report_number(html, "%.1f", (double)value_count(row, "item_bytes") / 1e3);
+    report_number(html, "%.1f", value_number(row, "node_bytes") / 1e3);
+    report_number(html, "%.1f", value_number(row, "item_bytes") / 1e3);
     html_end(html, "tr");
 }
 

@@ -119,6 +119,7 @@ static void take_speeds(struct error_field *field, struct error_page *page)
         row->ratio = spread_of(c->ratio, rounds);
         row->base = race_base_name(&field->race, c);
         row->memory_bytes = c->memory_bytes;
+        row->node_bytes = c->layout ? row->node_bytes : c->node_bytes;
         row->boxes = c->boxes ? (double)c->boxes / (double)page->ray_count : NAN;
         row->tris = c->tris ? (double)c->tris / (double)page->ray_count : NAN;
         row->boxes_to_f32 = row->tris_to_f32 = NAN;

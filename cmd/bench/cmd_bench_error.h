@@ -24,7 +24,7 @@ struct error_row {
     double boxes, tris;  /* tests per ray; NAN: not counted */
     double boxes_to_f32; /* relative to the same engine and tests on f32; NAN: not available */
     double tris_to_f32;
-    uint64_t node_bytes, item_bytes, memory_bytes; /* totals */
+    uint64_t node_bytes, item_bytes, memory_bytes; /* totals; without a layout 0 is not known */
 };
 
 /* One scene with one ray set. */

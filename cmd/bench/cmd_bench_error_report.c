@@ -73,6 +73,8 @@ static void print_accuracy(const struct error_page *page)
         if (row->layout)
             printf(" %6u %7.1f\n", row->layout->node_bytes,
                    (double)(row->node_bytes + row->item_bytes) / (double)page->tri_count);
+        else if (row->node_bytes)
+            printf("      - %7.1f\n", (double)row->node_bytes / (double)page->tri_count);
         else
             puts("      -       -");
     }
@@ -145,7 +147,7 @@ static json_t *row_json(const struct bench *bench, const struct error_page *page
         "named=%zu wrong=%zu err_over_bound=%g displacement=%g forward_p50=%g forward_p99=%g "
         "forward_max=%g plane_p50=%g plane_p99=%g plane_max=%g point_p50=%g point_p99=%g "
         "point_max=%g boxes_per_ray=%g tris_per_ray=%g boxes_to_f32=%g tris_to_f32=%g "
-        "bytes_per_node=%p node_bytes=%zu item_bytes=%zu memory_bytes=%zu",
+        "bytes_per_node=%p node_bytes=%p item_bytes=%p memory_bytes=%p",
         page->scene, page->tri_count, page->rays, bench->seed, row->engine->name,
         json_text(row->layout ? row->layout->name : NULL),
         json_text(row->box ? row->box->name : NULL), json_text(row->tri ? row->tri->name : NULL),
@@ -158,7 +160,9 @@ static json_t *row_json(const struct bench *bench, const struct error_page *page
         forward->p99, forward->most, plane->p50, plane->p99, plane->most, point->p50, point->p99,
         point->most, row->boxes, row->tris, row->boxes_to_f32, row->tris_to_f32,
         row->layout ? json_integer((json_int_t)row->layout->node_bytes) : json_null(),
-        row->node_bytes, row->item_bytes, row->memory_bytes);
+        row->layout ? json_integer((json_int_t)row->node_bytes) : json_known(row->node_bytes),
+        row->layout ? json_integer((json_int_t)row->item_bytes) : json_null(),
+        json_known(row->memory_bytes));
 }
 
 void error_print(struct bench *bench, const struct error_page *page)

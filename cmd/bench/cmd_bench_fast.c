@@ -97,6 +97,13 @@ static struct spread ratio_of(const struct contest *c, double *ratio)
     return c->embree ? spread_of(ratio, (size_t)c->bench->rounds) : (struct spread){NAN, NAN, NAN};
 }
 
+/* What it holds; NAN: not known. */
+static double held(const struct contest *c, const struct contestant *who)
+{
+    return who->memory_bytes ? (double)who->memory_bytes / (double)c->scene->tri_count
+                             : (double)NAN;
+}
+
 static void print_row(struct contest *c, size_t kind, size_t i)
 {
     const size_t rounds = (size_t)c->bench->rounds;
@@ -118,8 +125,7 @@ static void print_row(struct contest *c, size_t kind, size_t i)
                           c->spec, kinds[kind], name, engine_called(r->engine, r->self),
                           c->bench->engines.threads, c->scene->tri_count, mrays.median,
                           ratio.median, ratio.least, ratio.most, warm.median, warm_ratio.median,
-                          warm_ratio.least, warm_ratio.most,
-                          (double)r->memory_bytes / (double)c->scene->tri_count, missed));
+                          warm_ratio.least, warm_ratio.most, held(c, r), missed));
 }
 
 static enum status play_kind(struct contest *c, size_t kind, struct reason *reason)
@@ -142,8 +148,10 @@ static void print_ends(struct contest *c)
     puts("  engine           byte/tri  missed  called");
     for (size_t i = c->race.count; i-- > 0;) {
         const struct contestant *r = &c->race.contestant[i];
-        printf("  %-16.16s %8.1f %7zu  %s\n", c->entry[i].name,
-               (double)r->memory_bytes / (double)c->scene->tri_count, c->missed[i],
+        char bytes[32] = "-";
+        if (r->memory_bytes)
+            snprintf(bytes, sizeof bytes, "%.1f", held(c, r));
+        printf("  %-16.16s %8s %7zu  %s\n", c->entry[i].name, bytes, c->missed[i],
                engine_called(r->engine, r->self));
     }
 }

@@ -47,6 +47,7 @@ struct matrix_row {
     struct spread mrays[MATRIX_KINDS], ratio[MATRIX_KINDS];
     struct spread warm[MATRIX_KINDS]; /* ratios of warm speeds (see race_run); not of a GPU */
     double mean, mean_warm;           /* geometric means of the ratios */
+    bool told; /* by a tracer from outside, of the next four: 0 is not known */
     uint64_t node_bytes, item_bytes, scene_bytes; /* read by the traversal */
     uint64_t held_bytes;                          /* as the engine reports */
     size_t asked, lost, wrong;                    /* prim and rand rays, judged by the oracle */

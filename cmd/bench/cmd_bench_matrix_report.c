@@ -15,9 +15,12 @@ static double per_tri(const struct matrix *m, uint64_t bytes)
     return (double)bytes / (double)m->scene->tri_count;
 }
 
-static uint64_t bytes_of(const struct matrix_row *row)
+/* All that the traversal reads; NAN: not known. */
+static double bytes_of(const struct matrix *m, const struct matrix_row *row)
 {
-    return row->node_bytes + row->item_bytes + row->scene_bytes;
+    return row->told && row->node_bytes == 0
+               ? (double)NAN
+               : per_tri(m, row->node_bytes + row->item_bytes + row->scene_bytes);
 }
 
 /* --- the front -------------------------------------------------------------------------------- */
@@ -52,7 +55,7 @@ static void mark_front(struct matrix *m, bool gpu)
         double asked = (double)(r->asked + r->leak_rays);
         row[count] = r;
         point[count] = own[count] =
-            (struct pareto_point){.size = per_tri(m, bytes_of(r)),
+            (struct pareto_point){.size = bytes_of(m, r),
                                   .speed = r->mean,
                                   .error = (double)(r->lost + r->leaks) / (asked > 0 ? asked : 1)};
         if (!r->entry->layout || has_better_tree(m, r) || r->verdicts.wrong > 0)
@@ -121,10 +124,10 @@ static void print_speeds(const struct matrix *m)
     }
 }
 
-static void print_part(const struct matrix *m, uint64_t bytes, bool known)
+static void print_part(double bytes, bool known)
 {
     if (known)
-        printf(" %6.1f", per_tri(m, bytes));
+        printf(" %6.1f", bytes);
     else
         printf(" %6s", "-");
 }
@@ -145,10 +148,10 @@ static void print_sizes(const struct matrix *m)
     for (size_t i = 0; i < m->row_count; i++) {
         const struct matrix_row *r = &m->row[i];
         printf("  %-30s", r->entry->name);
-        print_part(m, r->node_bytes, r->touched);
-        print_part(m, r->item_bytes, r->touched);
-        print_part(m, r->scene_bytes, true);
-        print_part(m, bytes_of(r), true);
+        print_part(per_tri(m, r->node_bytes), r->told ? r->node_bytes : r->touched);
+        print_part(per_tri(m, r->item_bytes), r->touched);
+        print_part(per_tri(m, r->scene_bytes), !r->told || r->scene_bytes);
+        print_part(bytes_of(m, r), isfinite(bytes_of(m, r)));
         putchar(' ');
         for (int kind = 0; kind < MATRIX_CLOSEST; kind++) {
             char text[64] = "-";
@@ -193,19 +196,21 @@ static void print_table(const struct matrix *m, bool full)
     for (size_t i = 0; i < m->row_count; i++) {
         const struct matrix_row *r = &m->row[i];
         const bool wrong = r->verdicts.wrong > 0;
+        char bytes[32] = "-";
+        if (isfinite(bytes_of(m, r)))
+            snprintf(bytes, sizeof bytes, "%.1f", bytes_of(m, r));
         grid_add(&grid,
                  !r->judged ? PAINT_DIM
                  : wrong    ? PAINT_BAD
                             : PAINT_GOOD,
-                 "%s\t%s\t%zu\t%zu\t%zu\t%zu\t%.1f\t%.2f\t%.2f\t%.2f\t%.2f\t%.2f\t%.2f\t%.2f\t"
+                 "%s\t%s\t%zu\t%zu\t%zu\t%zu\t%s\t%.2f\t%.2f\t%.2f\t%.2f\t%.2f\t%.2f\t%.2f\t"
                  "%.3f",
                  !r->judged ? "counted"
                  : wrong    ? "WRONG"
                             : "agrees",
-                 r->entry->name, r->verdicts.wrong, r->verdicts.allowed, r->lost, r->leaks,
-                 per_tri(m, bytes_of(r)), r->ratio[0].median, r->ratio[1].median,
-                 r->ratio[2].median, r->ratio[3].median, r->ratio[4].median, r->mean,
-                 r->mean_warm, r->mrays[KIND_PRIM].median);
+                 r->entry->name, r->verdicts.wrong, r->verdicts.allowed, r->lost, r->leaks, bytes,
+                 r->ratio[0].median, r->ratio[1].median, r->ratio[2].median, r->ratio[3].median,
+                 r->ratio[4].median, r->mean, r->mean_warm, r->mrays[KIND_PRIM].median);
     }
     if (m->row_count && full)
         screen_text(screen, "lost of %s, leaks of %zu; speeds are ratios to the first\n",
@@ -214,6 +219,11 @@ static void print_table(const struct matrix *m, bool full)
 }
 
 /* --- rows ------------------------------------------------------------------------------------- */
+
+static json_t *part_json(const struct matrix_row *row, uint64_t bytes)
+{
+    return row->told ? json_known(bytes) : json_integer((json_int_t)bytes);
+}
 
 static json_t *row_json(const struct matrix *m, const struct matrix_row *r)
 {
@@ -233,10 +243,10 @@ static json_t *row_json(const struct matrix *m, const struct matrix_row *r)
                  warm->least, name, warm->most);
     }
     json_add(row,
-             "mean_ratio=%g mean_warm=%g node_bytes=%zu item_bytes=%zu scene_bytes=%zu "
-             "held_bytes=%zu bytes_per_triangle=%g",
-             r->mean, r->mean_warm, r->node_bytes, r->item_bytes, r->scene_bytes, r->held_bytes,
-             per_tri(m, bytes_of(r)));
+             "mean_ratio=%g mean_warm=%g node_bytes=%p item_bytes=%p scene_bytes=%p "
+             "held_bytes=%p bytes_per_triangle=%g",
+             r->mean, r->mean_warm, part_json(r, r->node_bytes), part_json(r, r->item_bytes),
+             part_json(r, r->scene_bytes), json_known(r->held_bytes), bytes_of(m, r));
     for (int kind = 0; kind < MATRIX_CLOSEST; kind++) {
         const char *name = matrix_kinds[kind];
         const struct matrix_touch *t = &r->touch[kind];

@@ -293,6 +293,8 @@ static enum status time_once(const struct race *race, struct contestant *c, stru
                                          : core_time_ns() - start;
     c->boxes = report.boxes;
     c->tris = report.tris;
+    c->node_bytes = report.node_bytes;
+    c->scene_bytes = report.scene_bytes;
     if (report.memory_bytes > c->memory_bytes)
         c->memory_bytes = report.memory_bytes;
     *mrays = 1e3 * (double)rays / (double)(ns ? ns : 1);

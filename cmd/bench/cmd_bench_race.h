@@ -20,8 +20,9 @@ struct contestant {
     bool few;                      /* too slow for all rays: traces race.few */
     struct packed packed;
     void *self;
-    uint64_t memory_bytes;
-    uint64_t boxes, tris; /* tests of one trace; 0: not counted */
+    uint64_t memory_bytes;            /* 0: not known */
+    uint64_t node_bytes, scene_bytes; /* as the engine reports them; 0: not known */
+    uint64_t boxes, tris;             /* tests of one trace; 0: not counted */
     double mrays[BENCH_ROUNDS];
     double ratio[BENCH_ROUNDS]; /* relative to its base, per round */
     double warm[BENCH_ROUNDS];  /* the two again, of races with `warm` */

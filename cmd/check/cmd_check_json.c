@@ -123,16 +123,23 @@ static json_t *original_json(const struct row *row)
                        finite(row->original.most), finite(row->original.most_decoded));
 }
 
+/* Of an engine that has no layout 0 is what it does not tell. */
+static json_t *bytes_json(const struct row *row, uint64_t bytes)
+{
+    return row->layout ? json_integer((json_int_t)bytes) : json_known(bytes);
+}
+
 static json_t *row_json(const struct check_scene *scene, const struct row *row)
 {
     const struct match_options *o = &row->options;
     json_t *out = json_record(
-        "scene=%s layout=%p builder=%s leaf=%u engine=%p box=%p tri=%s query=%s node_bytes=%zu "
-        "item_bytes=%zu memory_bytes=%zu rays=%zu hits=%zu compared_with_brute=%zu",
+        "scene=%s layout=%p builder=%s leaf=%u engine=%p box=%p tri=%s query=%s node_bytes=%p "
+        "item_bytes=%p memory_bytes=%p rays=%zu hits=%zu compared_with_brute=%zu",
         scene->spec, json_text(row->layout ? row->layout->name : NULL), o->builder->name,
         o->build.leaf, json_text(row->engine ? row->engine->name : NULL),
         json_text(row->layout ? row_box_name(row) : NULL), row_tri_name(row), query_name(o->query),
-        row->node_bytes, row->item_bytes, row->memory_bytes, row->rays, row->hits, row->brute);
+        bytes_json(row, row->node_bytes), bytes_json(row, row->item_bytes),
+        json_known(row->memory_bytes), row->rays, row->hits, row->brute);
     if (!out)
         return NULL;
     json_add(out, "tree=%p",
@@ -150,12 +157,12 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
                      scene->move, row->refit.sah_before, row->refit.sah_after, row->refit.build_ns,
                      row->refit.pack_ns, row->refit.refit_ns));
     json_add(out,
-             "scene_bytes=%zu counts=%p wrong=%p err_over_bound=%g displacement=%p lists=%p "
+             "scene_bytes=%p counts=%p wrong=%p err_over_bound=%g displacement=%p lists=%p "
              "original=%p bit_differences=%zu judged=%i differences=%zu mrays_per_s=%p "
              "box_tests=%zu triangle_tests=%zu status=%s reason=%s",
-             row->scene_bytes, json_verdicts(row->count), wrong_json(row), finite(row->worst_over),
-             displacement_json(row), lists_json(row), original_json(row), row->bit_differences,
-             row->judged, row->differences,
+             bytes_json(row, row->scene_bytes), json_verdicts(row->count), wrong_json(row),
+             finite(row->worst_over), displacement_json(row), lists_json(row), original_json(row),
+             row->bit_differences, row->judged, row->differences,
              json_record("median=%g min=%g max=%g clock=%s", row->mrays[0], row->mrays[1],
                          row->mrays[2], row->device_clock ? "device" : "host"),
              row->boxes, row->tris, row_status_name(row->status), row->reason.text);

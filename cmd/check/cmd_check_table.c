@@ -63,7 +63,7 @@ static const char *verdict_of(const struct row *row)
 static void write_bytes(const struct check_scene *scene, const struct row *row, char *text)
 {
     uint64_t bytes = row->node_bytes + row->item_bytes + row->scene_bytes;
-    if (row->layout && scene->tri_count)
+    if (row_bytes_known(row) && scene->tri_count)
         snprintf(text, CELL_MOST, "%.1f", (double)bytes / scene->tri_count);
     else
         strcpy(text, "-");

@@ -5,10 +5,14 @@
 
 static void print_bytes(const struct row *row)
 {
-    if (!row->layout)
-        printf("%9s %9s", "-", "-");
+    if (row_bytes_known(row))
+        printf("%9.1f", (double)row->node_bytes / 1e3);
     else
-        printf("%9.1f %9.1f", (double)row->node_bytes / 1e3, (double)row->item_bytes / 1e3);
+        printf("%9s", "-");
+    if (row->layout)
+        printf(" %9.1f", (double)row->item_bytes / 1e3);
+    else
+        printf(" %9s", "-");
 }
 
 static void print_wide_row(const struct row *row)

@@ -104,7 +104,8 @@ static const struct option_set set = {
         "one of fewer than nine fields means layouts beyond the first few only if a field names "
         "them.\n"
         "A name is query.engine.layout.builder.box.tri.scene.rays.seed, with '-' where an engine "
-        "has no tree; it is the reproduction.",
+        "has no tree; it is the reproduction. Lists of all hits are played where PATTERN begins "
+        "with 'all.'.",
     .group = {GROUP(rows), GROUP_AT(displacement_rows, demands), GROUP_AT(engine_rows, engines),
               GROUP_AT(outside_rows, engines), GROUP_AT(screen_rows, screen)},
     .codes = "0 passed, 1 a trial failed, 2 usage or nothing matches, 3 engine failed, 77 "

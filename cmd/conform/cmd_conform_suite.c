@@ -131,10 +131,16 @@ static bool pattern_takes(const struct suite *suite, enum table table, size_t i)
     return i < core.count || field_matches(suite->pattern, -1, name);
 }
 
+/* Lists take part where a pattern begins with them, so that others mean what they always meant. */
+static bool names_lists(const struct suite *suite)
+{
+    return suite->kind == SUITE_PATTERN && strncmp(suite->pattern, "all.", 4) == 0;
+}
+
 static bool takes_part(const struct suite *suite, enum table table, size_t i)
 {
     const struct list *list = &suite->list[table];
-    if (table == TABLE_QUERIES && i > QUERY_ANY) /* not judged yet */
+    if (table == TABLE_QUERIES && i == QUERY_ALL && !names_lists(suite))
         return false;
     if (suite->kind == SUITE_PATTERN && !pattern_takes(suite, table, i))
         return false;

@@ -58,7 +58,7 @@ static char *cut_last(char *text)
 
 static enum status parse_fields(char *const field[6], struct trial *out, struct reason *reason)
 {
-    if (!query_find(field[0], &out->query) || out->query == QUERY_ALL) /* not judged yet */
+    if (!query_find(field[0], &out->query))
         return fail(reason, STATUS_INPUT, "trial: unknown query '%s'", field[0]);
     out->engine = engine_find(field[1]);
     if (!out->engine && (pipe_is_peer(field[1]) || file_of_engine(field[1]))) {

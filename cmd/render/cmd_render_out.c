@@ -142,10 +142,10 @@ static json_t *json_frame(const struct frame_record *r)
                                             r->rays.closest, r->rays.shadow, r->rays.hit_pixels)
                               : json_null();
     return json_record("file=%s angle=%g pos=%p forward=%p trace_ns=%zu clock=%s wall_ns=%zu "
-                       "box_tests=%zu triangle_tests=%zu memory_bytes=%zu rays=%p",
+                       "box_tests=%zu triangle_tests=%zu memory_bytes=%p rays=%p",
                        r->path, r->angle, json_vector(r->view.pos), json_vector(r->view.forward),
                        r->report.ns, r->report.device_clock ? "device" : "host", r->wall_ns,
-                       r->report.boxes, r->report.tris, r->report.memory_bytes, rays);
+                       r->report.boxes, r->report.tris, json_known(r->report.memory_bytes), rays);
 }
 
 enum status render_json(const char *path, const struct render_settings *settings,

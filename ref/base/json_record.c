@@ -73,6 +73,11 @@ json_t *json_text(const char *text)
     return text ? json_string(text) : json_null();
 }
 
+json_t *json_known(uint64_t count)
+{
+    return count ? json_integer((json_int_t)count) : json_null();
+}
+
 json_t *json_record(const char *names, ...)
 {
     json_t *out = json_object();

@@ -20,6 +20,9 @@ json_t *json_record(const char *names, ...) PRINTF_LIKE(1, 2);
 /* Returns a text value, or null for NULL. */
 json_t *json_text(const char *text);
 
+/* Returns an integer, or null for 0, which stands for what is not known. */
+json_t *json_known(uint64_t count);
+
 /* Adds such values to an object. If the object is NULL, values of which it would take ownership are
  * freed. */
 void json_add(json_t *object, const char *names, ...) PRINTF_LIKE(2, 3);

@@ -166,12 +166,12 @@ enum status guest_model(const struct guest *guest, struct model *out, struct rea
                   : STATUS_OK;
 }
 
-uint64_t guest_memory(const struct guest *guest)
+struct raydiff_engine_memory guest_memory(const struct guest *guest)
 {
     struct raydiff_engine_memory out = {.tree_bytes = 0};
     if (guest->table->memory)
         guest->table->memory(guest->self, &out);
-    return out.tree_bytes + out.scene_bytes + out.other_bytes;
+    return out;
 }
 
 /* --- calls ------------------------------------------------------------------------------------ */

@@ -47,8 +47,8 @@ struct raydiff_engine_model guest_promise(const struct guest *guest);
 enum status guest_model(const struct guest *guest, struct model *out,
                         struct reason *reason) MUST_USE;
 
-/* Bytes of tree, scene and buffers; 0: not known. */
-uint64_t guest_memory(const struct guest *guest);
+/* What it says that it holds; 0: not known. */
+struct raydiff_engine_memory guest_memory(const struct guest *guest);
 
 /* Calls of the table. Errors: STATUS_REFUSED, STATUS_MEMORY, STATUS_DEVICE (also for a number that
  * is no status), with the guest's reason behind the name of the function. STATUS_REFUSED also for

@@ -67,7 +67,8 @@ static enum status inmate_prepare(void *self, const struct job *job, struct reas
                                              .vertex_count = scene->vertex_count,
                                              .triangle_count = scene->tri_count};
     if (job->query == QUERY_ALL && !guest_can(&inmate->guest, RAYDIFF_ENGINE_ALL))
-        return fail(reason, STATUS_UNSUPPORTED, "%.80s cannot list all hits", inmate->guest.path);
+        return fail(reason, STATUS_UNSUPPORTED, "%.80s cannot list all hits: its `can` has no ALL",
+                    inmate->guest.path);
     inmate->world = NULL;
     inmate->triangles = scene->tri_count;
     inmate->query = job->query;
@@ -130,17 +131,31 @@ static enum status trace_plain(struct inmate *inmate, const struct ray *ray, siz
     return status;
 }
 
+static void report_memory(const struct inmate *inmate, struct trace_report *report)
+{
+    const struct raydiff_engine_memory memory = guest_memory(&inmate->guest);
+    pipe_memory_report(memory.tree_bytes, memory.scene_bytes, memory.other_bytes, report);
+}
+
 static enum status inmate_trace(void *self, const struct ray *ray, size_t ray_count,
                                 struct hit *hit, struct trace_report *report, struct reason *reason)
 {
     struct inmate *inmate = self;
-    *report = (struct trace_report){.memory_bytes = guest_memory(&inmate->guest)};
-    enum status status = guest_can(&inmate->guest, RAYDIFF_ENGINE_NATIVE)
-                             ? trace_native(inmate, ray, ray_count, hit, report, reason)
-                             : trace_plain(inmate, ray, ray_count, hit, report, reason);
+    *report = (struct trace_report){.ns = 0};
+    enum status status = STATUS_OK;
+    if (inmate->query != QUERY_ALL) /* else there are no rays: inmate_trace_all has them */
+        status = guest_can(&inmate->guest, RAYDIFF_ENGINE_NATIVE)
+                     ? trace_native(inmate, ray, ray_count, hit, report, reason)
+                     : trace_plain(inmate, ray, ray_count, hit, report, reason);
+    report_memory(inmate, report);
     for (size_t i = 0; i < ray_count && !status; i++)
         status = check_hit(inmate, i, &hit[i], reason);
     return status;
+}
+
+static bool inmate_lists(const void *self)
+{
+    return guest_can(&((const struct inmate *)self)->guest, RAYDIFF_ENGINE_ALL);
 }
 
 static enum status inmate_trace_all(void *self, const struct ray *ray, size_t ray_count,
@@ -148,15 +163,13 @@ static enum status inmate_trace_all(void *self, const struct ray *ray, size_t ra
                                     struct reason *reason)
 {
     struct inmate *inmate = self;
+    struct reason why;
     enum status status = guest_trace_all(&inmate->guest, (const void *)ray, ray_count, capacity,
                                          (void *)hit, hit_count, reason);
     for (size_t i = 0; i < ray_count && !status; i++)
-        for (uint32_t k = 0; k < hit_count[i] && k < capacity && !status; k++) {
-            status = check_hit(inmate, i, &hit[i * capacity + k], reason);
-            if (!status && hit[i * capacity + k].prim == ABI_NO_PRIM)
-                status = fail(reason, STATUS_DEVICE, "%.80s: hit %u of its %u of ray %zu is a miss",
-                              inmate->guest.path, k, hit_count[i], i);
-        }
+        if (pipe_list_check(hit + i * capacity, hit_count[i], capacity, inmate->triangles, &why))
+            status = fail(reason, STATUS_DEVICE, "%.80s: its list of ray %zu %.150s",
+                          inmate->guest.path, i, why.text);
     return status;
 }
 
@@ -228,7 +241,7 @@ static enum status inmate_trace_world(void *self, const struct ray *ray,
                                       struct reason *reason)
 {
     struct inmate *inmate = self;
-    *report = (struct trace_report){.memory_bytes = guest_memory(&inmate->guest)};
+    *report = (struct trace_report){.ns = 0};
     if (!make_room(inmate, ray_count))
         return fail(reason, STATUS_MEMORY, "%.80s: no memory for rays", inmate->guest.path);
     for (size_t i = 0; i < ray_count; i++) {
@@ -241,6 +254,7 @@ static enum status inmate_trace_world(void *self, const struct ray *ray,
                                            (uint32_t)inmate->query, inmate->answer, reason);
     report->core_ns = core_time_ns() - core;
     report->ns = time_ns() - start;
+    report_memory(inmate, report);
     return status ? status : take_answers(inmate, mode, ray_count, hit, tag, reason);
 }
 
@@ -294,6 +308,7 @@ ENGINE_PLACES(ENGINE_PLACE)
      .prepare = inmate_prepare,                                                                    \
      .trace = inmate_trace,                                                                        \
      .trace_all = inmate_trace_all,                                                                \
+     .lists = inmate_lists,                                                                        \
      .model = inmate_model,                                                                        \
      .worlds = &inmate_worlds,                                                                     \
      .called = inmate_called,                                                                      \

@@ -28,7 +28,7 @@ struct host {
     char *subject; /* as it was sent; the guest may point into it */
     size_t subject_size, subject_room;
     struct raydiff_engine_world_mesh *mesh;
-    char *ray, *answer; /* of one request */
+    char *ray, *answer; /* of one request; before the answers of lists are the numbers of hits */
     size_t ray_room, answer_room;
     struct reason refused; /* of the subject; empty: accepted */
 };
@@ -134,6 +134,10 @@ static enum status trace(struct host *host, const struct pipe_request *request,
     if (request->version == PIPE_VERSION_WORLD)
         return guest_trace_world(&host->guest, (const void *)host->ray, count, request->query,
                                  (void *)host->answer, reason);
+    if (request->query == PIPE_QUERY_LISTS)
+        return guest_trace_all(&host->guest, (const void *)host->ray, count, request->zero,
+                               (void *)(host->answer + count * sizeof(uint32_t)),
+                               (void *)host->answer, reason);
     return guest_trace(&host->guest, (const void *)host->ray, count, request->query,
                        (void *)host->answer, reason);
 }
@@ -161,11 +165,59 @@ static struct pipe_answer head_of(const struct host *host, const struct pipe_req
     const struct raydiff_engine_model model = guest_promise(&host->guest);
     head.formula = model.formula;
     head.rounding = model.rounding;
-    head.flags = model.flags & ~PIPE_FLAG_WORLDS; /* 8 would be taken for that */
-    head.flags |= model.flags & PIPE_FLAG_WORLDS ? 16u : 0u;
+    head.flags = model.flags & ~PIPE_FLAGS_CAN; /* these would be taken for what it can */
+    head.flags |= model.flags & PIPE_FLAGS_CAN ? 2 * PIPE_FLAG_MEMORY : 0u;
     head.flags |= guest_can(&host->guest, RAYDIFF_ENGINE_WORLDS) ? PIPE_FLAG_WORLDS : 0u;
+    head.flags |= guest_can(&host->guest, RAYDIFF_ENGINE_ALL) ? PIPE_FLAG_LISTS : 0u;
+    head.flags |= host->guest.table->memory ? PIPE_FLAG_MEMORY : 0u;
     head.zero = float_bits(model.displacement);
     return head;
+}
+
+static bool is_lists(const struct pipe_request *request)
+{
+    return request->version == PIPE_VERSION && request->query == PIPE_QUERY_LISTS;
+}
+
+/* Bytes of the room for the answers to a request's rays. */
+static size_t room_of(const struct pipe_request *request)
+{
+    const size_t rays = request->rays;
+    if (is_lists(request))
+        return rays * (sizeof(uint32_t) + request->zero * sizeof(struct hit));
+    return rays * (request->version == PIPE_VERSION_WORLD ? sizeof(struct pipe_world_hit)
+                                                          : sizeof(struct hit));
+}
+
+/* Moves lists together, behind their numbers; returns the bytes of both. */
+static size_t pack_lists(char *answer, const struct pipe_request *request)
+{
+    const uint32_t *number = (const void *)answer;
+    struct hit *hit = (void *)(answer + request->rays * sizeof *number);
+    size_t total = 0;
+    for (size_t i = 0; i < request->rays; i++) {
+        const uint32_t count = number[i] < request->zero ? number[i] : request->zero;
+        memmove(hit + total, hit + i * request->zero, count * sizeof *hit);
+        total += count;
+    }
+    return request->rays * sizeof *number + total * sizeof *hit;
+}
+
+/* Writes an answer that is no refusal. */
+static bool write_answer(struct host *host, const struct pipe_request *request,
+                         const struct pipe_answer *head, bool opening)
+{
+    const size_t bytes = is_lists(request) ? pack_lists(host->answer, request) : room_of(request);
+    bool fine = write_all(host, head, sizeof *head);
+    if (!opening && (head->flags & PIPE_FLAG_MEMORY)) {
+        const struct raydiff_engine_memory memory = guest_memory(&host->guest);
+        const uint64_t told[] = {memory.tree_bytes, memory.scene_bytes, memory.other_bytes};
+        uint32_t word[2 * ARRAY_COUNT(told)];
+        for (size_t i = 0; i < ARRAY_COUNT(word); i++)
+            word[i] = (uint32_t)(told[i / 2] >> 32 * (i % 2));
+        fine = fine && write_all(host, word, sizeof word);
+    }
+    return fine && write_all(host, host->answer, bytes);
 }
 
 /* Answers a request that was read but for its rays. Returns false at the end of the input. */
@@ -173,9 +225,8 @@ static bool answer(struct host *host, const struct pipe_request *request, bool o
                    enum status *status, struct reason *reason)
 {
     const bool world = request->version == PIPE_VERSION_WORLD;
-    const size_t rays = request->rays,
-                 ray_bytes = rays * (world ? sizeof(struct pipe_world_ray) : sizeof(struct ray)),
-                 bytes = rays * (world ? sizeof(struct pipe_world_hit) : sizeof(struct hit));
+    const size_t rays = request->rays, bytes = room_of(request),
+                 ray_bytes = rays * (world ? sizeof(struct pipe_world_ray) : sizeof(struct ray));
     *status = STATUS_OK;
     if (array_reserve(&host->ray, &host->ray_room, ray_bytes + 1, 1) ||
         array_reserve(&host->answer, &host->answer_room, bytes + 1, 1)) {
@@ -187,7 +238,7 @@ static bool answer(struct host *host, const struct pipe_request *request, bool o
     const struct pipe_answer head = head_of(host, request);
     if (host->refused.text[0])
         return refuse(host, head, host->refused.text);
-    /* What the guest leaves out names a triangle that is not there. */
+    /* What the guest leaves out names a triangle that is not there, or is a list too long. */
     memset(host->answer, 0xFE, bytes);
     if (!opening && rays > 0)
         *status = trace(host, request, reason);
@@ -195,7 +246,7 @@ static bool answer(struct host *host, const struct pipe_request *request, bool o
         *status = STATUS_OK;
         return refuse(host, head, reason->text);
     }
-    return *status || (write_all(host, &head, sizeof head) && write_all(host, host->answer, bytes));
+    return *status || write_answer(host, request, &head, opening);
 }
 
 /* Serves until the input ends or the guest fails. The first request has no subject. */

@@ -313,7 +313,7 @@ enum status leaks_count(const struct leak_rays *rays, const struct engine *engin
                         const struct job *job, struct leaks *out, uint64_t *digest,
                         struct reason *reason)
 {
-    *out = (struct leaks){.lists = engine->trace_all != NULL};
+    *out = (struct leaks){.lists = engine_lists(engine, self)};
     enum status status = count_misses(rays, engine, self, job, out, digest, reason);
     if (!status && out->lists)
         status = count_lists(rays, engine, self, job, out, digest, reason);

@@ -173,6 +173,17 @@ static enum status trace_again(struct match *match, const struct engine *engine,
     return status;
 }
 
+/* Takes what the engine holds, and of one without a layout what it tells of its tree. */
+static void take_bytes(struct row *row, const struct trace_report *report)
+{
+    if (report->memory_bytes > row->memory_bytes)
+        row->memory_bytes = report->memory_bytes;
+    if (row->layout)
+        return;
+    row->node_bytes = report->node_bytes;
+    row->scene_bytes = report->scene_bytes;
+}
+
 /* Traces `repeats` times, at least twice; times and work go to the row, the hits of the first to
  * match->answer. Brute force takes minutes for 100,000 rays on 70,000 triangles, in a time per ray
  * that is known: it answers as many rays as the budget pays for, is timed once, and traces few
@@ -195,8 +206,7 @@ static enum status timed_traces(struct match *match, const struct engine *engine
         row->boxes = report.boxes;
         row->tris = report.tris;
         row->device_clock = report.device_clock;
-        if (report.memory_bytes > row->memory_bytes)
-            row->memory_bytes = report.memory_bytes;
+        take_bytes(row, &report);
     }
     sort_doubles(speed, repeats);
     row->mrays[0] =
@@ -302,6 +312,9 @@ static enum status play_row(struct match *match, const struct engine *engine, vo
         row->node_bytes = own.node_bytes;
         row->item_bytes = own.item_bytes;
     }
+    if (match->options.query == QUERY_ALL && match->scene && !engine->gpu &&
+        engine->trace(self, match->ray, 0, NULL, &own, &row->reason) == STATUS_OK)
+        take_bytes(row, &own); /* lists come without a report */
     if (match->options.query == QUERY_ALL)
         return run_lists(match, engine, self, &model, row);
     enum status status = timed_traces(match, engine, self, row);

@@ -113,8 +113,9 @@ struct row {
     bool declined;     /* REFUSED: by the engine itself, not by its layout */
     bool absent;       /* SKIPPED: the engine cannot run here at all, or traces no worlds */
     struct reason reason;
-    uint64_t node_bytes, item_bytes, memory_bytes;
-    uint64_t scene_bytes; /* of the scene's vertices and indices, where the storage reads them */
+    /* See row_bytes_known. Scene: of vertices and indices, where the storage reads them; of a
+     * tracer from outside as it tells. Memory: 0 is not known. */
+    uint64_t node_bytes, item_bytes, scene_bytes, memory_bytes;
     size_t rays, hits;
     size_t compared;             /* answers judged */
     size_t brute;                /* of them, those whose truth brute force decided too */
@@ -162,6 +163,12 @@ struct row {
     struct finding finding[2 * FINDING_MOST];
     size_t finding_count;
 };
+
+/* Whether bytes of its tree are known: on a layout, or as a tracer from outside tells them. */
+static inline bool row_bytes_known(const struct row *row)
+{
+    return row->layout || row->node_bytes > 0;
+}
 
 const char *row_status_name(enum row_status status);
 

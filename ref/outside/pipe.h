@@ -18,10 +18,18 @@
  *   rounding  0 IEEE, 1 IEEE with subnormals flushed, 2 Vulkan, 3 Vulkan with RTE, 4 Embree
  *   flags     1: tmin < t < tmax; 2: watertight; 4: any-hits do not name their triangle
  *
- *             8: it traces worlds, too
+ *             8: it traces worlds, too; 16: it lists all hits; 32: it tells what it holds
  *
  * All 0 is always valid: the judge then computes how far vertices must move to make an answer right
  * (ref/judge/judge.h). docs/my-engine.md has the rules for the process.
+ *
+ * A peer with flag 16 is asked for lists: version 1, query 2, and the last word of a request with
+ * rays is a capacity. Behind the head stands per ray how many triangles it meets in its range, then
+ * of each ray in turn that many hits t u v triangle, unordered, but no more than the capacity.
+ *
+ * A peer with flag 32 puts six words behind the head of each answer but the first and refusals:
+ * three numbers of bytes, each its lower half and its upper half, of its nodes, of triangles in the
+ * form that it reads, and of all else that it holds; 0: not known.
  *
  * A peer with flag 8 is sent worlds (ref/world/world.h), in version 2, whose words have the same
  * first eight:
@@ -71,9 +79,19 @@ struct pipe_answer {
 #define PIPE_FLAG_OPEN       1u
 #define PIPE_FLAG_WATERTIGHT 2u
 #define PIPE_FLAG_UNNAMED    4u
-#define PIPE_FLAG_WORLDS     8u /* of its first answer; no part of its arithmetic */
+/* What it can do; no part of its arithmetic. */
+#define PIPE_FLAG_WORLDS 8u
+#define PIPE_FLAG_LISTS  16u
+#define PIPE_FLAG_MEMORY 32u
+#define PIPE_FLAGS_CAN   (PIPE_FLAG_WORLDS | PIPE_FLAG_LISTS | PIPE_FLAG_MEMORY)
 
-/* Converts a peer's description of its arithmetic to a model; PIPE_FLAG_WORLDS is no part of it.
+#define PIPE_QUERY_LISTS 2u
+
+struct pipe_memory {
+    uint64_t tree, scene, other;
+};
+
+/* Converts a peer's description of its arithmetic to a model; PIPE_FLAGS_CAN are no part of it.
  * Errors: STATUS_INPUT an unknown number. */
 enum status pipe_model(uint32_t formula, uint32_t rounding, uint32_t flags, struct model *out,
                        struct reason *reason) MUST_USE;
@@ -88,6 +106,21 @@ const char *pipe_rounding_name(uint32_t rounding);
  * never wrong: the most is what vertices in half precision move by, 2^-11 of their distance. */
 #define PIPE_DISPLACEMENT_MOST 0x1p13f
 enum status pipe_displacement(float units, struct model *model, struct reason *reason) MUST_USE;
+
+/* Checks a list that a tracer from outside gave: hit[0 ..] with room for `capacity`. t, u and v may
+ * be anything, and a triangle may be listed twice: the judge finds that. Errors: STATUS_INPUT
+ * "names triangle 7 of 3", "has a miss ...", "has 70 hits on 3 triangles": over twice as many. */
+enum status pipe_list_check(const struct hit *hit, uint32_t count, uint32_t capacity,
+                            uint32_t triangles, struct reason *reason) MUST_USE;
+
+/* Enters what a tracer from outside says that it holds. */
+static inline void pipe_memory_report(uint64_t tree, uint64_t scene, uint64_t other,
+                                      struct trace_report *report)
+{
+    report->node_bytes = tree;
+    report->scene_bytes = scene;
+    report->memory_bytes = tree + scene + other;
+}
 
 /* Whether a name is that of an engine in a process of its own: "pipe:COMMAND", or "FILE.so", a
  * shared object (ref/raydiff_engine.h) in a process that this program's file runs as

@@ -61,6 +61,11 @@ static bool is_unnamed(const struct pipe_tracer *tracer, bool first)
 
 /* --- scenes ----------------------------------------------------------------------------------- */
 
+static bool tracer_lists(const void *self)
+{
+    return (((const struct pipe_tracer *)self)->peer.head.flags & PIPE_FLAG_LISTS) != 0;
+}
+
 /* Sends the scene with a request of no rays, so that the peer builds its tree outside the timed
  * calls, and can refuse the scene. */
 static enum status tracer_prepare(void *self, const struct job *job, struct reason *reason)
@@ -68,8 +73,9 @@ static enum status tracer_prepare(void *self, const struct job *job, struct reas
     struct pipe_tracer *tracer = self;
     struct pipe_peer *peer = &tracer->peer;
     const struct scene *scene = job->scene;
-    if (job->query == QUERY_ALL)
-        return fail(reason, STATUS_UNSUPPORTED, "%.80s cannot list all hits", peer->name);
+    if (job->query == QUERY_ALL && !tracer_lists(tracer))
+        return fail(reason, STATUS_UNSUPPORTED, "%.80s cannot list all hits: its %s", peer->name,
+                    object_of_engine(peer->name) ? "`can` has no ALL" : "flags have no 16");
     tracer->world = NULL;
     tracer->triangles = scene->tri_count;
     tracer->query = job->query;
@@ -118,6 +124,12 @@ static enum status ask_peer(struct pipe_tracer *tracer, struct pipe_rays *rays,
     return status;
 }
 
+static void report_memory(const struct pipe_tracer *tracer, struct trace_report *report)
+{
+    const struct pipe_memory *memory = &tracer->peer.memory;
+    pipe_memory_report(memory->tree, memory->scene, memory->other, report);
+}
+
 static enum status tracer_trace(void *self, const struct ray *ray, size_t ray_count,
                                 struct hit *hit, struct trace_report *report, struct reason *reason)
 {
@@ -134,6 +146,47 @@ static enum status tracer_trace(void *self, const struct ray *ray, size_t ray_co
         enum status status = ask_peer(tracer, &rays, report, reason);
         if (!status)
             status = check_hits(tracer, &rays, hit + first, reason);
+        if (status)
+            return status;
+    }
+    report_memory(tracer, report);
+    return STATUS_OK;
+}
+
+static enum status check_lists(struct pipe_tracer *tracer, const struct pipe_rays *rays,
+                               const struct hit *hit, struct reason *reason)
+{
+    struct reason why;
+    char what[200];
+    for (size_t i = 0; i < rays->count; i++) {
+        if (pipe_list_check(hit + i * rays->capacity, rays->list[i], rays->capacity,
+                            tracer->triangles, &why) == STATUS_OK)
+            continue;
+        snprintf(what, sizeof what, "its list of ray %zu %.150s", rays->first + i, why.text);
+        return pipe_peer_blame(&tracer->peer, rays->first + i, reason, what);
+    }
+    return STATUS_OK;
+}
+
+static enum status tracer_trace_all(void *self, const struct ray *ray, size_t ray_count,
+                                    uint32_t capacity, struct hit *hit, uint32_t *hit_count,
+                                    struct reason *reason)
+{
+    struct pipe_tracer *tracer = self;
+    struct trace_report report = {.ns = 0};
+    for (size_t first = 0; first < ray_count; first += RAYS_MOST) {
+        size_t rest = ray_count - first;
+        struct pipe_rays rays = {.first = first,
+                                 .count = rest < RAYS_MOST ? rest : RAYS_MOST,
+                                 .ray = ray + first,
+                                 .answer = hit + first * capacity,
+                                 .ray_bytes = sizeof *ray,
+                                 .answer_bytes = sizeof *hit,
+                                 .list = hit_count + first,
+                                 .capacity = capacity};
+        enum status status = ask_peer(tracer, &rays, &report, reason);
+        if (!status)
+            status = check_lists(tracer, &rays, hit + first * capacity, reason);
         if (status)
             return status;
     }
@@ -232,6 +285,7 @@ static enum status tracer_trace_world(void *self, const struct ray *ray,
         if (status)
             return status;
     }
+    report_memory(tracer, report);
     return STATUS_OK;
 }
 
@@ -289,6 +343,8 @@ ENGINE_PLACES(ENGINE_PLACE)
      .open = open_##n,                                                                             \
      .prepare = tracer_prepare,                                                                    \
      .trace = tracer_trace,                                                                        \
+     .trace_all = tracer_trace_all,                                                                \
+     .lists = tracer_lists,                                                                        \
      .model = tracer_model,                                                                        \
      .fault = tracer_fault,                                                                        \
      .worlds = &tracer_worlds,                                                                     \

@@ -26,6 +26,20 @@ const char *pipe_rounding_name(uint32_t rounding)
     return rounding < ARRAY_COUNT(roundings) ? roundings[rounding] : NULL;
 }
 
+enum status pipe_list_check(const struct hit *hit, uint32_t count, uint32_t capacity,
+                            uint32_t triangles, struct reason *reason)
+{
+    if (count / 2 > triangles)
+        return fail(reason, STATUS_INPUT, "has %u hits on %u triangles", count, triangles);
+    for (uint32_t k = 0; k < count && k < capacity; k++) {
+        if (hit[k].prim == ABI_NO_PRIM)
+            return fail(reason, STATUS_INPUT, "has a miss as hit %u of %u", k, count);
+        if (hit[k].prim >= triangles)
+            return fail(reason, STATUS_INPUT, "names triangle %u of %u", hit[k].prim, triangles);
+    }
+    return STATUS_OK;
+}
+
 enum status pipe_displacement(float units, struct model *model, struct reason *reason)
 {
     if (units == 0.0f)

@@ -35,10 +35,22 @@ static enum status blame(struct pipe_peer *peer, enum status status, struct reas
     return fail(reason, status, "%.80s: %s%s", peer->name, what, said);
 }
 
-/* How many whole answers there are in so many bytes. */
+/* Hits that stand in the answer about ray i of a request. */
+static size_t hits_of(const struct pipe_rays *rays, size_t i)
+{
+    return rays->list[i] < rays->capacity ? rays->list[i] : rays->capacity;
+}
+
+/* How many whole answers there are in so many bytes; of lists these are behind their numbers. */
 static size_t answers_in(const struct asked *asked, size_t bytes)
 {
-    return asked->rays->count ? bytes / asked->rays->answer_bytes : 0;
+    const struct pipe_rays *rays = asked->rays;
+    size_t whole = rays->count ? bytes / rays->answer_bytes : 0, lists = 0;
+    if (!rays->list)
+        return whole;
+    while (whole > 0 && lists < rays->count && whole >= hits_of(rays, lists))
+        whole -= hits_of(rays, lists++);
+    return lists;
 }
 
 /* Describes where the answers end: "after the answer to ray 17". */
@@ -130,7 +142,7 @@ static enum status check_head(struct pipe_peer *peer, const struct pipe_answer *
         snprintf(what, sizeof what, "its answer is about %u rays, not %zu, from ray %zu on",
                  head->count, asked->rays->count, asked->rays->first);
     } else if (asked->opening && pipe_model(head->formula, head->rounding,
-                                            head->flags & ~PIPE_FLAG_WORLDS, &peer->model, &why)) {
+                                            head->flags & ~PIPE_FLAGS_CAN, &peer->model, &why)) {
         snprintf(what, sizeof what, "says of itself: %.150s", why.text);
     } else if (asked->opening && is_object(peer) &&
                pipe_displacement(float_from_bits(head->zero), &peer->model, &why)) {
@@ -145,6 +157,46 @@ static enum status check_head(struct pipe_peer *peer, const struct pipe_answer *
     return blame(peer, STATUS_DEVICE, reason, what);
 }
 
+/* Receives lists: their numbers, then all hits together, which go to their places. */
+static enum pipe_end receive_lists(const struct pipe_rays *rays, struct pipe_talk *talk)
+{
+    struct hit *hit = rays->answer;
+    size_t total = 0;
+    enum pipe_end end = pipe_talk(talk, rays->list, rays->count * sizeof *rays->list, false);
+    if (end != PIPE_GOT) {
+        talk->got = 0; /* no list is whole */
+        return end;
+    }
+    for (size_t i = 0; i < rays->count; i++)
+        total += hits_of(rays, i);
+    end = pipe_talk(talk, hit, total * sizeof *hit, true);
+    for (size_t i = rays->count;
+         i-- > 0;) { /* from the last on, as each moves away from the first */
+        total -= hits_of(rays, i);
+        memmove(hit + i * rays->capacity, hit + total, hits_of(rays, i) * sizeof *hit);
+    }
+    return end;
+}
+
+/* Receives what stands behind the head of an answer that is no refusal. */
+static enum pipe_end receive(struct pipe_peer *peer, const struct asked *asked,
+                             struct pipe_talk *talk)
+{
+    const struct pipe_rays *rays = asked->rays;
+    uint32_t word[6];
+    if (!asked->opening && (peer->head.flags & PIPE_FLAG_MEMORY)) {
+        enum pipe_end end = pipe_talk(talk, word, sizeof word, false);
+        talk->got = end == PIPE_GOT ? talk->got : 0;
+        if (end != PIPE_GOT)
+            return end;
+        peer->memory = (struct pipe_memory){(uint64_t)word[1] << 32 | word[0],
+                                            (uint64_t)word[3] << 32 | word[2],
+                                            (uint64_t)word[5] << 32 | word[4]};
+    }
+    return rays->list ? receive_lists(rays, talk)
+                      : pipe_talk(talk, rays->answer, rays->count * rays->answer_bytes, true);
+}
+
 /* Sends a request and receives its answer. */
 static enum status ask(struct pipe_peer *peer, const struct asked *asked, struct reason *reason)
 {
@@ -155,6 +207,7 @@ static enum status ask(struct pipe_peer *peer, const struct asked *asked, struct
     struct pipe_request request = subject->head;
     request.rays = (uint32_t)rays->count;
     request.same = peer->has_subject;
+    request.zero = rays->list ? rays->capacity : 0;
     const struct pipe_part part[] = {{&request, sizeof request},
                                      {subject->part[0].bytes, subject->part[0].size},
                                      {subject->part[1].bytes, subject->part[1].size},
@@ -180,7 +233,7 @@ static enum status ask(struct pipe_peer *peer, const struct asked *asked, struct
         peer->head = head;
     if (head.refused)
         return read_refusal(peer, &talk, head.count, asked, reason);
-    end = pipe_talk(&talk, rays->answer, rays->count * rays->answer_bytes, true);
+    end = receive(peer, asked, &talk);
     if (end != PIPE_GOT)
         return blame_end(peer, end, asked, talk.got, reason);
     peer->has_subject = true;

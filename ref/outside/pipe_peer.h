@@ -18,8 +18,9 @@ struct pipe_peer {
     struct engine_options options;
     struct pipe_child child; /* zero: not running */
     struct pipe_subject subject;
-    bool has_subject;        /* the peer has it */
-    struct pipe_answer head; /* of its first answer: describes its arithmetic */
+    bool has_subject;          /* the peer has it */
+    struct pipe_answer head;   /* of its first answer: describes its arithmetic */
+    struct pipe_memory memory; /* as it last told; 0: not known */
     struct model model;
     enum engine_fault fault; /* of the last call */
     size_t fault_ray;
@@ -30,7 +31,11 @@ struct pipe_rays {
     size_t first, count; /* index of the first, for reasons */
     const void *ray;
     void *answer;
-    size_t ray_bytes, answer_bytes; /* of one */
+    size_t ray_bytes, answer_bytes; /* of one; of lists: of one hit */
+    /* Of lists: room for the numbers of hits; the hits of ray i are those from i * capacity of
+     * `answer` on. NULL: none. */
+    uint32_t *list;
+    uint32_t capacity;
 };
 
 /* Starts the process if it is not running, and reads the description of its arithmetic. Errors:

@@ -97,7 +97,6 @@ static void a_guest_is_given_scene_rays_query_and_threads(void **state)
             assert_int_equal(
                 play(&(struct guest_play){"guest_bad.so", inside, query, 0, 0}, &played), 0);
             must_hold_what_was_given(&played, query);
-            assert_int_equal(played.report.memory_bytes, inside ? 123 : 0);
             assert_true(played.report.core_ns > 0);
         }
     behave("only_closest"); /* the nearest hit is any hit */
@@ -244,38 +243,6 @@ static void an_engine_lives_on_after_a_crash(void **state)
     engine->close(self);
 }
 
-/* Only inside: the protocol has no lists. */
-static void all_hits_are_listed_inside(void **state)
-{
-    (void)state;
-    const struct engine *engine = engine_way("guest_bad.so", true);
-    const struct engine_options options = {.threads = 1};
-    const struct job job = {.scene = &scene, .tri = tri_test_find("mt"), .query = QUERY_ALL};
-    struct hit hit[2 * 4];
-    uint32_t count[2];
-    struct reason reason = {""};
-    void *self;
-    behave("good");
-    assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
-    assert_int_equal(engine->prepare(self, &job, &reason), STATUS_OK);
-    assert_int_equal(engine->trace_all(self, rays, 2, 4, hit, count, &reason), STATUS_OK);
-    assert_int_equal(count[1], scene.tri_count);
-    assert_int_equal(hit[4 + 3].prim, 3);
-    behave("all_misses");
-    assert_int_equal(engine->trace_all(self, rays, 2, 4, hit, count, &reason), STATUS_DEVICE);
-    behave("all_beyond");
-    assert_int_equal(engine->trace_all(self, rays, 2, 4, hit, count, &reason), STATUS_OK);
-    struct hit more[2 * 4096];
-    assert_true(scene.tri_count < 4096);
-    assert_int_equal(engine->trace_all(self, rays, 2, 4096, more, count, &reason), STATUS_DEVICE);
-    assert_non_null(strstr(reason.text, "names triangle"));
-    engine->close(self);
-    behave("only_closest");
-    assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
-    assert_int_equal(engine->prepare(self, &job, &reason), STATUS_UNSUPPORTED);
-    engine->close(self);
-}
-
 static int make_scene(void **state)
 {
     (void)state;
@@ -304,7 +271,6 @@ int main(int argc, char **argv)
         cmocka_unit_test(models_are_taken_or_refused),
         cmocka_unit_test(whatever_a_guest_does_is_told),
         cmocka_unit_test(an_engine_lives_on_after_a_crash),
-        cmocka_unit_test(all_hits_are_listed_inside),
     };
     if (guest_host_is_meant(argc, argv))
         return guest_host_main(argv);

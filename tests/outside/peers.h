@@ -71,7 +71,7 @@ static struct pipe_answer peer_head(const char *what, const struct pipe_request 
     head.refused = is(what, "neither") ? 5 : 0;
     head.formula = is(what, "formula") ? 99 : is(what, "declared") || is(what, "as_mt") ? 1 : 0;
     head.rounding = is(what, "rounding") ? 5 : is(what, "declared") ? 1 : 0;
-    head.flags = is(what, "flags") ? 16 : is(what, "declared") ? 5 : 0;
+    head.flags = is(what, "flags") ? 64 : is(what, "declared") ? 5 : 0;
     head.flags = is(what, "fickle") && request->triangles ? 2 : head.flags;
     if (is(what, "short") && request->rays)
         head.count--;

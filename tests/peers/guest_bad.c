@@ -134,9 +134,12 @@ static int trace_all(void *self, const struct raydiff_engine_ray *ray, size_t co
                      char *reason)
 {
     const struct bad *bad = self;
-    (void)ray, (void)reason;
-    for (size_t i = 0; i < count; i++) {
-        hit_count[i] = bad->mesh.triangle_count;
+    (void)ray;
+    misbehave();
+    if (is("all_refuses"))
+        return say(reason, RAYDIFF_ENGINE_REFUSED, "lists are too long");
+    for (size_t i = 0; i < count && !is("lazy"); i++) {
+        hit_count[i] = bad->mesh.triangle_count * (is("all_thrice") ? 3 : 1);
         for (uint32_t k = 0; k < hit_count[i] && k < capacity; k++)
             hit[i * capacity + k] = (struct raydiff_engine_hit){
                 1, 0, 0, is("all_misses") ? RAYDIFF_ENGINE_NONE : k + (is("all_beyond") ? 1 : 0)};
@@ -249,8 +252,10 @@ static void model(void *self, struct raydiff_engine_model *out)
 
 static void memory(void *self, struct raydiff_engine_memory *out)
 {
-    (void)self;
-    *out = (struct raydiff_engine_memory){100, 20, 3};
+    const struct bad *bad = self;
+    if (!is("memory_zero"))
+        *out = (struct raydiff_engine_memory){100 + (UINT64_C(1) << 40) + bad->mesh.triangle_count,
+                                              20, 3};
 }
 
 const struct raydiff_engine *raydiff_engine(void)
@@ -282,6 +287,7 @@ const struct raydiff_engine *raydiff_engine(void)
     engine.name = is("name") ? "7up" : engine.name;
     engine.can |= is("can") ? 32 : 0;
     engine.can = is("neither") ? RAYDIFF_ENGINE_ALL : is("only_closest") ? 1 : engine.can;
+    engine.memory = is("memory_none") ? NULL : engine.memory;
     engine.trace = is("no_trace") ? NULL : engine.trace;
     engine.close = is("no_close") ? NULL : engine.close;
     engine.rays_free = is("no_rays_free") ? NULL : engine.rays_free;

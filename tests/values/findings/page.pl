@@ -56,7 +56,7 @@ sub check_row {
     my $kinds = @$cells > @wanted ? $cells->[@wanted][0] : '';
     same("$name kinds", join(', ', sort split /, /, $kinds), join(', ', sort map { "$_ $row->{wrong}{$_}" } keys %kinds));
     push @wanted, $kinds, $row->{bit_differences} // 0, map { sprintf '%.3f', $row->{mrays_per_s}{$_} } qw(median min max);
-    push @wanted, map { sprintf '%.1f', ($row->{$_} // 0) / 1000 } qw(node_bytes item_bytes);
+    push @wanted, map { defined $row->{$_} ? sprintf('%.1f', $row->{$_} / 1000) : '' } qw(node_bytes item_bytes);
     same("$name cells", join(' | ', map { $_->[0] } @$cells), join(' | ', @wanted));
     same("$name WRONG", $cells->[17][1], !$counts->{wrong} ? 'n z' : $row->{differences} ? 'n bad' : 'n pub');
     same("$name bits", $cells->[19][1], $row->{bit_differences} ? 'n bad' : 'n z');
