@@ -12,6 +12,8 @@ cc -std=c11 $strict "-I$root" -o brute.so "$samples/brute_engine.c" || bad 'the 
 cc -std=c11 $strict "-I$root" -DBUG=1 -o brute_bug.so "$samples/brute_engine.c" || bad 'its bug'
 c++ -std=c++11 $strict "-I$root" -o bvh.so "$samples/bvh_engine.cpp" || bad 'the tracer in C++'
 c++ -std=c++11 $strict "-I$root" -DBUG=1 -o bvh_bug.so "$samples/bvh_engine.cpp" || bad 'its bug'
+c++ -std=c++11 $strict "-I$root" -DBUG=2 -o bvh_crash.so "$samples/bvh_engine.cpp" || bad 'its crash'
+[ "$(wc -l <"$samples/bvh_engine.cpp")" -le 110 ] || bad 'the tracer in C++ is no short one'
 cc -O2 -shared -fPIC "-I$root" -o guest.so "$root/tests/peers/guest_bad.c" || bad 'the guest of tests'
 cc -O2 -shared -fPIC "-I$root" -DSYMBOL=other -o none.so "$root/tests/peers/guest_bad.c" || bad 'none'
 printf '#include "ref/raydiff_engine.h"\n#include "ref/plugin.h"\nint main() { return 0; }\n' >both.cpp
@@ -31,7 +33,9 @@ expect 0 '50 passed, 0 failed' conform 'closest.*.vertices.1' --engine inside:./
 expect 0 '1 passed, 0 failed' conform 'closest.inside:./bvh.so.-.-.-.mt.soup.vertices.1'
 expect 0 '1 passed, 0 failed' conform 'closest../bvh.so.-.-.-.mt.soup.vertices.1'
 expect 0 'inside:bvh.so' bench matrix --scene sphere:n=4 --engine inside:./bvh.so --count 500 --rounds 1
-expect 0 '0 distinct' fuzz --trials 40 --engine ./bvh.so --corpus none --dir clean
+expect 0 'inside:bvh.so +64.0 .* trace of raydiff.s rays' bench fast --scene sphere:n=4 --engine inside:./bvh.so --count 500 --rounds 1
+expect 0 'allowed are 4 uM, not 32' check terrain --engine ./bvh.so --count 2000 --repeat 1
+expect 0 '0 distinct' fuzz --trials 200 --engine ./bvh.so --corpus none --dir clean
 
 # --- as many as there can be: four of one's own beside all of the program's
 own=$("$raydiff" list engines | sed -n 's/^  \([a-z_]*\) .*/\1/p' | paste -sd, -)
@@ -49,6 +53,8 @@ finding=$(ls found/bvh_bug.so.-.missed.outside/*.trial | head -n 1)
 expect 0 . min "$finding" --engine ./bvh_bug.so --out small.trial
 grep -q '^triangles 1$' small.trial || bad 'min leaves one triangle'
 expect 1 'STILL FAILS' replay --brief small.trial --engine ./bvh_bug.so
+expect 1 'answer *a miss' explain small.trial --engine ./bvh_bug.so
+grep -q 'WRONG: missed, triangle 0 was to be found' out || bad 'explain says what is missed'
 expect 2 'name its file: --engine PATH/FILE.so' replay small.trial
 mkdir -p mended && cp bvh.so mended/bvh_bug.so # a name without its folder is the same
 expect 0 'does not fail' replay --brief small.trial --engine mended/bvh_bug.so
@@ -62,6 +68,10 @@ for what in crash hang memory; do
 done
 GUEST=crash expect 3 'it was ended by signal 11 before the answer to ray 0' \
     check sphere:n=4 --engine ./guest.so --count 50 --repeat 1
+expect 1 'bvh_crash.so.-.crash.unexplained +[0-9]+ times, smallest: 17 triangles' fuzz --trials 20 --jobs 1 \
+    --engine ./bvh_crash.so --corpus none --dir no_room # it has room for 16
+grep -q '^trials  *20 ' out || bad 'the campaign plays all trials where the tracer in C++ crashes'
+expect 3 'it was ended by signal 6' check sphere:n=4 --engine ./bvh_crash.so --count 50 --repeat 1
 GUEST=exit expect 1 'inside:guest.so.-.crash' fuzz --trials 2 --rays 20 --jobs 1 --engine inside:./guest.so \
     --corpus none --no-shrink --dir dies_inside
 
