@@ -319,11 +319,11 @@ const struct benchmark bench_fast = {
              "warm, the last of three more traces in a row. Each is called as its own users would "
              "(called): its rays are filled before, its answers read behind. --engine races those "
              "engines against embree, such as inside:FILE.so. Shadow rays go from primary hits to "
-             "a light and ask for any hit. fast takes rays together that are alike, and two at "
-             "once in trees over 8 MB; 'fast alone' takes one, always; 'fast small' has another "
-             "tree. byte/tri: what the engine holds, of fast all that it reads; least: of a code "
-             "for leaf by leaf; missed: rays that another one hits; mean: geometric, of the "
-             "ratios.",
+             "a light and ask for any hit. fast takes rays together that are alike, and others "
+             "in turns; 'fast alone' takes one, always; 'fast small' has a smaller tree. byte/tri: "
+             "what the engine holds, of fast all that it reads; least: the least that a code of "
+             "each leaf on its own could take (an entropy); missed: rays that another one hits; "
+             "mean: geometric, of the ratios.",
     .scenes = "scenes/fetched/dragon-11k.ply.gz;scenes/fetched/dragon-203k.ply.gz;"
               "scenes/fetched/dragon-871k.ply.gz",
     .made = "terrain:k=6;terrain:k=8;terrain:k=9",

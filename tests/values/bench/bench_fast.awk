@@ -7,6 +7,7 @@ function engine_at(column,  name) {
 /^fast: [0-9]+ thread/ { threads = $2; next }
 /^  rays  *engine / { part = "rows"; next }
 /^  engine  *byte/ { part = "engines"; next }
+/^  fast small *byte.tri  least$/ { part = "parts"; next }
 !part { scene = $0; next }
 /^  mean / {
     engine = engine_at(11)
@@ -19,6 +20,22 @@ function engine_at(column,  name) {
     same("mean of " engine, word[1], "%.2f", product ^ 0.25)
     same("warm mean of " engine, word[2], "%.2f", product_warm ^ 0.25)
     means++
+    next
+}
+# What fast small holds: the parts are the whole, and none is less than what it has to hold.
+part == "parts" && $1 != "all" {
+    truth("least of " $1, $3 + 0 <= $2 + 0)
+    held += $2
+    needed += $3
+    parts++
+    next
+}
+part == "parts" {
+    for (i = 0; i < r; i++) if (v["rows." i ".engine"] == "fast small") {
+        same("all of fast small", $2, "%.2f", v["rows." i ".bytes_per_triangle"])
+        whole++
+    }
+    truth("parts of fast small", parts == 6 && ($2 - held) ^ 2 < 0.04 ^ 2 && ($3 - needed) ^ 2 < 0.04 ^ 2)
     next
 }
 part == "engines" {
@@ -68,6 +85,7 @@ part == "engines" {
 END {
     equal("rows", r, v["rows.count"])
     equal("engines", engines, r / 4)
+    equal("parts of fast small on its kinds of rays", whole, 4)
     truth("a warm speed is one of its own", apart > r / 2)
     if (v["rows.0.ratio"] != "null") equal("means", means, r / 4 - 1)
     print "bench fast: " checked " values, " wrong + 0 " wrong"

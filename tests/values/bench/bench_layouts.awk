@@ -27,7 +27,7 @@ function laws(p, name,  base, tris, nodes, other) {
         if (v[p ".engine"] ~ /brute/) equal(name "triangles tested", v[p ".tris_per_ray"] + 0, tris)
         return
     }
-    if (v[p ".engine"] == "fast") {
+    if (v[p ".engine"] ~ /^fast/) {
         equal(name "memory", v[p ".memory_bytes"], v[p ".node_bytes"] + v[p ".item_bytes"])
         return
     }
