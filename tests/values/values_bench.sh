@@ -163,11 +163,22 @@ play_tightness() {
             values bench_tightness 310 "$dir/text"
     done
 }
+# All in one run: each has heads of its own in the CSV, and the rows told at its end are those of the files.
+play_together() {
+    run bench --scene sphere:n=3 --count 60 --rounds 1 --threads 1 --engine cpu,fast --layout f32 --json "$dir/json" \
+        --csv "$dir/csv" && rows together 1
+    for name in $(sed -n 's/^bench \([a-z]*\): [0-9]* rows*: .*/\1/p' "$dir/text"); do
+        told=$(sed -n "s/^bench $name: \([0-9]*\) rows*: .*/\1/p" "$dir/text")
+        heads=$(grep -A 1 '^benchmark,' "$dir/csv" | grep -c "^$name,") of=$(grep -c "^$name," "$dir/csv")
+        [ "$told" -eq "$of" ] && [ "$heads" -eq 1 ] || bad "bench $name: $told rows told, $of in the CSV, under $heads lines of heads"
+    done
+    [ "$(grep -c '^benchmark,' "$dir/csv")" -ge 4 ] || bad "bench: fewer than four benchmarks in one CSV"
+}
 
-for part in ${*:-layouts error spawn builders oracle fuzz frames fast worlds matrix tightness}; do
+for part in ${*:-layouts error spawn builders oracle fuzz frames fast worlds matrix tightness together}; do
     rm -f "$dir/other.flat"
     "play_$part"
-    all_seen "bench_$part"
+    [ "$part" = together ] || all_seen "bench_$part"
 done
 echo "values_bench: $failed failed"
 [ "$failed" -eq 0 ]
