@@ -268,7 +268,8 @@ static void judge_turnout(struct conform_report *report)
 static void judge_ran(struct conform_report *report)
 {
     const size_t *n = report->outcomes;
-    if (n[OUTCOME_PASSED] + n[OUTCOME_KNOWN] + n[OUTCOME_FAILED] > 0 || report->code != EXIT_AGREE)
+    const size_t ran = n[OUTCOME_PASSED] + n[OUTCOME_KNOWN] + n[OUTCOME_WAIVED] + n[OUTCOME_FAILED];
+    if (ran > 0 || report->code != EXIT_AGREE)
         return;
     report->code = EXIT_SKIPPED;
     if (n[OUTCOME_SKIPPED] + n[OUTCOME_REFUSED] == report->absent)
