@@ -74,6 +74,7 @@ plain)
     suite values_conform sh tests/values/values_conform.sh "$build/raydiff"
     suite values_selftest sh tests/values/values_selftest.sh "$build/raydiff"
     suite values_findings sh tests/values/values_findings.sh "$build/raydiff"
+    suite explains sh tests/values/explains.sh "$build/raydiff"
     suite known sh tests/values/known.sh "$build/raydiff"
     suite values_export sh tests/values/values_export.sh "$build/raydiff"
     suite values_reports sh tests/values/values_reports.sh "$build/raydiff"

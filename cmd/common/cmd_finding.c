@@ -3,18 +3,22 @@
 #include "ref/outside/recorded.h"
 #include "ref/store.h"
 
+#include <math.h>
 #include <stdio.h>
 
-/* How far before the faulty hit of a list the explained ray begins, relative to that hit's t. */
-#define BEFORE 0x1p-18f
+/* How far before the faulty hit of a list the explained ray begins, relative to that hit's t: so far
+ * that the range's end excuses nothing. */
+#define BEFORE 0x1p-11f
 
+/* Before both the hit that was answered and what is right in its place. */
 static void start_before(const struct finding *finding, struct ray *ray)
 {
-    bool lost = finding->got.prim == ABI_NO_PRIM;
-    float t = finding->got.t;
-    if (lost)
-        t = finding->bits ? finding->expected.t : (float)finding->judgement.t_lo;
-    t -= BEFORE * t;
+    float t = finding->got.prim == ABI_NO_PRIM ? INFINITY : finding->got.t;
+    if (finding->bits)
+        t = fminf(t, finding->expected.prim == ABI_NO_PRIM ? INFINITY : finding->expected.t);
+    else if (finding->judgement.expected != ABI_NO_PRIM)
+        t = fminf(t, (float)finding->judgement.t_lo);
+    t -= BEFORE * fabsf(t);
     if (t > ray->tmin && t < ray->tmax)
         ray->tmin = t;
 }

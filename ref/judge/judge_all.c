@@ -70,6 +70,26 @@ static void index_list(struct listing *l)
         }
 }
 
+/* The hit `at` is at fault. If its triangle has one that counts, that is what was expected. */
+static void wrong_hit(struct listing *l, enum wrong kind, size_t at)
+{
+    const enum oracle_ends ends = l->judge->model.open ? ORACLE_OPEN : ORACLE_CLOSED;
+    wrong(l, kind, at);
+    for (size_t i = 0; i < l->crossings; i++) {
+        const struct oracle_crossing *crossing = &l->crossing[i];
+        if (crossing->prim == l->hit[at].prim && oracle_is_hit(&crossing->pair) &&
+            oracle_in_range(&crossing->pair, ends))
+            expect(l, crossing->prim, crossing->pair.t_lo, crossing->pair.t_hi);
+    }
+}
+
+static void find_not_finite(struct listing *l)
+{
+    for (size_t i = 0; i < l->count && !is_wrong(l); i++)
+        if (judge_finite(l->judge, l->ray, &l->hit[i]) == VERDICT_WRONG)
+            wrong_hit(l, WRONG_NOT_FINITE, i);
+}
+
 /* Judges each listed triangle alone. */
 static enum status judge_listed(struct listing *l)
 {
@@ -91,7 +111,7 @@ static enum status judge_listed(struct listing *l)
         if (verdict == VERDICT_WRONG)
             status = judge_is_anothers(l->judge, l->ray, &l->hit[i], &anothers);
         if (verdict == VERDICT_WRONG)
-            wrong(l, anothers ? WRONG_INSTANCE : one.wrong, i);
+            wrong_hit(l, anothers ? WRONG_INSTANCE : one.wrong, i);
         else
             need(l, verdict);
     }
@@ -225,11 +245,6 @@ static bool settled(struct listing *l)
         l->out->judgement.verdict = VERDICT_OUT_OF_CONTRACT;
         return true;
     }
-    for (size_t i = 0; i < l->count; i++)
-        if (judge_finite(judge, l->ray, &l->hit[i]) == VERDICT_WRONG) {
-            wrong(l, WRONG_NOT_FINITE, i);
-            return true;
-        }
     return false;
 }
 
@@ -250,14 +265,17 @@ enum status judge_list_tagged(const struct judge *judge, const struct ray *ray,
         status =
             judge_crossings(judge, ray, (double)INFINITY, &l.crossing, &capacity, &l.crossings);
     if (!status) {
-        index_list(&l);
+        find_not_finite(&l);
+        if (!is_wrong(&l))
+            index_list(&l);
         status = judge_listed(&l);
         judge_order(&l);
     }
     if (!status) {
         status = judge_left_out(&l);
     }
-    if (!status && judge->model.formula == TWIN_UNKNOWN)
+    const bool finite = out->judgement.wrong != WRONG_NOT_FINITE;
+    if (!status && finite && judge->model.formula == TWIN_UNKNOWN)
         note_one(&l);
     free(l.found.slot);
     free(l.crossing);

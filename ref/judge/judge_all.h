@@ -10,8 +10,8 @@
 
 struct list_judgement {
     struct judgement judgement; /* expected, t_lo, t_hi: of a hit that was lost, or should stand
-                                   before the one at fault; else ABI_NO_PRIM. over and displacement:
-                                   the largest of the list */
+                                   before the one at fault, or in its place with other numbers; else
+                                   ABI_NO_PRIM. over and displacement: the largest of the list */
     struct hit at_fault;        /* if WRONG: the hit; a miss if one is lost */
     uint32_t tag;               /* of a world: the tag of at_fault; 0 of a miss */
 };

@@ -141,21 +141,22 @@ static void wrong_numbers_are_wrong(void **state)
         judge_fixture_seat(c, &subjects[s], QUERY_ALL);
         struct judged_list list = LIST(c, 0, 2);
         list.hit[1].t *= 1.001f;
-        list = must_wrong(c, list, WRONG_DISTANCE, 2, ABI_NO_PRIM);
+        list = must_wrong(c, list, WRONG_DISTANCE, 2, 2);
         if (!is_unknown(&subjects[s]))
             assert_true(list.judged.judgement.over > 1.0);
         else
             assert_true(list.judged.judgement.displacement > JUDGE_DISPLACEMENT_MOST);
         list = LIST(c, 0, 2);
         list.hit[0].u += 0.001f;
-        must_wrong(c, list, WRONG_BARYCENTRIC, 0, ABI_NO_PRIM);
+        must_wrong(c, list, WRONG_BARYCENTRIC, 0, 0);
         for (size_t i = 0; i < ARRAY_COUNT(bad); i++) {
             for (int field = 0; field < 3; field++) {
                 list = LIST(c, 0, 2);
                 *(field == 0   ? &list.hit[1].t
                   : field == 1 ? &list.hit[1].u
                                : &list.hit[1].v) = bad[i];
-                must_wrong(c, list, WRONG_NOT_FINITE, 2, ABI_NO_PRIM);
+                list = must_wrong(c, list, WRONG_NOT_FINITE, 2, 2);
+                assert_true(list.judged.judgement.t_lo <= 2 && list.judged.judgement.t_hi >= 2);
             }
         }
         list = LIST(c, 0, 2);
@@ -357,6 +358,26 @@ static void the_largest_need_of_a_list_counts(void **state)
     }
 }
 
+/* The largest error of a list is that of one of its hits, judged alone, wherever that stands. */
+static void the_largest_error_of_a_list_counts(void **state)
+{
+    (void)state;
+    struct judge_fixture *c = inside();
+    int largest[2] = {0, 0};
+    for (int k = 0; k < 25 * (int)SUBJECTS; k++) {
+        judge_fixture_seat(c, &subjects[k / 25], QUERY_ALL);
+        struct judged_list both = LIST(c, 0, 2), one[2] = {LIST(c, 0), LIST(c, 2)};
+        both.hit[0].t = one[0].hit[0].t += 0x1p-23f * (float)(k % 5);
+        both.hit[1].t = one[1].hit[0].t += 0x1p-22f * (float)(k % 25 / 5);
+        (void)judge(c, &both), (void)judge(c, &one[0]), (void)judge(c, &one[1]);
+        const double over[2] = {one[0].judged.judgement.over, one[1].judged.judgement.over};
+        assert_true(both.judged.judgement.over == fmax(over[0], over[1]));
+        largest[over[1] > over[0]] += over[0] != over[1];
+    }
+    assert_true(largest[0] > 10 && largest[1] > 10);
+    judge_fixture_close(c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -373,6 +394,7 @@ int main(void)
         cmocka_unit_test(the_hit_that_stands_for_a_list_is_drawn_by_its_ray),
         cmocka_unit_test(a_hit_lost_beside_another_is_not_lost_for_its_edge),
         cmocka_unit_test(the_largest_need_of_a_list_counts),
+        cmocka_unit_test(the_largest_error_of_a_list_counts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

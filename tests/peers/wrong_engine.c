@@ -1,0 +1,95 @@
+/* The tracer of fuzz/samples/engine/brute_engine.c, which lists all hits as well, with a fault of kind WAY in some of
+ * them; a shared object of each for tests/values/explains.sh. */
+#include "ref/raydiff_engine.h"
+
+const struct raydiff_engine *honest_engine(void);
+#define raydiff_engine(none) honest_engine(none)
+#include "fuzz/samples/engine/brute_engine.c"
+#undef raydiff_engine
+
+#include <math.h>
+
+enum { HONEST, LOST, OTHER, FAR, NEAR, TURNED, NAN_T, MADE_UP };
+
+#ifndef WAY
+#error "-DWAY=0 to 7"
+#endif
+
+/* A hit of every third triangle is at fault: 1 lost, 2 with the number of another triangle, 3 too far, 4 too near,
+ * 5 with u and v exchanged, 6 not a number; 7: some that are none. */
+static int hits(const struct raydiff_engine_mesh *mesh, const struct raydiff_engine_ray *ray,
+                double tmax, uint32_t k, struct raydiff_engine_hit *hit)
+{
+    const uint32_t *index = mesh->index + 3 * (size_t)k;
+    const float *const corner[3] = {mesh->vertex + 3 * (size_t)index[0],
+                                    mesh->vertex + 3 * (size_t)index[1],
+                                    mesh->vertex + 3 * (size_t)index[2]};
+    const int spoilt = k % 3 == 1;
+    double t, u, v;
+    if (!meets(ray, tmax, corner, &t, &u, &v)) {
+        if (WAY != MADE_UP || !spoilt ||
+            !(t >= ray->tmin && t <= tmax && u >= -0.5 && v >= -0.5 && u + v <= 1.5))
+            return 0;
+        u = v = 0.25;
+    } else if (spoilt) {
+        if (WAY == LOST)
+            return 0;
+        k = WAY == OTHER ? (k + 7) % mesh->triangle_count : k;
+        t = WAY == FAR ? t * 1.01 : WAY == NEAR ? t * 0.99 : WAY == NAN_T ? NAN : t;
+        if (WAY == TURNED) {
+            double was = u;
+            u = v;
+            v = was;
+        }
+    }
+    *hit = (struct raydiff_engine_hit){(float)t, (float)u, (float)v, k};
+    return 1;
+}
+
+static int trace_wrong(void *self, const struct raydiff_engine_ray *ray, size_t count,
+                       uint32_t query, struct raydiff_engine_hit *out, char *reason)
+{
+    const struct raydiff_engine_mesh *mesh = &((struct brute *)self)->mesh;
+    (void)reason;
+    for (size_t i = 0; i < count; i++) {
+        struct raydiff_engine_hit one;
+        double tmax = (double)ray[i].tmax;
+        out[i] = (struct raydiff_engine_hit){0, 0, 0, RAYDIFF_ENGINE_NONE};
+        for (uint32_t k = 0; k < mesh->triangle_count; k++) {
+            if (!hits(mesh, &ray[i], tmax, k, &one))
+                continue;
+            out[i] = one;
+            tmax = (double)one.t >= 0 ? (double)one.t : tmax;
+            if (query == RAYDIFF_ENGINE_QUERY_ANY)
+                break;
+        }
+    }
+    return RAYDIFF_ENGINE_OK;
+}
+
+static int trace_all(void *self, const struct raydiff_engine_ray *ray, size_t count,
+                     uint32_t capacity, struct raydiff_engine_hit *out, uint32_t *hit_count,
+                     char *reason)
+{
+    const struct raydiff_engine_mesh *mesh = &((struct brute *)self)->mesh;
+    (void)reason;
+    for (size_t i = 0; i < count; i++) {
+        struct raydiff_engine_hit one;
+        hit_count[i] = 0;
+        for (uint32_t k = 0; k < mesh->triangle_count; k++)
+            if (hits(mesh, &ray[i], (double)ray[i].tmax, k, &one) && hit_count[i]++ < capacity)
+                out[i * capacity + hit_count[i] - 1] = one;
+    }
+    return RAYDIFF_ENGINE_OK;
+}
+
+const struct raydiff_engine *raydiff_engine(void)
+{
+    static struct raydiff_engine engine;
+    engine = *honest_engine();
+    engine.name = "wrong";
+    engine.can |= RAYDIFF_ENGINE_ALL;
+    engine.trace = trace_wrong;
+    engine.trace_all = trace_all;
+    return &engine;
+}
