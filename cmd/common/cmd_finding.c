@@ -6,8 +6,8 @@
 #include <math.h>
 #include <stdio.h>
 
-/* How far before the faulty hit of a list the explained ray begins, relative to that hit's t: so far
- * that the range's end excuses nothing. */
+/* How far before the faulty hit of a list the explained ray begins, relative to that hit's t: so
+ * far that the range's end excuses nothing. */
 #define BEFORE 0x1p-11f
 
 /* Before both the hit that was answered and what is right in its place. */

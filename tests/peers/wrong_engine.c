@@ -1,5 +1,5 @@
-/* The tracer of fuzz/samples/engine/brute_engine.c, which lists all hits as well, with a fault of kind WAY in some of
- * them; a shared object of each for tests/values/explains.sh. */
+/* The tracer of fuzz/samples/engine/brute_engine.c, which lists all hits as well, with a fault of
+ * kind WAY in some of them; a shared object of each for tests/values/explains.sh. */
 #include "ref/raydiff_engine.h"
 
 const struct raydiff_engine *honest_engine(void);
@@ -15,8 +15,8 @@ enum { HONEST, LOST, OTHER, FAR, NEAR, TURNED, NAN_T, MADE_UP };
 #error "-DWAY=0 to 7"
 #endif
 
-/* A hit of every third triangle is at fault: 1 lost, 2 with the number of another triangle, 3 too far, 4 too near,
- * 5 with u and v exchanged, 6 not a number; 7: some that are none. */
+/* A hit of every third triangle is at fault: lost, with the number of another triangle, too far,
+ * too near, with u and v exchanged, not a number; or some are made up. */
 static int hits(const struct raydiff_engine_mesh *mesh, const struct raydiff_engine_ray *ray,
                 double tmax, uint32_t k, struct raydiff_engine_hit *hit)
 {
