@@ -99,13 +99,28 @@ static bool died_as_expected(const struct replay_options *options, const struct 
     return file->has_signature && alike && is_wanted(options, file, &played->who);
 }
 
+/* True if an engine died, or a tracer's answers ended, where the file does not say so. */
+static bool died_unexpectedly(const struct replay_options *options, const struct finding_file *file,
+                              const struct replay_played *played)
+{
+    bool died = has_died(played) && !played->crashed_as_expected;
+    for (size_t i = 0; i < played->finding_count; i++) {
+        const struct fuzz_signature *found = &played->finding[i].signature;
+        bool ended = found->kind == FUZZ_KIND_HANG || found->kind == FUZZ_KIND_CRASH ||
+                     found->kind == FUZZ_KIND_PROTOCOL;
+        died =
+            died || (ended && (!file->has_signature || !replay_is_expected(options, file, found)));
+    }
+    return died;
+}
+
 static int code_of(const struct replay_options *options, struct replay_file *file)
 {
     bool wanted_played = false;
     int code = EXIT_AGREE;
     for (size_t i = 0; i < file->played_count; i++) {
         const struct replay_played *played = &file->played[i];
-        if (has_died(played) && !played->crashed_as_expected)
+        if (died_unexpectedly(options, &file->file, played))
             code = exit_worse(code, EXIT_ENGINE);
         if (played->fate == REPLAY_FAILED)
             code = exit_worse(code, EXIT_INTERNAL);
@@ -223,7 +238,7 @@ static void count_turnout(const struct replay_file *file, struct turnout *turnou
     for (size_t i = 0; i < file->played_count; i++) {
         const struct replay_played *played = &file->played[i];
         enum turnout_end end = TURNOUT_FAILED;
-        if (played->fate == REPLAYED)
+        if (played->fate == REPLAYED || played->crashed_as_expected)
             end = TURNOUT_ANSWERED;
         else if (played->fate == REPLAY_SKIPPED)
             end = TURNOUT_ABSENT;

@@ -118,7 +118,36 @@ briefly() { # engines
     grep -qE ' (crashed|hung): ' "$dir/parts" && cmp -s "$dir/parts" "$dir/text" ||
         bad "replay --brief --engine $1: not the lines of the whole page"
 }
+# A file tells of one end; a tracer that ends in that way still fails, one that ends in another way is told as such.
+endings() {
+    sed '1i #include <unistd.h>
+        s/^        struct ray \*ray = /        if (q.rays > 0) for (;;) pause();&/' fuzz/samples/sample_tracer.c >"$dir/hanger.c"
+    sed 's/^        struct ray \*ray = /        if (q.rays > 0) abort();&/' fuzz/samples/sample_tracer.c >"$dir/aborts.c"
+    sed 's/"RDRA", 1, 0/"RDRX", 1, 0/' fuzz/samples/sample_tracer.c >"$dir/babbler.c"
+    for tracer in hanger aborts babbler; do cc -O1 -o "$dir/$tracer" "$dir/$tracer.c" || bad "$tracer is not compiled"; done
+    for kind in crash hang protocol missed clean; do
+        cause=unexplained
+        [ $kind != missed ] || cause=scale
+        expect=pipe:x.-.$kind.$cause
+        [ $kind != clean ] || expect=clean
+        sed "s/^expect .*/expect $expect/" fuzz/corpus/rounded-outward.trial >"$dir/$kind.trial"
+        for tracer in sees blind ender aborts hanger babbler; do
+            still=0 as=1
+            case $kind,$tracer in
+            clean,sees) still=0 as=0 ;;
+            clean,blind) still=1 as=1 ;;
+            crash,ender | crash,aborts | hang,hanger | protocol,babbler | missed,blind) still=1 as=0 ;;
+            # What is not read as an answer and what dies are told apart where a file tells of neither.
+            crash,babbler | protocol,ender | protocol,aborts | protocol,hanger) continue ;;
+            *,ender | *,aborts | *,hanger | *,babbler) still=3 as=3 ;;
+            esac
+            ends $still replay "$dir/$kind.trial" --engine "pipe:$dir/$tracer" --time 2
+            ends $as replay "$dir/$kind.trial" --engine "pipe:$dir/$tracer" --time 2 --as-expected
+        done
+    done
+}
 findings() {
+    endings
     few='--rays 40 --jobs 1 --corpus none'
     f=$dir/found
     trial=fuzz/corpus/wrong-item.trial
