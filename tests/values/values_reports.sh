@@ -123,6 +123,26 @@ reported "$count" "$count" 10 --findings "$dir/found" --parts machine
 printf '%s until - a word docs/fuzzing.md\n' 'cpu.*.*.*' >"$dir/known"
 reported "$count" 0 10 --findings "$dir/found" --baseline "$dir/known" --parts machine
 
+# Of each finding a report has what its own command does, whatever the findings before it were: its exit code, and a
+# result only where that command has one. Findings of a tracer that nobody names stand between others.
+"$raydiff" fuzz --rays 40 --jobs 1 --corpus none --engine "pipe:$dir/blind" --trials 64 --no-shrink --until 1 --dir "$dir/blind.found" >"$dir/text" 2>&1
+for order in 'found blind.found' 'blind.found found'; do
+    rm -rf "$dir/merged" && "$raydiff" merge --to "$dir/merged" "$dir/${order% *}" "$dir/${order#* }" >"$dir/text" 2>&1 || bad 'no merge'
+    "$raydiff" report --findings "$dir/merged" --parts machine --out "$dir/page.html" --json "$dir/page.json" >"$dir/text" 2>"$dir/err"
+    awk -f tests/values/flat.awk "$dir/page.json" >"$dir/flat"
+    : >"$dir/states"
+    for part in $(sed -n 's/^\(parts\.[0-9]*\)\.name=.*[.].*[.].*/\1/p' "$dir/flat"); do
+        rm -f "$dir/json"
+        eval "\"\$raydiff\" $(sed -n "s/^$part\.command=raydiff //p" "$dir/flat") --json \"\$dir/json\"" >"$dir/text" 2>&1
+        code=$? state=failed
+        [ ! -s "$dir/json" ] || state=ran
+        echo "$state" >>"$dir/states"
+        grep -qx "$part.exit=$code" "$dir/flat" && grep -qx "$part.state=$state" "$dir/flat" ||
+            bad "report: $(grep "^$part\.[nse]" "$dir/flat" | tr '\n' ' '): its command $state with $code"
+    done
+    [ "$(sort "$dir/states" | uniq | wc -l)" -eq 2 ] || bad "report: not findings with and without a result"
+done
+
 all_seen doctor report
 echo "values_reports: $failed failed"
 [ "$failed" -eq 0 ]
