@@ -1,7 +1,7 @@
 #!/bin/sh
 # What a command tells of a scene, a file or a folder does not depend on what it was given before or behind that: rows of
 # several are the rows of each alone, in their order, but for times.
-#   sh tests/values/several.sh RAYDIFF [PART...]     PART: info, judged, bench, files
+#   sh tests/values/several.sh RAYDIFF [PART...]     PART: info, judged, members, bench, files
 set -u
 raydiff=$1
 shift
@@ -65,6 +65,25 @@ judged() {
     alone rows 100 "leaks ONE --engine cpu,brute --layout f32,rf16 --count 1000 --threads 1" sphere:n=4 wall:n=2 sphere:n=6
     alone scenes 30 "leaks ONE --engine cpu --layout f32 --count 1000 --threads 1" sphere:n=4 room wall:n=2
 }
+# Of several members each row is that of its members alone, whichever engines, layouts and tests were played before.
+members() {
+    between=','
+    boxes='--box robust,watertight' few='--count 1000'
+    for engine in cpu_stackless vulkan; do
+        "$raydiff" leaks sphere:n=4 --engine $engine --layout f32 $few >"$dir/text" 2>"$dir/err"
+        [ $? -ne 77 ] || { echo "SKIP members of engine $engine: $(tail -n 1 "$dir/err")"; continue; }
+        of="--engine $engine $boxes $few"
+        alone rows 200 "leaks sphere:n=4 $of --layout f32,rf16 --tri ONE" mt woop baldwin_webber pluecker
+        alone rows 200 "leaks sphere:n=4 $of --tri mt --layout ONE" f32 rf16
+        alone rows 200 "leaks sphere:n=4 $of --tri mt,woop --layout f32,rf16 --builder ONE" median lbvh sah_binned
+        of="--engine $engine --count 200 --repeat 1"
+        alone rows 100 "check soup:n=60,size=0.8 $of $boxes --layout f32,rf16 --builder ONE" lbvh median
+        alone rows 60 "check soup:n=60,size=0.8 $of --box robust --layout f32 --tri ONE" woop mt pluecker
+        alone rows 60 "check soup:n=60,size=0.8 $of --box robust --tri mt --layout ONE" rf16 f32
+        alone rows 60 "check soup:n=60,size=0.8 $of --box robust --tri mt --layout f32 --store ONE" edges indexed compact
+        alone rows 60 "check soup:n=60,size=0.8 $of --box robust --tri mt --layout f32 --query ONE" any closest all
+    done
+}
 bench() {
     between=';'
     few='--count 300 --rounds 1'
@@ -84,6 +103,6 @@ files() {
     alone files 80 "replay ONE --engine cpu,brute" fuzz/corpus/wrong-item.trial fuzz/corpus/bad-rays.trial fuzz/corpus/slot-not-read.trial
 }
 
-for part in ${*:-info judged bench files}; do "$part"; done
+for part in ${*:-info judged members bench files}; do "$part"; done
 echo "several: $compared values, $failed failed"
 [ "$failed" -eq 0 ]
