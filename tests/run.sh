@@ -66,7 +66,7 @@ plain)
     suite values_times sh tests/values/values_bench.sh "$build/raydiff" builders oracle fuzz frames fast worlds matrix tightness together
     suite values_paper sh tests/values/values_paper.sh "$build/raydiff" paper
     suite values_special sh tests/values/values_paper.sh "$build/raydiff" special
-    suite values_pictures sh tests/values/values_pictures.sh "$build/raydiff" render paths images engines faults published
+    suite values_pictures sh tests/values/values_pictures.sh "$build/raydiff" render paths images engines faults published beside
     suite told sh tests/values/told.sh "$build/raydiff"
     suite values_limits sh tests/values/values_limits.sh "$build/raydiff"
     suite values_show sh tests/values/values_pictures.sh "$build/raydiff" show

@@ -189,7 +189,33 @@ play_published() {
     done
 }
 
-for part in ${*:-render paths show images engines faults borders published}; do
+# Of two layouts side by side each has the verdicts that it has alone, and the exit code is the worse of theirs. Where four
+# hundredths are cut off the leaves' boxes in x, coarse layouts still hold them.
+play_beside() {
+    "$raydiff" precompute --scene rtrs --builder median --out "$dir/whole" 2>"$dir/err" || bad 'beside: no tree'
+    perl -pe 's/("item_count":[1-9]\d*,"bounds":\{"min":\[)([^,]+)(,[^\]]+\],"max":\[)([^,]+)/$1 . $2 . $3 . ($2 + 0.96 * ($4 - $2))/ge' \
+        "$dir/whole" >"$dir/cut"
+    for tree in whole cut; do
+        for layout in f32 tiny8 cwbvh80; do verdicts $tree $layout && cp "$dir/verdicts" "$dir/$layout.0" && echo "$code" >"$dir/$layout.code"; done
+        for pair in f32,tiny8 tiny8,f32 cwbvh80,tiny8 f32,cwbvh80; do
+            verdicts $tree $pair
+            for layer in 0 1; do
+                case $layer in 0) layout=${pair%,*} ;; *) layout=${pair#*,} ;; esac
+                sed -n "s/^layers\.$layer\.//p" "$dir/verdicts" >"$dir/of"
+                sed -n "s/^layers\.0\.//p" "$dir/$layout.0" | cmp -s - "$dir/of" || bad "$ran: $layout has other verdicts than alone"
+            done
+            [ "$code" -eq "$(sort -n "$dir/${pair%,*}.code" "$dir/${pair#*,}.code" | tail -n 1)" ] || bad "$ran: exit $code is not the worse"
+        done
+        sum=$(cat "$dir"/*.code | sort -u | tr -d '\n')
+        [ "$sum" = "$([ $tree = cut ] && echo 01 || echo 0)" ] || bad "beside, $tree: exit codes $sum of each alone"
+    done
+}
+verdicts() { # tree, layouts
+    run render rtrs --show class --engine cpu --box robust --bvh "$dir/$1" --layout "$2" -w 192 -h 144 --out "$dir/a.png" --json "$dir/json" &&
+        awk -f tests/values/flat.awk "$dir/json" | grep '^layers\.[01]\.verdicts' >"$dir/verdicts"
+}
+
+for part in ${*:-render paths show images engines faults borders published beside}; do
     "play_$part"
     case $part in
     render | show) all_seen $part ;;
