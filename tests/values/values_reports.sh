@@ -124,7 +124,7 @@ printf '%s until - a word docs/fuzzing.md\n' 'cpu.*.*.*' >"$dir/known"
 reported "$count" 0 10 --findings "$dir/found" --baseline "$dir/known" --parts machine
 
 # Of each finding a report has what its own command does, whatever the findings before it were: its exit code, and a
-# result only where that command has one. Findings of a tracer that nobody names stand between others.
+# result only where that command has one. Findings of a tracer that is not named stand between others.
 "$raydiff" fuzz --rays 40 --jobs 1 --corpus none --engine "pipe:$dir/blind" --trials 64 --no-shrink --until 1 --dir "$dir/blind.found" >"$dir/text" 2>&1
 for order in 'found blind.found' 'blind.found found'; do
     rm -rf "$dir/merged" && "$raydiff" merge --to "$dir/merged" "$dir/${order% *}" "$dir/${order#* }" >"$dir/text" 2>&1 || bad 'no merge'
