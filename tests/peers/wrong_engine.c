@@ -1,5 +1,5 @@
-/* The tracer of fuzz/samples/engine/brute_engine.c, which lists all hits as well, with a fault of
- * kind WAY in some of them; a shared object of each for tests/values/explains.sh. */
+/* The tracer of fuzz/samples/engine/brute_engine.c with a fault of kind WAY in some of its hits and
+ * lists; a shared object of each for tests/values/explains.sh. */
 #include "ref/raydiff_engine.h"
 
 const struct raydiff_engine *honest_engine(void);
@@ -15,6 +15,26 @@ enum { HONEST, LOST, OTHER, FAR, NEAR, TURNED, NAN_T, MADE_UP };
 #error "-DWAY=0 to 7"
 #endif
 
+/* Where the ray meets the plane of a triangle, 0 if it does not. */
+static int plane_met(const struct raydiff_engine_ray *ray, const float *const corner[3], double *t,
+                     double *u, double *v)
+{
+    double d[3], e1[3], e2[3], s[3], p[3], q[3];
+    for (int i = 0; i < 3; i++) {
+        d[i] = ray->direction[i];
+        e1[i] = (double)corner[1][i] - corner[0][i];
+        e2[i] = (double)corner[2][i] - corner[0][i];
+        s[i] = (double)ray->origin[i] - corner[0][i];
+    }
+    cross(d, e2, p);
+    cross(s, e1, q);
+    double det = dot(e1, p);
+    *t = dot(e2, q) / det;
+    *u = dot(s, p) / det;
+    *v = dot(d, q) / det;
+    return det != 0;
+}
+
 /* A hit of every third triangle is at fault: lost, with the number of another triangle, too far,
  * too near, with u and v exchanged, not a number; or some are made up. */
 static int hits(const struct raydiff_engine_mesh *mesh, const struct raydiff_engine_ray *ray,
@@ -26,9 +46,10 @@ static int hits(const struct raydiff_engine_mesh *mesh, const struct raydiff_eng
                                     mesh->vertex + 3 * (size_t)index[2]};
     const int spoilt = k % 3 == 1;
     double t, u, v;
-    if (!meets(ray, tmax, corner, &t, &u, &v)) {
-        if (WAY != MADE_UP || !spoilt ||
-            !(t >= ray->tmin && t <= tmax && u >= -0.5 && v >= -0.5 && u + v <= 1.5))
+    if (!plane_met(ray, corner, &t, &u, &v) || !(t >= ray->tmin && t <= tmax))
+        return 0;
+    if (u < 0 || v < 0 || u + v > 1) {
+        if (WAY != MADE_UP || !spoilt || !(u >= -0.5 && v >= -0.5 && u + v <= 1.5))
             return 0;
         u = v = 0.25;
     } else if (spoilt) {
@@ -67,9 +88,9 @@ static int trace_wrong(void *self, const struct raydiff_engine_ray *ray, size_t 
     return RAYDIFF_ENGINE_OK;
 }
 
-static int trace_all(void *self, const struct raydiff_engine_ray *ray, size_t count,
-                     uint32_t capacity, struct raydiff_engine_hit *out, uint32_t *hit_count,
-                     char *reason)
+static int list_wrong(void *self, const struct raydiff_engine_ray *ray, size_t count,
+                      uint32_t capacity, struct raydiff_engine_hit *out, uint32_t *hit_count,
+                      char *reason)
 {
     const struct raydiff_engine_mesh *mesh = &((struct brute *)self)->mesh;
     (void)reason;
@@ -90,6 +111,6 @@ const struct raydiff_engine *raydiff_engine(void)
     engine.name = "wrong";
     engine.can |= RAYDIFF_ENGINE_ALL;
     engine.trace = trace_wrong;
-    engine.trace_all = trace_all;
+    engine.trace_all = list_wrong;
     return &engine;
 }
