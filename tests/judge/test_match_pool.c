@@ -10,6 +10,7 @@
 
 #include "tests/judge/made_up.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static void an_engine_is_opened_once_and_closed_once(void **state)
