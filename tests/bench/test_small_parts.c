@@ -15,7 +15,7 @@ static struct fast_tree made(const struct scene *scene)
 {
     const struct build_options options = {.leaf = 1};
     struct reason reason = {""};
-    struct fast_tree tree;
+    struct fast_tree tree = {.node = NULL};
     struct bvh bvh;
     if (bvh_build(builder_find("median"), scene, &options, &bvh, &reason) ||
         fast_make_small(&bvh, scene, &tree, &reason))
