@@ -107,4 +107,31 @@ static inline void check_rays(struct fast_tree *tree, const struct scene *scene,
     free(truth);
 }
 
+/* A scene without triangles has a tree without nodes, which hits nothing. A tree that is too deep,
+ * a chain of so many links, is refused, and nothing is left of it. */
+static inline void empty_and_too_deep(enum status (*make)(const struct bvh *, const struct scene *,
+                                                          struct fast_tree *, struct reason *),
+                                      uint32_t links)
+{
+    struct scene none, chain = trees_grid(links);
+    struct bvh bvh = {.node = NULL};
+    struct fast_tree tree;
+    struct reason reason = {""};
+    struct ray ray = {.dir = {0, 0, 1}, .tmax = 1};
+    struct hit hit;
+    assert_int_equal(scene_make(0, 0, &none), STATUS_OK);
+    assert_int_equal(make(&bvh, &none, &tree, &reason), STATUS_OK);
+    assert_int_equal(tree.node_count, 0);
+    assert_int_equal(fast_bytes(&tree), 0);
+    assert_int_equal(fast_all(&tree, &ray, 1, &hit), 0);
+    fast_free(&tree);
+    bvh = trees_make(&chain, 1, TREES_LEFT);
+    assert_int_equal(make(&bvh, &chain, &tree, &reason), STATUS_LIMIT);
+    assert_non_null(strstr(reason.text, "256 entries"));
+    assert_true(tree.node == NULL && tree.small == NULL && tree.block == NULL);
+    bvh_free(&bvh);
+    scene_free(&chain);
+    scene_free(&none);
+}
+
 #endif

@@ -234,25 +234,7 @@ static void equal_triangles_have_their_own_numbers(void **state)
 static void empty_and_too_deep_trees(void **state)
 {
     (void)state;
-    struct scene none, chain = trees_grid(3000);
-    struct bvh bvh = {.node = NULL};
-    struct fast_tree tree;
-    struct reason reason = {""};
-    struct ray ray = {.dir = {0, 0, 1}, .tmax = 1};
-    struct hit hit;
-    assert_int_equal(scene_make(0, 0, &none), STATUS_OK);
-    assert_int_equal(fast_make_small(&bvh, &none, &tree, &reason), STATUS_OK);
-    assert_int_equal(tree.node_count, 0);
-    assert_int_equal(fast_bytes(&tree), 0);
-    assert_int_equal(fast_all(&tree, &ray, 1, &hit), 0);
-    fast_free(&tree);
-    bvh = trees_make(&chain, 1, TREES_LEFT);
-    assert_int_equal(fast_make_small(&bvh, &chain, &tree, &reason), STATUS_LIMIT);
-    assert_non_null(strstr(reason.text, "256 entries"));
-    assert_null(tree.small);
-    bvh_free(&bvh);
-    scene_free(&chain);
-    scene_free(&none);
+    empty_and_too_deep(fast_make_small, 3000);
 }
 
 int main(void)

@@ -137,24 +137,7 @@ static void empty_parts_fall_away(void **state)
 static void empty_and_too_deep_trees(void **state)
 {
     (void)state;
-    struct scene none, chain = trees_grid(1000);
-    struct bvh bvh = {.node = NULL};
-    struct fast_tree tree;
-    struct reason reason = {""};
-    struct ray ray = {.dir = {0, 0, 1}, .tmax = 1};
-    struct hit hit;
-    assert_int_equal(scene_make(0, 0, &none), STATUS_OK);
-    assert_int_equal(fast_make(&bvh, &none, &tree, &reason), STATUS_OK);
-    assert_int_equal(tree.node_count, 0);
-    assert_int_equal(fast_all(&tree, &ray, 1, &hit), 0);
-    fast_free(&tree);
-    bvh = trees_make(&chain, 1, TREES_LEFT);
-    assert_int_equal(fast_make(&bvh, &chain, &tree, &reason), STATUS_LIMIT);
-    assert_non_null(strstr(reason.text, "256 entries"));
-    assert_null(tree.node);
-    bvh_free(&bvh);
-    scene_free(&chain);
-    scene_free(&none);
+    empty_and_too_deep(fast_make, 1000);
 }
 
 int main(void)

@@ -2,20 +2,13 @@
  * is given the same bytes and gives the same bits; whatever else it does is told in one line, and
  * in a process of its own ends that and nothing else. This program is the host. */
 #define _GNU_SOURCE /* setenv */
-#include "tests/guest/guest_ways.h"
+#include "tests/guest/guest_scene.h"
 
-#include "scenes/rays/rays.h"
 #include "scenes/rays/world_rays.h"
-#include "scenes/scenes.h"
 #include "scenes/worlds.h"
 
 #include <errno.h>
 #include <sys/wait.h>
-
-#define RAYS 200
-
-static struct scene scene;
-static struct ray rays[RAYS];
 
 struct guest_play {
     const char *file;
@@ -241,25 +234,6 @@ static void an_engine_lives_on_after_a_crash(void **state)
     assert_int_equal(engine->trace(self, rays, RAYS, hit, &report, &reason), STATUS_OK);
     assert_int_equal(hit[3].prim, 3 % scene.tri_count);
     engine->close(self);
-}
-
-static int make_scene(void **state)
-{
-    (void)state;
-    struct reason reason = {""};
-    if (scene_open("sphere:n=4", 1, &scene, &reason) ||
-        ray_set_make(ray_sets[0], &scene, 1, RAYS, rays, &reason)) {
-        print_error("%s\n", reason.text);
-        return -1;
-    }
-    return 0;
-}
-
-static int free_scene(void **state)
-{
-    (void)state;
-    scene_free(&scene);
-    return 0;
 }
 
 int main(int argc, char **argv)

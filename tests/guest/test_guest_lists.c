@@ -2,17 +2,11 @@
  * at single triangles give, whatever the room; bytes are those that the tracer counts, and what it
  * does not tell is 0, unknown. This program is the host. */
 #define _GNU_SOURCE /* setenv */
-#include "tests/guest/guest_ways.h"
+#include "tests/guest/guest_scene.h"
 
 #include "ref/trace/all_hits.h"
-#include "scenes/rays/rays.h"
-#include "scenes/scenes.h"
 
-#define RAYS 200
 #define ROOM 6
-
-static struct scene scene;
-static struct ray rays[RAYS];
 
 static const struct engine_options options = {.threads = 1, .peer_ms = 20000, .peer_mb = 64};
 
@@ -217,25 +211,6 @@ static void bytes_are_those_that_are_told(void **state)
             assert_int_equal(report.memory_bytes, 0);
         }
     }
-}
-
-static int make_scene(void **state)
-{
-    (void)state;
-    struct reason reason = {""};
-    if (scene_open("sphere:n=4", 1, &scene, &reason) ||
-        ray_set_make(ray_sets[0], &scene, 1, RAYS, rays, &reason)) {
-        print_error("%s\n", reason.text);
-        return -1;
-    }
-    return 0;
-}
-
-static int free_scene(void **state)
-{
-    (void)state;
-    scene_free(&scene);
-    return 0;
 }
 
 int main(int argc, char **argv)
