@@ -2,6 +2,8 @@
  * the ranges of blocks. */
 #include "tests/fast/small_fixture.h"
 
+#include "ref/fast/fast_frame.h"
+
 #define RAYS 400
 
 /* --- trees ------------------------------------------------------------------------------------ */
@@ -24,6 +26,7 @@ static struct box box_below(const struct fast_tree *tree, uint32_t ref, uint8_t 
         return box;
     }
     const struct fast_small_node *node = &tree->small[ref];
+    uint32_t least[3] = {UINT32_MAX, UINT32_MAX, UINT32_MAX}, most[3] = {0};
     assert_in_range(small_children(node), 1, FAST_WIDTH);
     for (uint32_t i = 0; i < small_children(node); i++) {
         struct box child = box_below(tree, small_ref(node, i), seen, leaves);
@@ -37,8 +40,16 @@ static struct box box_below(const struct fast_tree *tree, uint32_t ref, uint8_t 
             /* No more than a unit and a code beyond, in steps that are rounded. */
             assert_true(lo + step * (lower + unit + 1) >= (double)child.lo[k]);
             assert_true(lo + step * (upper - unit - 1) <= (double)child.hi[k]);
+            const uint32_t down = frame_down(tree, k, child.lo[k]);
+            const uint32_t up = frame_up(tree, k, child.hi[k]);
+            least[k] = down < least[k] ? down : least[k];
+            most[k] = up > most[k] ? up : most[k];
         }
         box_add_box(&box, &child);
+    }
+    for (int k = 0; k < 3; k++) { /* half of the unit would not reach */
+        const uint32_t shift = node->shifts >> 4 * k & 15u;
+        assert_true(shift == 0 || most[k] - least[k] > 255u << (shift - 1));
     }
     return box;
 }
@@ -83,15 +94,22 @@ static void bounds_at_the_ends_of_the_frame(void **state)
     static const float top = 65535.0f - 0x1p-8f; /* so that a code is 1 */
     struct rng rng = rng_make(3, 1);
     for (int round = 0; round < 400; round++) {
-        const uint32_t count = 2 + rng_below(&rng, 60);
-        const float span = rng_range(&rng, 0.5f, 1) * ldexpf(65536, -(int)rng_below(&rng, 12));
+        const bool whole = round % 2; /* as many codes as a unit reaches, exactly */
+        const float span =
+            whole ? ldexpf(255, (int)rng_below(&rng, 8))
+                  : rng_range(&rng, 0.5f, 1) * ldexpf(65536, -(int)rng_below(&rng, 12));
+        const uint32_t count = 2 + rng_below(&rng, whole ? 300 : 60);
         struct scene scene;
         assert_int_equal(scene_make(3 * count, count, &scene), STATUS_OK);
         for (uint32_t i = 0; i < count; i++)
             for (uint32_t c = 0; c < 3; c++)
                 for (uint32_t k = 0; k < 3; k++) {
-                    const float end = rng_below(&rng, 2) ? top : top - span;
-                    const float at = fmaxf(end - rng_range(&rng, 0, 4), 0);
+                    const float from = whole ? 65000.0f : top;
+                    const float end = rng_below(&rng, 2) ? from : from - span;
+                    const float at = !whole ? fmaxf(end - rng_range(&rng, 0, 4), 0)
+                                     : rng_below(&rng, 4)
+                                         ? from - (float)rng_below(&rng, (uint32_t)span)
+                                         : end;
                     scene.vertex[9 * i + 3 * c + k] = i == 0 ? 0 : i == 1 ? top : at;
                     scene.index[3 * i + c] = 3 * i + c;
                 }
