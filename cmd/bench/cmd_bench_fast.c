@@ -159,7 +159,7 @@ static void print_ends(struct contest *c)
 /* What the bytes of engine fast_small hold, where it is a contestant. */
 static enum status print_parts(const struct contest *c, struct reason *reason)
 {
-    static struct fast_tree tree;
+    struct fast_tree tree;
     bool is = false;
     for (size_t i = 0; i < c->race.count; i++)
         is = is || c->entry[i].engine == engine_find("fast_small");
