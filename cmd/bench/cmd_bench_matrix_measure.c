@@ -127,7 +127,7 @@ void matrix_forget_timed(struct matrix_row *row)
 
 /* --- lines ------------------------------------------------------------------------------------ */
 
-/* A traversal whose reads are recorded: of engine fast or fast_small, or of a packed tree. */
+/* A traversal whose reads are recorded: of one of the fast engines, or of a packed tree. */
 struct watched {
     struct touch *touch;
     const struct fast_tree *fast;
@@ -183,8 +183,8 @@ static enum status watch_fast(struct matrix *m, const struct contestant *c, stru
     struct fast_tree *tree = aligned_alloc(_Alignof(struct fast_tree), sizeof *tree);
     if (!tree)
         return fail(reason, STATUS_MEMORY, "no memory for a tree");
-    const bool small = c->engine == engine_find("fast_small");
-    enum status status = (small ? fast_make_small : fast_make)(c->bvh, m->scene, tree, reason);
+    const struct fast_form *form = fast_form_of(c->engine->name);
+    enum status status = form->make(c->bvh, m->scene, tree, reason);
     if (!status) {
         struct watched w = {.fast = tree};
         row->node_bytes = fast_node_bytes(tree) * (uint64_t)tree->node_count;

@@ -1,21 +1,20 @@
 /* The fast traversal on all cores, of trees in the form of ref/fast/small_tree.h. */
 #include "ref/engines/fast_inner.h"
 
-#include "ref/engines/cpu_rays.h"
-#include "ref/twin/model.h"
-
-#include <stdio.h>
+static const struct fast_form *form(void)
+{
+    return &fast_forms[1];
+}
 
 static enum status small_open(const struct engine_options *options, void **self,
                               struct reason *reason)
 {
-    return fast_engine_open(options, true, self, reason);
+    return fast_engine_open(options, form(), self, reason);
 }
 
 static void small_describe(const struct engine_options *options, char *text, size_t text_bytes)
 {
-    snprintf(text, text_bytes, "%u threads, kernel %s, triangle test woop",
-             cpu_rays_threads(options), fast_small_kernel_best()->name);
+    fast_engine_describe(options, form(), text, text_bytes);
 }
 
 extern const struct engine engine_fast_small;

@@ -78,10 +78,33 @@ static bool visit_small(struct careful *way, uint32_t ref)
 }
 
 /* Returns true if the traversal is finished. */
+static bool visit_tiny(struct careful *way, uint32_t ref)
+{
+    const struct tiny_form *form = &way->tree->tiny;
+    const uint32_t *block = way->tree->block + (ref & ~FAST_LEAF);
+    const uint32_t gaps = tiny_row(form, *block, 3);
+    tell(way, block, (gaps + 31) / 32 * sizeof *block);
+    for (uint32_t i = 0; i < tiny_tris(*block); i++) {
+        float v[3][3];
+        struct hit hit;
+        uint32_t end;
+        tiny_tri(form, block, i, v);
+        if (!tri_test_run(ABI_TRI_WOOP, &way->tri, v, &hit) || !is_nearer(way, &hit))
+            continue;
+        hit.prim = tiny_prim(form, block, i, &end);
+        if (way->query != QUERY_ALL && end > gaps)
+            tell(way, block + gaps / 32, ((end + 31) / 32 - gaps / 32) * sizeof *block);
+        if (take(way, &hit, 0))
+            return true;
+    }
+    return false;
+}
+
+/* Returns true if the traversal is finished. */
 static bool visit_leaf(struct careful *way, uint32_t ref)
 {
     if (way->tree->small)
-        return visit_small(way, ref);
+        return way->tree->is_tiny ? visit_tiny(way, ref) : visit_small(way, ref);
     const uint32_t *word = way->tree->block + (ref & (FAST_LEAF_WORDS - 1));
     uint32_t vertices = (ref >> FAST_LEAF_COUNT & 15u) + 1;
     tell(way, word, (BLOCK_CORNERS + 3 * vertices) * sizeof *word);

@@ -6,6 +6,7 @@
 #define FAST_H
 
 #include "ref/abi.h"
+#include "ref/fast/tiny_form.h"
 #include "ref/tree/bvh.h"
 
 #define FAST_WIDTH      8u
@@ -40,6 +41,8 @@ struct fast_tree {
     struct box bounds;
     struct fast_node *node;
     struct fast_small_node *small; /* or these: ref/fast/small_tree.h */
+    bool is_tiny;                  /* its blocks are those of ref/fast/tiny_block.h */
+    struct tiny_form tiny;
     uint32_t *block;
     uint64_t block_words;
     uint32_t node_count;
@@ -61,6 +64,13 @@ enum status fast_make(const struct bvh *bvh, const struct scene *scene, struct f
  * triangle. The blocks may take 8192 MB. */
 enum status fast_make_small(const struct bvh *bvh, const struct scene *scene, struct fast_tree *out,
                             struct reason *reason) MUST_USE;
+
+/* The same with leaves of up to 48 triangles, whose vertices lie on the scene's grid: of a dragon on
+ * one of 14 bits about 7 bytes a triangle, and 6 where triangles that are near each other have
+ * numbers in a row. Errors: STATUS_UNSUPPORTED also a scene without a grid of at most
+ * QUANTISE_BITS_MOST bits (ref/scene/quantise.h). */
+enum status fast_make_tiny(const struct bvh *bvh, const struct scene *scene, struct fast_tree *out,
+                           struct reason *reason) MUST_USE;
 
 /* As fast_make, for items that are not triangles, each in a leaf of its own: its reference is
  * FAST_LEAF and the item's number, below 2^31. There are no blocks.
@@ -99,13 +109,29 @@ struct fast_kernel {
                   size_t count, bool any, struct hit *hit, uint32_t *tag);
 };
 
-/* NULL-terminated, fastest first. The last one runs everywhere. Those for small trees trace no
- * worlds: their `world` is NULL. */
-extern const struct fast_kernel *const fast_kernels[], *const fast_small_kernels[];
+/* NULL-terminated, fastest first. The last one runs everywhere. Those for small and tiny trees
+ * trace no worlds: their `world` is NULL. */
+extern const struct fast_kernel *const fast_kernels[], *const fast_small_kernels[],
+                                                           *const fast_tiny_kernels[];
 
 /* The first kernel that runs on this processor. */
 const struct fast_kernel *fast_kernel_best(void);
 const struct fast_kernel *fast_small_kernel_best(void);
+const struct fast_kernel *fast_tiny_kernel_best(void);
+
+/* The forms of trees, and the engines that have them. */
+struct fast_form {
+    const char *engine;
+    enum status (*make)(const struct bvh *bvh, const struct scene *scene, struct fast_tree *out,
+                        struct reason *reason);
+    const struct fast_kernel *const *kernels;
+    const struct fast_kernel *(*kernel)(void); /* the first that runs here */
+};
+
+extern const struct fast_form fast_forms[3]; /* fast, fast_small, fast_tiny */
+
+/* The form of an engine's trees; NULL: it has none. */
+const struct fast_form *fast_form_of(const char *engine);
 
 /* Finds all triangles that the ray hits, written as trace_ray_all (ref/trace/trace.h) does. Returns
  * their number, which may be over `capacity`. */

@@ -155,12 +155,13 @@ INLINE void lane_ray(const struct lanes *l, uint32_t lane, struct walk_ray *r)
     narrow(r, at16(&l->tbest, lane));
 }
 
-INLINE void lane_keep(struct lanes *l, bool any, uint32_t lane, const struct walk_best *best)
+INLINE void lane_keep(struct lanes *l, const struct fast_tree *tree, bool any, uint32_t lane,
+                      const struct walk_best *best)
 {
     const uint32_t at = best->lane;
     if (best->block)
         lanes_keep(l, any, 1u << lane, all16(best->t), all16(best->v[at]), all16(best->w[at]),
-                   all16(best->det[at]), prim_of(best->block, best->part, at));
+                   all16(best->det[at]), prim_of(tree, best->block, best->part, at));
 }
 
 /* Traces the lanes `rays` from a node or leaf on. */
@@ -173,6 +174,6 @@ INLINE void lanes_apart(struct lanes *l, const struct fast_tree *tree, uint32_t 
         struct walk_best best = {.block = NULL, .lane = 0};
         lane_ray(l, lane, &r);
         walk_from(&r, tree, ref, any, NULL, NULL, &best);
-        lane_keep(l, any, lane, &best);
+        lane_keep(l, tree, any, lane, &best);
     }
 }

@@ -96,9 +96,9 @@ INLINE void packet_leaf(struct packet *p, const struct fast_tree *tree, uint32_t
         const float16 w1 = x[a] * y[c] - y[a] * x[c];
         const float16 w2 = x[b] * y[a] - y[b] * x[a];
         const float16 det = (w0 + w1) + w2;
-        uint32_t in = rays & unequal16(det, zero) &
-                      ~(less16(min16(min16(w0, w1), w2), zero) &
-                        less16(zero, max16(max16(w0, w1), w2)));
+        uint32_t in =
+            rays & unequal16(det, zero) &
+            ~(less16(min16(min16(w0, w1), w2), zero) & less16(zero, max16(max16(w0, w1), w2)));
         if (in == 0)
             continue;
         float16 t = (w0 * z[a] + w1 * z[b]) + w2 * z[c];

@@ -77,13 +77,13 @@ INLINE void walk_pairs(const struct fast_tree *tree, const struct ray *ray, size
 #pragma GCC unroll 1 /* two copies of the code are slower */
         for (int i = 0; i < 2; i++)
             if (!step(&pair[i], tree, any)) {
-                write_hit(&pair[i].best, pair[i].hit);
+                write_hit(tree, &pair[i].best, pair[i].hit);
                 both = take(&pair[i], &queue) && both;
             }
     for (int i = 0; i < 2; i++)
         if (pair[i].hit) {
             while (step(&pair[i], tree, any)) {
             }
-            write_hit(&pair[i].best, pair[i].hit);
+            write_hit(tree, &pair[i].best, pair[i].hit);
         }
 }

@@ -178,14 +178,14 @@ INLINE void stream_fill(struct stream_source *from, bool any, struct stream_list
     from->next += n;
 }
 
-INLINE void stream_write(const struct stream_ray *r)
+INLINE void stream_write(const struct fast_tree *tree, const struct stream_ray *r)
 {
     const struct stream_best *best = &r->best[r->kept];
     const uint32_t lane = best->lane;
     *r->hit = (struct hit){.t = float_from_bits(float_bits(r->ready.tbest) & (0 - r->is_hit)),
                            .u = best->v[lane] / best->det[lane],
                            .v = best->w[lane] / best->det[lane],
-                           .prim = prim_of(best->block, best->part, lane)};
+                           .prim = prim_of(tree, best->block, best->part, lane)};
 }
 
 /* --- steps ------------------------------------------------------------------------------------ */
@@ -304,7 +304,7 @@ INLINE void stream_walk(const struct fast_tree *tree, const struct ray *ray, siz
         struct stream_lists *now = &lists[turn], *to = &lists[turn ^ 1];
         for (uint32_t i = 0, n = listed(now->count, STREAM_END); i < n; i++) {
             struct stream_ray *r = now->ray[STREAM_END][i];
-            stream_write(r);
+            stream_write(tree, r);
             from.spare[from.spares++] = r;
         }
         while (from.spares >= LANES && from.next < count)

@@ -1,8 +1,11 @@
 #include "ref/fast/fast.h"
 
-extern const struct fast_kernel fast_portable, fast_small_portable;
+#include <string.h>
+
+extern const struct fast_kernel fast_portable, fast_small_portable, fast_tiny_portable;
 #if defined(__x86_64__)
-extern const struct fast_kernel fast_avx2, fast_avx512, fast_small_avx2, fast_small_avx512;
+extern const struct fast_kernel fast_avx2, fast_avx512, fast_small_avx2, fast_small_avx512,
+    fast_tiny_avx2, fast_tiny_avx512;
 #endif
 
 const struct fast_kernel *const fast_kernels[] = {
@@ -23,6 +26,15 @@ const struct fast_kernel *const fast_small_kernels[] = {
     NULL,
 };
 
+const struct fast_kernel *const fast_tiny_kernels[] = {
+#if defined(__x86_64__)
+    &fast_tiny_avx512,
+    &fast_tiny_avx2,
+#endif
+    &fast_tiny_portable,
+    NULL,
+};
+
 static const struct fast_kernel *best_of(const struct fast_kernel *const *kernel)
 {
     while (!(*kernel)->runs())
@@ -38,4 +50,23 @@ const struct fast_kernel *fast_kernel_best(void)
 const struct fast_kernel *fast_small_kernel_best(void)
 {
     return best_of(fast_small_kernels);
+}
+
+const struct fast_kernel *fast_tiny_kernel_best(void)
+{
+    return best_of(fast_tiny_kernels);
+}
+
+const struct fast_form fast_forms[3] = {
+    {"fast", fast_make, fast_kernels, fast_kernel_best},
+    {"fast_small", fast_make_small, fast_small_kernels, fast_small_kernel_best},
+    {"fast_tiny", fast_make_tiny, fast_tiny_kernels, fast_tiny_kernel_best},
+};
+
+const struct fast_form *fast_form_of(const char *engine)
+{
+    for (size_t i = 0; i < ARRAY_COUNT(fast_forms); i++)
+        if (strcmp(fast_forms[i].engine, engine) == 0)
+            return &fast_forms[i];
+    return NULL;
 }

@@ -1,6 +1,7 @@
 #include "ref/fast/small_tree.h"
 
 #include "ref/fast/fast_frame.h"
+#include "ref/fast/tiny_block.h"
 #include "ref/tree/wide_tree.h"
 
 #include <math.h>
@@ -8,14 +9,17 @@
 #define Q_MOST     255u
 #define WORDS_MOST 0x80000000u
 
-/* A leaf costs as much as a node, as most leaves are tested in one piece. */
-static float leaf_cost(void *self, const uint32_t *prim, uint32_t count)
-{
-    struct small_block block;
-    if (!small_block_make(*(const struct scene **)self, prim, count, &block))
-        return INFINITY;
-    return 1.0f;
-}
+/* A form of leaves: what a tree's blocks are.
+ *   words   the words of a leaf of `count` triangles, or 0 if they do not fit in one
+ *   write   writes it into words that are zero */
+struct leaf_form {
+    const char *engine;
+    uint32_t tris; /* most in a leaf */
+    uint32_t (*words)(const struct fast_tree *tree, const struct scene *scene, const uint32_t *prim,
+                      uint32_t count);
+    void (*write)(const struct fast_tree *tree, const struct scene *scene, const uint32_t *prim,
+                  uint32_t count, uint32_t *out);
+};
 
 /* What a tree is made of. */
 struct small_making {
@@ -23,17 +27,60 @@ struct small_making {
     const struct wide_tree *wide;
     const struct bvh *bvh;
     const struct scene *scene;
+    const struct leaf_form *form;
 };
+
+static uint32_t small_words(const struct fast_tree *tree, const struct scene *scene,
+                            const uint32_t *prim, uint32_t count)
+{
+    struct small_block block;
+    (void)tree;
+    return small_block_make(scene, prim, count, &block) ? small_block_words(&block) : 0;
+}
+
+static void small_write(const struct fast_tree *tree, const struct scene *scene,
+                        const uint32_t *prim, uint32_t count, uint32_t *out)
+{
+    struct small_block block;
+    (void)tree;
+    if (small_block_make(scene, prim, count, &block))
+        small_block_write(&block, out);
+}
+
+static uint32_t tiny_words(const struct fast_tree *tree, const struct scene *scene,
+                           const uint32_t *prim, uint32_t count)
+{
+    struct tiny_block block;
+    return tiny_block_make(&tree->tiny, scene, prim, count, &block)
+               ? tiny_block_words(&tree->tiny, &block)
+               : 0;
+}
+
+static void tiny_write(const struct fast_tree *tree, const struct scene *scene,
+                       const uint32_t *prim, uint32_t count, uint32_t *out)
+{
+    struct tiny_block block;
+    if (tiny_block_make(&tree->tiny, scene, prim, count, &block))
+        tiny_block_write(&tree->tiny, &block, out);
+}
+
+static const struct leaf_form small_form = {"fast_small", SMALL_TRIS, small_words, small_write};
+static const struct leaf_form tiny_form = {"fast_tiny", TINY_TRIS, tiny_words, tiny_write};
+
+/* A leaf costs as much as a node, as most leaves are tested in few pieces. */
+static float leaf_cost(void *self, const uint32_t *prim, uint32_t count)
+{
+    const struct small_making *m = self;
+    return m->form->words(m->tree, m->scene, prim, count) ? 1.0f : INFINITY;
+}
 
 static uint64_t count_words(const struct small_making *m)
 {
     uint64_t words = 0;
     for (uint32_t i = 0; i < m->wide->child_count; i++) {
         const struct wide_child *child = &m->wide->child[i];
-        struct small_block block;
-        if (child->count &&
-            small_block_make(m->scene, m->bvh->prim + child->first, child->count, &block))
-            words += small_block_words(&block);
+        if (child->count)
+            words += m->form->words(m->tree, m->scene, m->bvh->prim + child->first, child->count);
     }
     return words;
 }
@@ -65,12 +112,9 @@ static void set_bounds(struct fast_small_node *node, const struct wide_child *ch
 
 static uint32_t add_leaf(const struct small_making *m, const struct wide_child *child)
 {
-    struct small_block block;
-    uint32_t first = (uint32_t)m->tree->block_words;
-    (void)small_block_make(m->scene, m->bvh->prim + child->first, child->count,
-                           &block); /* fits: checked by leaf_cost */
-    small_block_write(&block, m->tree->block + first);
-    m->tree->block_words += small_block_words(&block);
+    const uint32_t *prim = m->bvh->prim + child->first, first = (uint32_t)m->tree->block_words;
+    m->form->write(m->tree, m->scene, prim, child->count, m->tree->block + first);
+    m->tree->block_words += m->form->words(m->tree, m->scene, prim, child->count);
     return first;
 }
 
@@ -100,18 +144,19 @@ static enum status fill(const struct small_making *m, struct reason *reason)
     const uint64_t words = count_words(m);
     const struct wide_tree *wide = m->wide;
     struct fast_tree *tree = m->tree;
+    const char *engine = m->form->engine;
     if (wide->stack_need > FAST_STACK)
         return fail(reason, STATUS_LIMIT,
-                    "fast_small: the traversal stack holds %u entries, this tree needs %u; use "
-                    "another builder",
-                    FAST_STACK, wide->stack_need);
+                    "%s: the traversal stack holds %u entries, this tree needs %u; use another "
+                    "builder",
+                    engine, FAST_STACK, wide->stack_need);
     if (words > WORDS_MOST)
-        return fail(reason, STATUS_LIMIT, "fast_small: leaves of %llu MB, at most %u MB fit",
+        return fail(reason, STATUS_LIMIT, "%s: leaves of %llu MB, at most %u MB fit", engine,
                     (unsigned long long)(words >> 18), WORDS_MOST >> 18);
-    tree->block = frame_pages((words + SMALL_BEYOND) * sizeof *tree->block);
+    tree->block = frame_pages((words + TINY_BEYOND) * sizeof *tree->block);
     tree->small = frame_pages(wide->node_count * sizeof *tree->small);
     if (!tree->block || !tree->small)
-        return fail(reason, STATUS_MEMORY, "fast_small: no memory for %u nodes", wide->node_count);
+        return fail(reason, STATUS_MEMORY, "%s: no memory for %u nodes", engine, wide->node_count);
     frame_set(tree, &wide->bounds);
     tree->node_count = wide->node_count;
     tree->stack_need = wide->stack_need;
@@ -122,17 +167,17 @@ static enum status fill(const struct small_making *m, struct reason *reason)
     return STATUS_OK;
 }
 
-enum status fast_make_small(const struct bvh *bvh, const struct scene *scene, struct fast_tree *out,
-                            struct reason *reason)
+/* Makes a tree of a form, whose own part of *out has been set. */
+static enum status make(const struct bvh *bvh, const struct scene *scene,
+                        const struct leaf_form *form, struct fast_tree *out, struct reason *reason)
 {
+    struct wide_tree wide;
+    struct small_making m = {out, &wide, bvh, scene, form};
     const struct wide_rule rule = {.width = FAST_WIDTH,
-                                   .leaf_most = SMALL_TRIS,
+                                   .leaf_most = form->tris,
                                    .node_cost = 1,
                                    .leaf_cost = leaf_cost,
-                                   .self = &scene};
-    struct wide_tree wide;
-    *out = (struct fast_tree){.node = NULL};
-    const struct small_making m = {out, &wide, bvh, scene};
+                                   .self = &m};
     enum status status = wide_tree_make(bvh, scene, &rule, &wide, reason);
     if (!status && wide.node_count > 0)
         status = fill(&m, reason);
@@ -140,4 +185,24 @@ enum status fast_make_small(const struct bvh *bvh, const struct scene *scene, st
     if (status)
         fast_free(out);
     return status;
+}
+
+enum status fast_make_small(const struct bvh *bvh, const struct scene *scene, struct fast_tree *out,
+                            struct reason *reason)
+{
+    *out = (struct fast_tree){.node = NULL};
+    return make(bvh, scene, &small_form, out, reason);
+}
+
+enum status fast_make_tiny(const struct bvh *bvh, const struct scene *scene, struct fast_tree *out,
+                           struct reason *reason)
+{
+    struct reason why = {""};
+    *out = (struct fast_tree){.is_tiny = true};
+    if (tiny_form_make(scene, &out->tiny, &why)) {
+        *out = (struct fast_tree){.node = NULL};
+        return fail(reason, STATUS_UNSUPPORTED,
+                    "fast_tiny: %.150s; a copy that does is made by --store quantised", why.text);
+    }
+    return make(bvh, scene, &tiny_form, out, reason);
 }

@@ -1,11 +1,13 @@
 /* Small trees: the form of ref/fast/fast.h in about half its bytes, of which a dragon takes less
  * than 14 a triangle. Nodes have 80 bytes, and leaves are blocks of ref/fast/small_block.h. Every
- * bound is still a code of the scene's frame, so that the proof of the box test is the same. */
+ * bound is still a code of the scene's frame, so that the proof of the box test is the same. Tiny
+ * trees have the same nodes; their leaves are blocks of ref/fast/tiny_block.h. */
 #ifndef SMALL_TREE_H
 #define SMALL_TREE_H
 
 #include "ref/fast/fast.h"
 #include "ref/fast/small_block.h"
+#include "ref/fast/tiny_block.h"
 
 /* A node. The bounds of its children along an axis are base + (q << shift) for q of 8 bits: codes
  * of the scene's frame, at most 65536. The children that are nodes stand in a row from first[0] on,
@@ -22,6 +24,8 @@ _Static_assert(sizeof(struct fast_small_node) == FAST_SMALL_NODE, "parts of two 
 #define SMALL_LEAF   0x8000u
 #define SMALL_OFFSET 0x7FFFu
 _Static_assert((FAST_WIDTH - 1) * SMALL_WORDS <= SMALL_OFFSET, "a node reaches all its blocks");
+_Static_assert((FAST_WIDTH - 1) * TINY_WORDS <= SMALL_OFFSET, "a node reaches all its blocks");
+_Static_assert(TINY_BEYOND >= SMALL_BEYOND, "the larger one is left behind the blocks");
 
 static inline uint32_t small_children(const struct fast_small_node *node)
 {

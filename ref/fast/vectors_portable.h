@@ -95,12 +95,30 @@ INLINE float16 vertices(const uint32_t *row, uint32_t count)
     return out;
 }
 
+#ifdef FAST_TINY /* lanes: a code has 5 bits */
+
+typedef int8 codes8;
+
+INLINE uint32_t code_at(codes8 code, int i)
+{
+    return (uint32_t)code[i];
+}
+
+#else
+
 typedef uint32_t codes8;
 
 INLINE codes8 codes(uint32_t word)
 {
     return word;
 }
+
+INLINE uint32_t code_at(codes8 code, int i)
+{
+    return code >> 4 * i;
+}
+
+#endif
 
 INLINE float8 corners(float16 row, codes8 code, uint32_t count)
 {
@@ -109,7 +127,7 @@ INLINE float8 corners(float16 row, codes8 code, uint32_t count)
     float8 all;
     memcpy(v, &row, sizeof v);
     for (int i = 0; i < 8; i++)
-        out[i] = v[code >> 4 * i & 15];
+        out[i] = v[code_at(code, i) & 15];
     memcpy(&all, out, sizeof all);
     return all;
 }

@@ -9,7 +9,7 @@
  *   codes       the 8 4-bit codes of a word
  *   push        writes three or more children, farthest first; push_any all but the last
  * and groups of triangles: ref/fast/walk_group.h. FAST_SMALL chooses the nodes
- * and leaves of ref/fast/small_tree.h. All comparisons with NaN are false, also by unequal. */
+ * and leaves of ref/fast/small_tree.h, FAST_TINY the nodes and the leaves of tiny trees. All comparisons with NaN are false, also by unequal. */
 #include "ref/fast/fast.h"
 
 #include "ref/fast/block.h"
@@ -148,14 +148,18 @@ INLINE bool prepare(struct walk_ray *r, const struct fast_tree *tree, const stru
     return true;
 }
 
+#include "ref/fast/leaf_row.h"
+
 /* The vertices of a leaf, translated and sheared. */
 struct leaf_rows {
-    float16 x, y, az;
+    leaf_row x, y, az;
     const uint32_t *block;
-    uint32_t vertices, tris; /* the second by small trees alone */
+    uint32_t vertices, tris; /* the second by small and tiny trees alone */
 };
 
-#ifdef FAST_SMALL
+#if defined FAST_TINY
+#include "ref/fast/walk_tiny.h"
+#elif defined FAST_SMALL
 #include "ref/fast/walk_small.h"
 #else
 #include "ref/fast/walk_plain.h"
@@ -262,7 +266,7 @@ INLINE void walk(const struct fast_tree *tree, const struct ray *ray, bool any, 
         return;
     }
     walk_tree(&r, tree, any, NULL, NULL, &best);
-    write_hit(&best, hit);
+    write_hit(tree, &best, hit);
 }
 
 #include "ref/fast/fast_pair.h"
@@ -317,6 +321,6 @@ KERNEL_TARGET static void any_hit(const struct fast_tree *tree, const struct ray
     walk_many(tree, ray, count, true, hit);
 }
 
-#ifndef FAST_SMALL
+#if !defined FAST_SMALL && !defined FAST_TINY
 #include "ref/fast/walk_world.h"
 #endif

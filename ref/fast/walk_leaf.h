@@ -17,15 +17,16 @@ INLINE void keep(struct walk_best *best, uint32_t in, group t)
 
 /* Returns those of the triangles in `in` that count as hits; `inside` is the ray in the instance.
  * */
-INLINE uint32_t admitted(const struct instance_at *at, const struct ray *inside,
-                         const struct walk_best *hits, uint32_t in, group t)
+INLINE uint32_t admitted(const struct fast_tree *tree, const struct instance_at *at,
+                         const struct ray *inside, const struct walk_best *hits, uint32_t in,
+                         group t)
 {
     float all[GROUP];
     memcpy(all, &t, sizeof all);
     for (uint32_t rest = in; rest; rest &= rest - 1) {
         uint32_t i = (uint32_t)__builtin_ctz(rest), tag;
         struct hit hit = {all[i], hits->v[i] / hits->det[i], hits->w[i] / hits->det[i],
-                          prim_of(hits->block, hits->part, i)};
+                          prim_of(tree, hits->block, hits->part, i)};
         if (!candidate_counts(at, inside->dir, &hit, &tag))
             in &= ~(1u << i);
     }
@@ -43,14 +44,12 @@ struct leaf_seen {
 INLINE uint32_t see_group(const struct walk_ray *r, const struct leaf_rows *rows, uint32_t number,
                           bool leave, struct leaf_seen *seen)
 {
-    const float16 x = rows->x, y = rows->y;
+    const leaf_row x = rows->x, y = rows->y;
     const uint32_t n = rows->vertices;
     group_codes c[3];
     const uint32_t there = leaf_codes(rows, number, c);
-    group x0 = group_corners(x, c[0], n), x1 = group_corners(x, c[1], n),
-          x2 = group_corners(x, c[2], n);
-    group y0 = group_corners(y, c[0], n), y1 = group_corners(y, c[1], n),
-          y2 = group_corners(y, c[2], n);
+    group x0 = row_corners(x, c[0], n), x1 = row_corners(x, c[1], n), x2 = row_corners(x, c[2], n);
+    group y0 = row_corners(y, c[0], n), y1 = row_corners(y, c[1], n), y2 = row_corners(y, c[2], n);
     group w0 = x2 * y1 - y2 * x1;
     group w1 = x0 * y2 - y0 * x2;
     group w2 = x1 * y0 - y1 * x0;
@@ -60,9 +59,9 @@ INLINE uint32_t see_group(const struct walk_ray *r, const struct leaf_rows *rows
     uint32_t in = group_unequal(det, zero) & ~outside & there;
     if (leave && in == 0)
         return 0;
-    const float16 z = r->shear[2] * rows->az;
-    group t = (w0 * group_corners(z, c[0], n) + w1 * group_corners(z, c[1], n)) +
-              w2 * group_corners(z, c[2], n);
+    const leaf_row z = row_times(rows->az, r->shear[2]);
+    group t = (w0 * row_corners(z, c[0], n) + w1 * row_corners(z, c[1], n)) +
+              w2 * row_corners(z, c[2], n);
     t = t / det;
     *seen = (struct leaf_seen){w1, w2, det, t};
     return in & group_not_below(t, r->tmin) & group_below(t, r->tbest);
@@ -96,7 +95,7 @@ INLINE bool test_leaf(struct walk_ray *r, const struct fast_tree *tree, uint32_t
         if (at) {
             struct walk_best hits;
             keep_seen(&hits, &rows, number, &seen);
-            in = admitted(at, inside, &hits, in, seen.t);
+            in = admitted(tree, at, inside, &hits, in, seen.t);
             if (in == 0)
                 continue;
         }
@@ -109,7 +108,8 @@ INLINE bool test_leaf(struct walk_ray *r, const struct fast_tree *tree, uint32_t
     return found;
 }
 
-INLINE void write_hit(const struct walk_best *best, struct hit *hit)
+/* `tree` is read by tiny trees alone. */
+INLINE void write_hit(const struct fast_tree *tree, const struct walk_best *best, struct hit *hit)
 {
     uint32_t lane = best->lane;
     *hit = (struct hit){.prim = ABI_NO_PRIM};
@@ -117,5 +117,5 @@ INLINE void write_hit(const struct walk_best *best, struct hit *hit)
         *hit = (struct hit){.t = best->t,
                             .u = best->v[lane] / best->det[lane],
                             .v = best->w[lane] / best->det[lane],
-                            .prim = prim_of(best->block, best->part, lane)};
+                            .prim = prim_of(tree, best->block, best->part, lane)};
 }

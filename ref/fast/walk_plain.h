@@ -82,14 +82,16 @@ INLINE uint32_t leaf_codes(const struct leaf_rows *rows, uint32_t number, group_
     return ~0u; /* absent ones are never hit */
 }
 
-/* What prim_of takes beside the block and the lane. */
+/* What prim_of takes beside the tree, the block and the lane. */
 INLINE uint32_t leaf_part(const struct leaf_rows *rows, uint32_t number)
 {
     (void)number;
     return rows->vertices;
 }
 
-INLINE uint32_t prim_of(const uint32_t *block, uint32_t part, uint32_t lane)
+INLINE uint32_t prim_of(const struct fast_tree *tree, const uint32_t *block, uint32_t part,
+                        uint32_t lane)
 {
+    (void)tree;
     return block_prim(block, part, lane);
 }

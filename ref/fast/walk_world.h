@@ -81,7 +81,7 @@ INLINE void write_world_hit(const struct fast_world *fast, const struct ray *ray
     struct ray inside;
     float v[3][3];
     enter_ray(instance, ray, &inside);
-    write_hit(&best->in, hit);
+    write_hit(NULL, &best->in, hit);
     for (int c = 0; c < 3; c++)
         block_corner(best->in.block, best->in.part, best->in.lane, c, v[c]);
     bool front = (candidate_side(inside.dir, v) < 0.0f) !=

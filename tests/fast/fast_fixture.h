@@ -18,21 +18,38 @@ static const struct tri_test *woop(void)
     return tri_test_find("woop");
 }
 
-static bool small_form; /* trees are those of ref/fast/small_tree.h */
+static const struct fast_form *tested = &fast_forms[0]; /* of the trees that are made */
 
 static inline const struct fast_kernel *const *kernels(void)
 {
-    return small_form ? fast_small_kernels : fast_kernels;
+    return tested->kernels;
 }
 
-static inline struct fast_tree make_tree(const struct scene *scene, uint32_t leaf)
+/* Moves the vertices onto a grid of so many bits. */
+static inline void settle(struct scene *scene, uint32_t bits)
 {
+    struct scene moved;
+    struct quantised quantised;
+    struct reason reason = {""};
+    if (scene_quantise(scene, bits, &moved, &quantised, &reason))
+        fail_msg("%s", reason.text);
+    scene_free(scene);
+    *scene = moved;
+}
+
+/* For a form of vertices on a grid the scene is moved onto one. */
+static inline struct fast_tree make_tree(struct scene *scene, uint32_t leaf)
+{
+    struct grid grid;
+    struct reason why;
+    if (tested == &fast_forms[2] && grid_of_scene(scene, &grid, &why))
+        settle(scene, 16);
     struct build_options options = {.leaf = leaf};
     struct reason reason = {""};
     struct fast_tree tree;
     struct bvh bvh;
     assert_int_equal(builders[0]->build(scene, &options, &bvh, NULL), STATUS_OK);
-    if ((small_form ? fast_make_small : fast_make)(&bvh, scene, &tree, &reason))
+    if (tested->make(&bvh, scene, &tree, &reason))
         fail_msg("%s", reason.text);
     bvh_free(&bvh);
     return tree;

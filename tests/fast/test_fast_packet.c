@@ -196,7 +196,10 @@ int main(void)
         cmocka_unit_test(rays_together_answer_as_alone),
         cmocka_unit_test(the_order_of_rays_changes_nothing),
     };
-    int failed = cmocka_run_group_tests_name("fast", tests, NULL, NULL);
-    small_form = true;
-    return failed + cmocka_run_group_tests_name("fast_small", tests, NULL, NULL);
+    int failed = 0;
+    for (size_t i = 0; i < ARRAY_COUNT(fast_forms); i++) {
+        tested = &fast_forms[i];
+        failed += cmocka_run_group_tests_name(tested->engine, tests, NULL, NULL);
+    }
+    return failed;
 }

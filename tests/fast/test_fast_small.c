@@ -2,73 +2,7 @@
  * the ranges of blocks. */
 #include "tests/fast/small_fixture.h"
 
-#include "ref/fast/fast_frame.h"
-
-#define RAYS 400
-
 /* --- trees ------------------------------------------------------------------------------------ */
-
-/* The true box of what is below a reference, and what is counted there. */
-static struct box box_below(const struct fast_tree *tree, uint32_t ref, uint8_t *seen,
-                            uint32_t *leaves)
-{
-    struct box box = box_empty();
-    if (ref & FAST_LEAF) {
-        const uint32_t *block = tree->block + (ref & ~FAST_LEAF);
-        ++*leaves;
-        for (uint32_t i = 0; i < small_tris(*block); i++) {
-            float v[3][3];
-            small_tri(block, i, v);
-            seen[small_prim(block, i)]++;
-            for (int c = 0; c < 3; c++)
-                box_add_point(&box, v[c]);
-        }
-        return box;
-    }
-    const struct fast_small_node *node = &tree->small[ref];
-    uint32_t least[3] = {UINT32_MAX, UINT32_MAX, UINT32_MAX}, most[3] = {0};
-    assert_in_range(small_children(node), 1, FAST_WIDTH);
-    for (uint32_t i = 0; i < small_children(node); i++) {
-        struct box child = box_below(tree, small_ref(node, i), seen, leaves);
-        for (int k = 0; k < 3; k++) {
-            const double lo = (double)tree->lo[k], step = (double)tree->step[k];
-            const uint32_t lower = small_code(node, 0, k, i), upper = small_code(node, 1, k, i);
-            const double unit = 1u << (node->shifts >> 4 * k & 15u);
-            assert_true(lower <= upper && upper <= 65536);
-            assert_true(lo + step * lower <= (double)child.lo[k]);
-            assert_true(lo + step * upper >= (double)child.hi[k]);
-            /* No more than a unit and a code beyond, in steps that are rounded. */
-            assert_true(lo + step * (lower + unit + 1) >= (double)child.lo[k]);
-            assert_true(lo + step * (upper - unit - 1) <= (double)child.hi[k]);
-            const uint32_t down = frame_down(tree, k, child.lo[k]);
-            const uint32_t up = frame_up(tree, k, child.hi[k]);
-            least[k] = down < least[k] ? down : least[k];
-            most[k] = up > most[k] ? up : most[k];
-        }
-        box_add_box(&box, &child);
-    }
-    for (int k = 0; k < 3; k++) { /* half of the unit would not reach */
-        const uint32_t shift = node->shifts >> 4 * k & 15u;
-        assert_true(shift == 0 || most[k] - least[k] > 255u << (shift - 1));
-    }
-    return box;
-}
-
-/* Every triangle is in one leaf, in boxes that hold it and are not much larger. */
-static void check_tree(const struct scene *scene)
-{
-    struct fast_tree tree = make_tree(scene, 1);
-    uint8_t *seen = calloc(scene->tri_count, 1);
-    uint32_t leaves = 0;
-    assert_non_null(seen);
-    assert_int_equal(fast_bytes(&tree), 80u * tree.node_count + 4 * tree.block_words);
-    (void)box_below(&tree, 0, seen, &leaves);
-    for (uint32_t i = 0; i < scene->tri_count; i++)
-        assert_int_equal(seen[i], 1);
-    assert_true(leaves >= scene->tri_count / SMALL_TRIS);
-    free(seen);
-    fast_free(&tree);
-}
 
 static void trees_hold_all_triangles(void **state)
 {
@@ -142,32 +76,6 @@ static void closed_meshes_take_little(void **state)
 
 /* --- hits ------------------------------------------------------------------------------------- */
 
-/* Rays to points of triangles from around the scene. Returns how many hit something. */
-static size_t check_hits(struct rng *rng, const struct scene *scene, float size)
-{
-    static struct ray ray[RAYS];
-    struct fast_tree tree = make_tree(scene, 1);
-    size_t hits = 0;
-    for (size_t i = 0; i < RAYS; i++) {
-        float v[3][3], w[3] = {rng_range(rng, 0.1f, 1), rng_range(rng, 0.1f, 1), 0.5f};
-        struct hit hit;
-        scene_tri(scene, rng_below(rng, scene->tri_count), v);
-        ray[i] = (struct ray){.tmax = RAY_TMAX};
-        for (int k = 0; k < 3; k++) {
-            const float sum = w[0] + w[1] + w[2];
-            const float to =
-                v[0][k] * (w[0] / sum) + v[1][k] * (w[1] / sum) + v[2][k] * (w[2] / sum);
-            ray[i].org[k] = rng_range(rng, -2, 2) * size;
-            ray[i].dir[k] = (to - ray[i].org[k]) / size;
-        }
-        trace_brute(scene, woop(), QUERY_CLOSEST, &ray[i], &hit);
-        hits += hit.prim != ABI_NO_PRIM;
-    }
-    check_rays(&tree, scene, ray, RAYS);
-    fast_free(&tree);
-    return hits;
-}
-
 /* Blocks of coordinates of both signs, of all sizes in one row, of huge and tiny ones, of zeros of
  * both signs: 16 vertices, so that leaves are full. */
 static void any_coordinates_are_hit(void **state)
@@ -183,7 +91,7 @@ static void any_coordinates_are_hit(void **state)
             scene_free(&scene);
         }
         if (kind == 0 || kind >= 5) /* products of the others overflow or underflow, or are 0 */
-            assert_true(hits > RAYS || kind == KINDS);
+            assert_true(hits > HIT_RAYS || kind == KINDS);
     }
 }
 
@@ -212,7 +120,7 @@ static void every_place_in_a_leaf_is_tested(void **state)
                 assert_true(small_vertices(tree.block[0]) <= SMALL_VERTICES);
             }
             fast_free(&tree);
-            assert_true(check_hits(&rng, &scene, 1) > RAYS / 2);
+            assert_true(check_hits(&rng, &scene, 1) > HIT_RAYS / 2);
             scene_free(&scene);
         }
 }
@@ -257,7 +165,7 @@ static void empty_and_too_deep_trees(void **state)
 
 int main(void)
 {
-    small_form = true;
+    tested = &fast_forms[1];
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(trees_hold_all_triangles),
         cmocka_unit_test(bounds_at_the_ends_of_the_frame),

@@ -182,20 +182,21 @@ static void watching_changes_no_answer(void **state)
     scene_free(&scene);
 }
 
-/* The same of the trees of engines fast and fast_small: the kernels' hits, and no more lines than
- * they have. */
-static void check_watched(bool small)
+/* The same of the trees of the fast engines: the kernels' hits, and no more lines than they
+ * have. */
+static void check_watched(const struct fast_form *form)
 {
-    const struct fast_kernel *best = small ? fast_small_kernel_best() : fast_kernel_best();
+    const struct fast_kernel *best = form->kernel();
     static struct ray ray[RAYS];
     static struct fast_tree tree;
-    struct scene scene = generated("soup:n=900");
-    struct bvh bvh = median(&scene, 1);
+    struct scene soup = generated("soup:n=900"), scene;
+    struct quantised quantised;
     struct reason reason;
     struct cache_sim cache;
+    assert_int_equal(scene_quantise(&soup, 16, &scene, &quantised, &reason), STATUS_OK);
+    struct bvh bvh = median(&scene, 1);
     assert_int_equal(ray_set_make(ray_set_find("random"), &scene, 3, RAYS, ray, NULL), STATUS_OK);
-    assert_int_equal((small ? fast_make_small : fast_make)(&bvh, &scene, &tree, &reason),
-                     STATUS_OK);
+    assert_int_equal(form->make(&bvh, &scene, &tree, &reason), STATUS_OK);
     assert_int_equal(cache_sim_make(large, &cache, &reason), STATUS_OK);
     for (size_t i = 0; i < RAYS; i++) {
         struct hit kernel, watched;
@@ -209,13 +210,14 @@ static void check_watched(bool small)
     fast_free(&tree);
     bvh_free(&bvh);
     scene_free(&scene);
+    scene_free(&soup);
 }
 
 static void watching_fast_changes_no_answer(void **state)
 {
     (void)state;
-    check_watched(false);
-    check_watched(true);
+    for (size_t i = 0; i < ARRAY_COUNT(fast_forms); i++)
+        check_watched(&fast_forms[i]);
 }
 
 /* --- shadow rays ------------------------------------------------------------------------------ */
