@@ -7,6 +7,7 @@
 #include "ref/base/command.h"
 #include "bench/measure/small_parts.h"
 #include "ref/engines/embree_modes.h"
+#include "ref/store.h"
 #include "scenes/rays/rays.h"
 #include "ref/base/json_record.h"
 
@@ -24,6 +25,7 @@ static const char *const kinds[] = {"primary", "random", "bounce", "shadow"};
 struct fast_entry {
     char name[BENCH_ENGINE_NAME];
     const struct engine *engine;
+    const struct tri_store *store; /* NULL: indexed */
     bool compact, avx512, alone;
 };
 
@@ -33,8 +35,8 @@ struct contest {
     const struct scene *scene;
     struct bvh bvh;
     struct race race;
-    struct fast_entry entry[RIVALS]; /* per contestant */
-    struct hit *hit; /* scratch */
+    struct fast_entry entry[RIVALS];            /* per contestant */
+    struct hit *hit;                            /* scratch */
     double log_ratio[RIVALS], log_warm[RIVALS]; /* of all kinds, summed */
     size_t missed[RIVALS];
     bool embree; /* the first contestant is Embree, which the others are compared with */
@@ -46,16 +48,18 @@ struct contest {
 static const struct {
     const char *name, *engine;
     bool compact, avx512, alone;
+    const char *store; /* NULL: indexed */
 } own[] = {
-    {"embree", "embree", false, false, false},
-    {"embree avx512", "embree", false, true, false},
-    {"embree robust", "embree_robust", false, false, false},
-    {"embree compact", "embree", true, false, false},
-    {"embree high", "embree_high", false, false, false},
-    {"embree 16", "embree_16", false, false, false},
-    {"fast small", "fast_small", false, false, false},
-    {"fast alone", "fast", false, false, true},
-    {"fast", "fast", false, false, false},
+    {"embree", "embree", false, false, false, NULL},
+    {"embree avx512", "embree", false, true, false, NULL},
+    {"embree robust", "embree_robust", false, false, false, NULL},
+    {"embree compact", "embree", true, false, false, NULL},
+    {"embree high", "embree_high", false, false, false, NULL},
+    {"embree 16", "embree_16", false, false, false, NULL},
+    {"fast tiny", "fast_small", false, false, false, "quantised"},
+    {"fast small", "fast_small", false, false, false, NULL},
+    {"fast alone", "fast", false, false, true, NULL},
+    {"fast", "fast", false, false, false, NULL},
 };
 
 /* Replaces the primary rays by rays from their hits to a light. */
@@ -66,8 +70,7 @@ static enum status make_shadow_rays(struct contest *c, struct reason *reason)
     struct ray *out = alloc_zeroed(c->count, sizeof *out);
     if (!out)
         return fail(reason, STATUS_MEMORY, "no memory for %zu rays", c->count);
-    enum status status =
-        who->engine->trace(who->self, c->ray, c->count, c->hit, &report, reason);
+    enum status status = who->engine->trace(who->self, c->ray, c->count, c->hit, &report, reason);
     if (!status)
         status = shadow_rays_make(c->scene, c->ray, c->hit, c->count, out, reason);
     if (!status)
@@ -162,7 +165,7 @@ static enum status print_parts(const struct contest *c, struct reason *reason)
     struct fast_tree tree;
     bool is = false;
     for (size_t i = 0; i < c->race.count; i++)
-        is = is || c->entry[i].engine == engine_find("fast_small");
+        is = is || (c->entry[i].engine == engine_find("fast_small") && !c->entry[i].store);
     enum status status = is ? fast_make_small(&c->bvh, c->scene, &tree, reason) : STATUS_OK;
     if (!is || status)
         return status;
@@ -189,7 +192,7 @@ static const struct engine *engine_of(const char *name)
     return engine_find(name);
 }
 
-/* Enters an engine, or prints why it is left out. */
+/* Enters an engine, or prints why it is left out: also a storage of which the scene is not. */
 static enum status enter(struct contest *c, const struct fast_entry *entry, bool named,
                          struct reason *reason)
 {
@@ -197,7 +200,8 @@ static enum status enter(struct contest *c, const struct fast_entry *entry, bool
     const struct contestant who = {.engine = entry->engine,
                                    .layout = entry->engine->needs_packed ? layouts[0] : NULL,
                                    .box = box_test_find("watertight"),
-                                   .tri = tri_test_find("woop")};
+                                   .tri = tri_test_find("woop"),
+                                   .store = entry->store};
     if (c->race.count == RIVALS)
         return fail(reason, STATUS_LIMIT, "more than %d contestants", RIVALS);
     options.compact = entry->compact;
@@ -205,7 +209,7 @@ static enum status enter(struct contest *c, const struct fast_entry *entry, bool
     options.alone = entry->alone;
     c->entry[c->race.count] = *entry;
     enum status status = race_add(&c->race, &who, &options, reason);
-    if (status == STATUS_UNSUPPORTED) {
+    if (status == STATUS_UNSUPPORTED || (status == STATUS_LIMIT && entry->store)) {
         screen_line(4, "  %s left out: %s\n", entry->name, reason->text);
         if (named)
             bench_worse(c->bench, EXIT_SKIPPED);
@@ -222,6 +226,7 @@ static enum status enter_own(struct contest *c, size_t count, struct reason *rea
                                    .compact = own[i].compact,
                                    .avx512 = own[i].avx512,
                                    .alone = own[i].alone};
+        entry.store = own[i].store ? tri_store_find(own[i].store) : NULL;
         snprintf(entry.name, sizeof entry.name, "%s", own[i].name);
         status = enter(c, &entry, false, reason);
         if (i == 0)
@@ -248,8 +253,7 @@ static enum status enter_named(struct contest *c, struct reason *reason)
 
 static enum status enter_all(struct contest *c, struct reason *reason)
 {
-    return c->bench->engine.count ? enter_named(c, reason)
-                                  : enter_own(c, ARRAY_COUNT(own), reason);
+    return c->bench->engine.count ? enter_named(c, reason) : enter_own(c, ARRAY_COUNT(own), reason);
 }
 
 static enum status open_contest(struct contest *c, struct reason *reason)

@@ -127,7 +127,7 @@ void matrix_forget_timed(struct matrix_row *row)
 
 /* --- lines ------------------------------------------------------------------------------------ */
 
-/* A traversal whose reads are recorded: of one of the fast engines, or of a packed tree. */
+/* A traversal whose reads are recorded: of engine fast or fast_small, or of a packed tree. */
 struct watched {
     struct touch *touch;
     const struct fast_tree *fast;
@@ -183,7 +183,7 @@ static enum status watch_fast(struct matrix *m, const struct contestant *c, stru
     struct fast_tree *tree = aligned_alloc(_Alignof(struct fast_tree), sizeof *tree);
     if (!tree)
         return fail(reason, STATUS_MEMORY, "no memory for a tree");
-    const struct fast_form *form = fast_form_of(c->engine->name);
+    const struct fast_form *form = fast_form_of(c->engine == engine_find("fast_small"), &c->packed);
     enum status status = form->make(c->bvh, m->scene, tree, reason);
     if (!status) {
         struct watched w = {.fast = tree};

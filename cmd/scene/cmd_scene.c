@@ -8,6 +8,7 @@
 #include "ref/base/nearest_name.h"
 #include "ref/base/command.h"
 #include "ref/base/decimal.h"
+#include "ref/scene/quantise.h"
 #include "scenes/facts.h"
 #include "ref/base/json_record.h"
 
@@ -207,13 +208,17 @@ static const struct {
     int (*run)(const struct scene_options *options);
     const char *takes; /* the options that it takes */
 } actions[] = {{"info", scene_info, "json seed"},
-               {"convert", scene_convert, "seed"},
+               {"convert", scene_convert, "bits seed"},
                {"list", scene_list, ""}};
 
 #define ROWS_OF struct scene_options
 
 static const struct option_row rows[] = {
     {"json", NULL, "info as one JSON object, {\"scenes\": [...]}", OF_FLAG(json)},
+    {"bits", "N",
+     "convert: moves the vertices of a scene to the nearest points of a grid of so many bits an "
+     "axis, as --store quantised does, and tells how far",
+     OF_COUNT(bits, QUANTISE_BITS_LEAST, QUANTISE_BITS_MOST)},
     SCENE_SEED_ROW(seed),
     {0},
 };
@@ -221,7 +226,7 @@ static const struct option_row rows[] = {
 static const struct option_set set = {
     .command = "scene",
     .usage = "scene info SCENE... [--json] [--seed S]\n"
-             "scene convert SCENE FILE [--seed S]\n"
+             "scene convert SCENE FILE [--bits N] [--seed S]\n"
              "scene list",
     .about = "A SCENE is a mesh file (.json as RTRS writes it, .obj, .ply, .stl), a world file "
              "(.gltf, .glb, .json of raydiff; all also .gz) or a generator with parameters, such "
@@ -239,7 +244,8 @@ static const struct option_set set = {
     .codes = "0, 2 bad input, 4 no memory",
     .example = "scene info sphere soup:n=1000\n"
                "scene convert terrain:k=6 terrain.ply\n"
-               "scene convert crowd:n=100 crowd.glb",
+               "scene convert crowd:n=100 crowd.glb\n"
+               "scene convert sphere coarse.ply --bits 12",
 };
 
 static int run_action(size_t i, const struct scene_options *options)

@@ -9,6 +9,7 @@
 struct scene_options {
     uint64_t seed;
     bool json;
+    unsigned bits; /* of a grid; 0: coordinates stay */
     char **argument;
     int argument_count;
 };

@@ -4,6 +4,7 @@
 #include "cmd/common/cmd_options.h"
 #include "ref/base/command.h"
 #include "ref/base/text.h"
+#include "ref/scene/quantise.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -48,6 +49,32 @@ static void tell_left_out(const struct world_notes *notes)
                notes->skins, plural(notes->skins), notes->morphs, plural(notes->morphs));
 }
 
+/* Replaces a scene by its copy on a grid. */
+static enum status move_to_grid(struct world *world, const char *from, uint32_t bits,
+                                struct quantised *moved, struct reason *reason)
+{
+    struct reason why = {""};
+    struct scene out;
+    if (!world_is_plain(world))
+        return fail(reason, STATUS_INPUT,
+                    "%s: --bits moves the vertices of a scene, this is a world", from);
+    struct scene *scene = world->mesh[0].scene;
+    enum status status = scene_quantise(scene, bits, &out, moved, &why);
+    if (status)
+        return fail(reason, status, "%s: %.150s", from, why.text);
+    scene_free(scene);
+    *scene = out;
+    return STATUS_OK;
+}
+
+static void tell_moved(const struct quantised *moved)
+{
+    printf("on a grid of %u bits an axis: vertices moved by %.4g at most, certified; %u %s "
+           "without area\n",
+           moved->grid.bits, moved->distance, moved->flat,
+           moved->flat == 1 ? "triangle" : "triangles");
+}
+
 int scene_convert(const struct scene_options *options)
 {
     if (options->argument_count != 2)
@@ -55,8 +82,11 @@ int scene_convert(const struct scene_options *options)
     const char *from = options->argument[0], *to = options->argument[1];
     struct world world;
     struct world_notes notes;
+    struct quantised moved;
     struct reason reason;
     enum status status = world_open_noted(from, options->seed, &world, &notes, &reason);
+    if (!status && options->bits)
+        status = move_to_grid(&world, from, options->bits, &moved, &reason);
     if (!status && is_rtrs(to, &world))
         status = scene_write(to, world_only_scene(&world), &reason);
     else if (!status)
@@ -65,6 +95,8 @@ int scene_convert(const struct scene_options *options)
         tell_scene(to, &world);
     else if (!status)
         tell_world(to, &world);
+    if (!status && options->bits)
+        tell_moved(&moved);
     if (!status)
         tell_left_out(&notes);
     world_free(&world);

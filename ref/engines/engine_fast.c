@@ -8,16 +8,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum status fast_engine_open(const struct engine_options *options, const struct fast_form *form,
-                             void **self, struct reason *reason)
+enum status fast_engine_open(const struct engine_options *options, bool small, void **self,
+                             struct reason *reason)
 {
     /* struct fast_tree is aligned for vectors. */
     struct fast *fast = aligned_alloc(_Alignof(struct fast), sizeof *fast);
     *self = fast;
     if (!fast)
         return fail(reason, STATUS_MEMORY, "no memory for an engine");
-    *fast = (struct fast){.kernel = form->kernel(),
-                          .form = form,
+    *fast = (struct fast){.kernel = small ? fast_small_kernel_best() : fast_kernel_best(),
+                          .small = small,
                           .threads = cpu_rays_threads(options),
                           .alone = options->alone};
     return STATUS_OK;
@@ -26,7 +26,7 @@ enum status fast_engine_open(const struct engine_options *options, const struct 
 static enum status fast_open(const struct engine_options *options, void **self,
                              struct reason *reason)
 {
-    return fast_engine_open(options, &fast_forms[0], self, reason);
+    return fast_engine_open(options, false, self, reason);
 }
 
 void fast_close(void *self)
@@ -54,12 +54,15 @@ enum status fast_prepare(void *self, const struct job *job, struct reason *reaso
     struct bvh bvh = {.node = NULL};
     fast_free(&fast->tree);
     fast->query = job->query;
-    enum status status = fast_takes_layout(job->packed->layout, fast->form->engine, reason);
+    enum status status =
+        fast_takes_layout(job->packed->layout, fast->small ? "fast_small" : "fast", reason);
     if (status || job->packed->node_count == 0)
         return status;
+    const struct fast_form *form = fast_form_of(fast->small, job->packed);
+    fast->kernel = form->kernel();
     status = fast_decode(job->packed, job->scene, &bvh, reason);
     if (!status)
-        status = fast->form->make(&bvh, job->scene, &fast->tree, reason);
+        status = form->make(&bvh, job->scene, &fast->tree, reason);
     if (fast->alone)
         fast->tree.in_packets = fast->tree.in_stream = fast->tree.in_pairs = false;
     bvh_free(&bvh);
@@ -110,16 +113,10 @@ struct model fast_model(void *self, const struct tri_test *tri)
     return cpu_rays_model(self, tri_test_find("woop"));
 }
 
-void fast_engine_describe(const struct engine_options *options, const struct fast_form *form,
-                          char *text, size_t text_bytes)
-{
-    snprintf(text, text_bytes, "%u threads, kernel %s, triangle test woop",
-             cpu_rays_threads(options), form->kernel()->name);
-}
-
 static void fast_describe(const struct engine_options *options, char *text, size_t text_bytes)
 {
-    fast_engine_describe(options, &fast_forms[0], text, text_bytes);
+    snprintf(text, text_bytes, "%u threads, kernel %s, triangle test woop",
+             cpu_rays_threads(options), fast_kernel_best()->name);
 }
 
 extern const struct engine engine_fast;

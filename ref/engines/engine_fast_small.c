@@ -1,26 +1,27 @@
-/* The fast traversal on all cores, of trees in the form of ref/fast/small_tree.h. */
+/* The fast traversal on all cores, of trees in the forms of ref/fast/small_tree.h. */
 #include "ref/engines/fast_inner.h"
 
-static const struct fast_form *form(void)
-{
-    return &fast_forms[1];
-}
+#include "ref/engines/cpu_rays.h"
+#include "ref/twin/model.h"
+
+#include <stdio.h>
 
 static enum status small_open(const struct engine_options *options, void **self,
                               struct reason *reason)
 {
-    return fast_engine_open(options, form(), self, reason);
+    return fast_engine_open(options, true, self, reason);
 }
 
 static void small_describe(const struct engine_options *options, char *text, size_t text_bytes)
 {
-    fast_engine_describe(options, form(), text, text_bytes);
+    snprintf(text, text_bytes, "%u threads, kernel %s, triangle test woop",
+             cpu_rays_threads(options), fast_small_kernel_best()->name);
 }
 
 extern const struct engine engine_fast_small;
 const struct engine engine_fast_small = {
     .name = "fast_small",
-    .summary = "fast on half the memory: nodes of 80 bytes, vertices as differences; test woop",
+    .summary = "fast on half the memory, with --store quantised on a quarter; test woop",
     .needs_packed = true,
     .own_tri = true,
     .tri_name = "woop",

@@ -1,5 +1,4 @@
-/* The engine `fast`, on scenes (engine_fast.c) and on worlds (fast_worlds.c), and those of its other forms
- * (engine_fast_small.c, engine_fast_tiny.c). */
+/* The engine `fast`, on scenes (engine_fast.c) and on worlds (fast_worlds.c), and `fast_small`. */
 #ifndef FAST_INNER_H
 #define FAST_INNER_H
 
@@ -16,7 +15,7 @@ struct fast {
     const struct fast_kernel *kernel;
     unsigned threads;
     bool alone;
-    const struct fast_form *form;
+    bool small; /* trees are small or tiny ones: fast_form_of */
     enum query query;
 };
 
@@ -27,12 +26,10 @@ static inline size_t fast_chunk(size_t chunk, size_t count)
     return left < FAST_CHUNK ? left : FAST_CHUNK;
 }
 
-/* What the engines share: functions of struct engine, and `open` and `describe` for a form of
- * tree. */
-enum status fast_engine_open(const struct engine_options *options, const struct fast_form *form,
-                             void **self, struct reason *reason) MUST_USE;
-void fast_engine_describe(const struct engine_options *options, const struct fast_form *form,
-                          char *text, size_t text_bytes);
+/* What the engines share: functions of struct engine, and `open` for plain trees, or small
+ * and tiny ones. */
+enum status fast_engine_open(const struct engine_options *options, bool small, void **self,
+                             struct reason *reason) MUST_USE;
 enum status fast_prepare(void *self, const struct job *job, struct reason *reason) MUST_USE;
 enum status fast_trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
                        struct trace_report *report, struct reason *reason) MUST_USE;

@@ -93,6 +93,7 @@ static inline uint64_t fast_bytes(const struct fast_tree *tree)
 }
 
 struct fast_world;
+struct packed;
 struct ray_mode;
 
 /* The traversal for one kind of processor. Closest hits are the same in all kernels, except where
@@ -119,9 +120,9 @@ const struct fast_kernel *fast_kernel_best(void);
 const struct fast_kernel *fast_small_kernel_best(void);
 const struct fast_kernel *fast_tiny_kernel_best(void);
 
-/* The forms of trees, and the engines that have them. */
+/* The forms of trees. */
 struct fast_form {
-    const char *engine;
+    const char *name;
     enum status (*make)(const struct bvh *bvh, const struct scene *scene, struct fast_tree *out,
                         struct reason *reason);
     const struct fast_kernel *const *kernels;
@@ -130,8 +131,9 @@ struct fast_form {
 
 extern const struct fast_form fast_forms[3]; /* fast, fast_small, fast_tiny */
 
-/* The form of an engine's trees; NULL: it has none. */
-const struct fast_form *fast_form_of(const char *engine);
+/* The form of the trees that engine fast makes of a packed tree, or fast_small: tiny ones where the
+ * storage is `quantised`, which has moved the vertices onto a grid, else small ones. */
+const struct fast_form *fast_form_of(bool small, const struct packed *packed);
 
 /* Finds all triangles that the ray hits, written as trace_ray_all (ref/trace/trace.h) does. Returns
  * their number, which may be over `capacity`. */

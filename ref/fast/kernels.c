@@ -1,6 +1,5 @@
 #include "ref/fast/fast.h"
-
-#include <string.h>
+#include "ref/store.h"
 
 extern const struct fast_kernel fast_portable, fast_small_portable, fast_tiny_portable;
 #if defined(__x86_64__)
@@ -63,10 +62,7 @@ const struct fast_form fast_forms[3] = {
     {"fast_tiny", fast_make_tiny, fast_tiny_kernels, fast_tiny_kernel_best},
 };
 
-const struct fast_form *fast_form_of(const char *engine)
+const struct fast_form *fast_form_of(bool small, const struct packed *packed)
 {
-    for (size_t i = 0; i < ARRAY_COUNT(fast_forms); i++)
-        if (strcmp(fast_forms[i].engine, engine) == 0)
-            return &fast_forms[i];
-    return NULL;
+    return &fast_forms[!small ? 0 : packed->store->id == ABI_STORE_QUANTISED ? 2 : 1];
 }

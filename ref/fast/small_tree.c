@@ -65,7 +65,7 @@ static void tiny_write(const struct fast_tree *tree, const struct scene *scene,
 }
 
 static const struct leaf_form small_form = {"fast_small", SMALL_TRIS, small_words, small_write};
-static const struct leaf_form tiny_form = {"fast_tiny", TINY_TRIS, tiny_words, tiny_write};
+static const struct leaf_form tiny_form = {"fast_small", TINY_TRIS, tiny_words, tiny_write};
 
 /* A leaf costs as much as a node, as most leaves are tested in few pieces. */
 static float leaf_cost(void *self, const uint32_t *prim, uint32_t count)
@@ -201,8 +201,7 @@ enum status fast_make_tiny(const struct bvh *bvh, const struct scene *scene, str
     *out = (struct fast_tree){.is_tiny = true};
     if (tiny_form_make(scene, &out->tiny, &why)) {
         *out = (struct fast_tree){.node = NULL};
-        return fail(reason, STATUS_UNSUPPORTED,
-                    "fast_tiny: %.150s; a copy that does is made by --store quantised", why.text);
+        return fail(reason, STATUS_UNSUPPORTED, "fast_small: %.200s", why.text);
     }
     return make(bvh, scene, &tiny_form, out, reason);
 }

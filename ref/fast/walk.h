@@ -9,7 +9,8 @@
  *   codes       the 8 4-bit codes of a word
  *   push        writes three or more children, farthest first; push_any all but the last
  * and groups of triangles: ref/fast/walk_group.h. FAST_SMALL chooses the nodes
- * and leaves of ref/fast/small_tree.h, FAST_TINY the nodes and the leaves of tiny trees. All comparisons with NaN are false, also by unequal. */
+ * and leaves of ref/fast/small_tree.h, FAST_TINY the nodes and the leaves of tiny trees. All
+ * comparisons with NaN are false, also by unequal. */
 #include "ref/fast/fast.h"
 
 #include "ref/fast/block.h"

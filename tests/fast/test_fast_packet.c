@@ -199,7 +199,7 @@ int main(void)
     int failed = 0;
     for (size_t i = 0; i < ARRAY_COUNT(fast_forms); i++) {
         tested = &fast_forms[i];
-        failed += cmocka_run_group_tests_name(tested->engine, tests, NULL, NULL);
+        failed += cmocka_run_group_tests_name(tested->name, tests, NULL, NULL);
     }
     return failed;
 }

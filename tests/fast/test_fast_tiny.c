@@ -2,6 +2,7 @@
  * which scenes have none. What is hit is held by test_fast, too. */
 #include "tests/fast/small_fixture.h"
 
+#include "ref/store.h"
 #include "ref/store/bits.h"
 
 /* --- blocks ----------------------------------------------------------------------------------- */
@@ -203,12 +204,25 @@ static void scenes_off_a_grid_are_refused(void **state)
             scene.vertex[3 + k] = off[i];
             bvh = trees_make(&scene, 1, TREES_LEFT);
             assert_int_equal(fast_make_tiny(&bvh, &scene, &tree, &reason), STATUS_UNSUPPORTED);
-            assert_non_null(strstr(reason.text, "fast_tiny: the scene's"));
-            assert_non_null(strstr(reason.text, "--store quantised"));
+            assert_non_null(strstr(reason.text, "fast_small: the scene's"));
             assert_true(tree.small == NULL && tree.block == NULL);
             bvh_free(&bvh);
             scene_free(&scene);
         }
+}
+
+/* Engine fast has plain trees. Those of fast_small are tiny where vertices were quantised. */
+static void forms_of_engines(void **state)
+{
+    (void)state;
+    for (size_t i = 0; tri_stores[i]; i++) {
+        const struct packed packed = {.store = tri_stores[i]};
+        const bool moved = strcmp(tri_stores[i]->name, "quantised") == 0;
+        assert_string_equal(fast_form_of(false, &packed)->name, "fast");
+        assert_string_equal(fast_form_of(true, &packed)->name, moved ? "fast_tiny" : "fast_small");
+    }
+    for (size_t i = 0; i < ARRAY_COUNT(fast_forms); i++)
+        assert_true(fast_forms[i].kernel()->runs());
 }
 
 static void empty_and_too_deep_trees(void **state)
@@ -255,6 +269,7 @@ int main(void)
         cmocka_unit_test(trees_hold_all_triangles),
         cmocka_unit_test(closed_meshes_take_little),
         cmocka_unit_test(scenes_off_a_grid_are_refused),
+        cmocka_unit_test(forms_of_engines),
         cmocka_unit_test(empty_and_too_deep_trees),
         cmocka_unit_test(every_place_in_a_leaf_is_tested),
     };

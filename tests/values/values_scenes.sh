@@ -50,6 +50,37 @@ play_info() {
         [ "$converts" = "$(awk -F '[.=]' '{ v[$3] = $4 }
             END { print v["meshes"] " mesh" (v["meshes"] == 1 ? "" : "es") ", " v["instances"] " instances, " v["placed_triangles"] " placed triangles" }' "$dir/flat")" ] || bad "$world: convert tells $converts"
     done
+    # On a grid: as many points an axis as there may be, the nearest one, and the longest way is told.
+    for moved in sphere:n=9,8 soup:n=50,12 cornell:n=2,21 terrain:k=4,10 platonic,9; do
+        scene=${moved%,*} bits=${moved##*,}
+        run scene convert "$scene" "$dir/as.obj" && run scene convert "$scene" "$dir/on.obj" --bits "$bits" && awk -v bits="$bits" '
+            FNR == 1 { file++ }
+            file == 1 && $1 == "v" { for (k = 0; k < 3; k++) { x = as[n, k] = $(k + 2); x = x < 0 ? -x : x; slack = x * 1e-7 > slack ? x * 1e-7 : slack }; n++ }
+            file == 2 && $1 == "v" {
+                far = 0
+                for (k = 0; k < 3; k++) {
+                    at = $(k + 2); d = at - as[m, k]; far += d * d; on[m, k] = at
+                    if (m == 0 || at < low[k]) low[k] = at
+                    if (m == 0 || at > high[k]) high[k] = at
+                }
+                if (far > most) most = far
+                m++
+            }
+            file == 3 && /^on a grid of/ { lines++; told = $12; if ($5 != bits || $(NF - 3) != 0 || $(NF - 2) != "triangles") bad = 1 }
+            END {
+                most = sqrt(most)
+                for (k = 0; k < 3; k++) { # the largest power of two whose grid has no more points
+                    step = 2 ^ -80
+                    while ((high[k] - low[k]) / step > 2 ^ bits - 1) step *= 2
+                    for (i = 0; i < m; i++) {
+                        d = on[i, k] - as[i, k]; if (d < 0) d = -d
+                        at = (on[i, k] - low[k]) / step
+                        if ((at - int(at + 0.5)) ^ 2 > (slack / step) ^ 2 || d > step / 2 + slack) bad = 1
+                    }
+                }
+                exit !(n == m && lines == 1 && !bad && told >= most * 0.9995 - slack && told <= most * 1.0005 + slack)
+            }' "$dir/as.obj" "$dir/on.obj" "$dir/text" || bad "scene convert --bits $bits of $scene: $(grep grid "$dir/text")"
+    done
     # Several scenes, in their order.
     run scene info rtrs sphere:n=3 --json && cp "$dir/text" "$dir/json" && awk -f tests/values/flat.awk "$dir/json" >"$dir/flat"
     [ "$(sed -n 's/^scenes.[01].triangles=//p' "$dir/flat" | tr '\n' ' ')" = '40 72 ' ] || bad 'scene info of two scenes'

@@ -8,6 +8,7 @@ function engine_at(column,  name) {
 /^  rays  *engine / { part = "rows"; next }
 /^  engine  *byte/ { part = "engines"; next }
 /^  fast small *byte.tri  least$/ { part = "parts"; next }
+/^  [a-z ]* left out: / { next }
 !part { scene = $0; next }
 /^  mean / {
     engine = engine_at(11)
