@@ -12,7 +12,7 @@
 #define FAST_WIDTH      8u
 #define FAST_SMALL_NODE 80u  /* bytes of a node of ref/fast/small_tree.h */
 #define FAST_STACK      256u /* entries of the traversal's stack */
-#define FAST_PAIRS      8u   /* MB; from this size on, two rays at once (ref/fast/fast_pair.h) */
+#define FAST_PAIRS      8u   /* MB; from this size on, two rays at once: kernel/fast_pair.h */
 
 /* Triangles side by side over which rays are alike, measured on dragons: beyond it rays in turns
  * are faster than packets. */
@@ -47,11 +47,11 @@ struct fast_tree {
     uint64_t block_words;
     uint32_t node_count;
     uint32_t stack_need;
-    bool in_packets;    /* kernels with 16 lanes trace rays together that are alike
-                        (ref/fast/fast_packet.h) */
+    bool in_packets;    /* kernels with 16 lanes trace rays together that are alike:
+                        kernel/fast_packet.h */
     float packet_width; /* as far apart such rays may be in the scene's middle */
-    bool in_stream; /* the same kernels trace the other rays in turns (ref/fast/fast_stream.h) */
-    bool in_pairs;  /* kernels trace two rays at once: the tree is larger than caches */
+    bool in_stream;     /* the same kernels trace the other rays in turns: kernel/fast_stream.h */
+    bool in_pairs;      /* kernels trace two rays at once: the tree is larger than caches */
 };
 
 /* Makes the tree from a binary one whose form has been checked, by the cheapest collapse
@@ -65,10 +65,9 @@ enum status fast_make(const struct bvh *bvh, const struct scene *scene, struct f
 enum status fast_make_small(const struct bvh *bvh, const struct scene *scene, struct fast_tree *out,
                             struct reason *reason) MUST_USE;
 
-/* The same with leaves of up to 48 triangles, whose vertices lie on the scene's grid: of a dragon on
- * one of 14 bits about 7 bytes a triangle, and 6 where triangles that are near each other have
- * numbers in a row. Errors: STATUS_UNSUPPORTED also a scene without a grid of at most
- * QUANTISE_BITS_MOST bits (ref/scene/quantise.h). */
+/* The same with leaves of up to 48 triangles, whose vertices lie on the scene's grid; on one of 12
+ * bits most meshes take 6 bytes a triangle. Errors: STATUS_UNSUPPORTED also a scene without a grid
+ * of at most QUANTISE_BITS_MOST bits (ref/scene/quantise.h). */
 enum status fast_make_tiny(const struct bvh *bvh, const struct scene *scene, struct fast_tree *out,
                            struct reason *reason) MUST_USE;
 

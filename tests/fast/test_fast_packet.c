@@ -1,5 +1,5 @@
-/* Rays that are traced together (ref/fast/fast_packet.h) have the answers that each has alone,
- * whatever rays are beside them. */
+/* Rays that are traced together (ref/fast/kernel/fast_packet.h) have the answers that each has
+ * alone, whatever rays are beside them. */
 #include "tests/fast/fast_fixture.h"
 
 #define GROUP  16u

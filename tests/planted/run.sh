@@ -30,7 +30,7 @@ case ${PART:-1} in
 1) ;;
 *[!0-9]* | 0*) echo "planted bugs: PART=$PART is not a number from 1 on" >&2 && exit 2 ;;
 *)
-    turn=$(cat ref/*/*.c gpu/*/*.c fuzz/*/*.c cmd/*/*.c tests/*/*.c | cksum)
+    turn=$(cat ref/*/*.c ref/*/*/*.c gpu/*/*.c fuzz/*/*.c cmd/*/*.c tests/*/*.c | cksum)
     awk -v turn="${turn%% *}" -v part="$PART" '(NR + turn) % part == 0' "$out/chosen" >"$out/part"
     mv "$out/part" "$out/chosen"
     echo "one planted bug in $PART (make mutants: all)"

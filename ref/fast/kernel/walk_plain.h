@@ -1,4 +1,5 @@
-/* Nodes and leaves of ref/fast/fast.h as a traversal reads them. Included by ref/fast/walk.h. */
+/* Nodes and leaves of ref/fast/fast.h as a traversal reads them. Included by
+ * ref/fast/kernel/walk.h. */
 
 typedef struct fast_node walk_node;
 

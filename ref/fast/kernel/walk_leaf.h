@@ -1,5 +1,5 @@
 /* The leaves of a traversal: tests of their triangles, and the best hit. Included by
- * ref/fast/walk.h. */
+ * ref/fast/kernel/walk.h. */
 
 /* Keeps the nearest of the triangles in `in`, all of which have t in range. */
 INLINE void keep(struct walk_best *best, uint32_t in, group t)

@@ -7,10 +7,10 @@
 #define FAST_AVX2
 #define KERNEL_TARGET __attribute__((target("avx2,fma,bmi,bmi2,lzcnt,popcnt")))
 #define INLINE        KERNEL_TARGET static inline __attribute__((always_inline))
-#include "ref/fast/vectors.h"
-#include "ref/fast/vectors_avx2.h"
-#include "ref/fast/push.h"
-#include "ref/fast/walk_group.h"
+#include "ref/fast/kernel/vectors.h"
+#include "ref/fast/kernel/vectors_avx2.h"
+#include "ref/fast/kernel/push.h"
+#include "ref/fast/kernel/walk_group.h"
 
 /* Every lane has its 15 bits, and bits that are no code's. */
 INLINE void triplets(const char *from, group_codes c[3])
@@ -62,7 +62,7 @@ INLINE group corners32(const float16 half[2], group_codes code, uint32_t count)
                                    _mm256_castsi256_ps(_mm256_slli_epi32(code, 27)));
 }
 
-#include "ref/fast/walk.h"
+#include "ref/fast/kernel/walk.h"
 
 static bool runs(void)
 {

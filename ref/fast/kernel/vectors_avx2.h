@@ -1,5 +1,5 @@
 /* Functions that the AVX2 and AVX-512 kernels share, and those of the AVX2 kernels, which define
- * FAST_AVX2. Expects INLINE and ref/fast/vectors.h. */
+ * FAST_AVX2. Expects INLINE and ref/fast/kernel/vectors.h. */
 #ifndef FAST_VECTORS_AVX2_H
 #define FAST_VECTORS_AVX2_H
 

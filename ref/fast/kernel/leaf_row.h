@@ -1,5 +1,5 @@
 /* The vertices of a leaf along an axis: up to 16, or up to 32 where FAST_TINY is defined. Expects
- * ref/fast/walk_group.h. */
+ * ref/fast/kernel/walk_group.h. */
 #ifdef FAST_TINY
 
 typedef struct {

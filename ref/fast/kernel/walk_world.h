@@ -1,4 +1,4 @@
-/* The traversal of worlds, compiled with each kernel. Included by ref/fast/walk.h. */
+/* The traversal of worlds, compiled with each kernel. Included by ref/fast/kernel/walk.h. */
 
 /* The best hit of a world. Of a ray that fast_careful_instance traced in an instance it is `hit`.
  * */

@@ -2,11 +2,11 @@
 #define FAST_TINY
 #define KERNEL_TARGET
 #define INLINE static inline __attribute__((always_inline))
-#include "ref/fast/vectors.h"
-#include "ref/fast/vectors_portable.h"
-#include "ref/fast/push.h"
+#include "ref/fast/kernel/vectors.h"
+#include "ref/fast/kernel/vectors_portable.h"
+#include "ref/fast/kernel/push.h"
 #include "ref/fast/tiny_block.h"
-#include "ref/fast/walk_group.h"
+#include "ref/fast/kernel/walk_group.h"
 
 /* 15 bits in each lane, and others above them. */
 INLINE void triplets(const char *from, group_codes c[3])
@@ -38,7 +38,7 @@ INLINE group corners32(const float16 half[2], group_codes code, uint32_t count)
     return SELECT(float8, int8, second, high, low);
 }
 
-#include "ref/fast/walk.h"
+#include "ref/fast/kernel/walk.h"
 
 static bool runs(void)
 {

@@ -1,5 +1,5 @@
-/* Nodes of ref/fast/small_tree.h as a traversal reads them. Included by ref/fast/walk_small.h and
- * ref/fast/walk_tiny.h, for kernels that define as well:
+/* Nodes of ref/fast/small_tree.h as a traversal reads them. Included by
+ * ref/fast/kernel/walk_small.h and ref/fast/kernel/walk_tiny.h, for kernels that define as well:
  *   bytes      8 bytes as floats */
 #include "ref/fast/small_tree.h"
 

@@ -1,5 +1,5 @@
 /* Sorts children in scalar code, for kernels that cannot sort lanes. Expects INLINE and
- * ref/fast/vectors.h. */
+ * ref/fast/kernel/vectors.h. */
 #ifndef FAST_PUSH_H
 #define FAST_PUSH_H
 

@@ -1,9 +1,9 @@
 /* Leaves of tiny trees (ref/fast/tiny_block.h) as a traversal reads them. Included by
- * ref/fast/walk.h, for kernels that define as well:
+ * ref/fast/kernel/walk.h, for kernels that define as well:
  *   triplets    the corners of a group of triangles, from its first byte on, 15 bits each
  *   unpacked    16 numbers of a row, from a bit on, plus another number, as floats
  *   corners32   the lanes of two rows of 16 by codes of 5 bits */
-#include "ref/fast/walk_small_node.h"
+#include "ref/fast/kernel/walk_small_node.h"
 
 /* The leaf of a ray without hits: one triangle, of a single point. */
 static const uint32_t leaf_none[TINY_WORDS + TINY_BEYOND] __attribute__((unused)) = {0};

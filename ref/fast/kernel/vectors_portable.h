@@ -1,5 +1,5 @@
 /* Functions of the portable kernels, on vector types of the compiler. Expects INLINE and
- * ref/fast/vectors.h. */
+ * ref/fast/kernel/vectors.h. */
 #ifndef FAST_VECTORS_PORTABLE_H
 #define FAST_VECTORS_PORTABLE_H
 

@@ -1,5 +1,5 @@
 /* Functions of the AVX-512 kernels: rows of 16 vertices in one register, and children sorted in
- * one. Expects INLINE, ref/fast/vectors.h and ref/fast/vectors_avx2.h. */
+ * one. Expects INLINE, ref/fast/kernel/vectors.h and ref/fast/kernel/vectors_avx2.h. */
 #ifndef FAST_VECTORS_AVX512_H
 #define FAST_VECTORS_AVX512_H
 
@@ -73,7 +73,7 @@ INLINE __m256i sort8(__m256i k)
     return ORDER8(k, _mm256_shuffle_epi32(k, 0xB1), 0xAA);
 }
 
-/* As in ref/fast/push.h; absent lanes are 0 and come last. */
+/* As in ref/fast/kernel/push.h; absent lanes are 0 and come last. */
 INLINE uint32_t push(uint32_t *key, uint32_t *ref, const uint32_t *child, uint32_t mask,
                      float8 entry)
 {

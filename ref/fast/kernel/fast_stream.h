@@ -1,8 +1,8 @@
 /* Traces rays that are not alike in a stream: some dozens are under way, and each of them makes a
  * step in its turn. What a ray meets decides hardly any branch, so a processor computes the steps
  * of several rays at once, and what the next ones read is prefetched. The hits are those of walk(),
- * except among triangles at the same t. Included by ref/fast/walk.h behind
- * ref/fast/fast_lanes.h, for kernels that define as well:
+ * except among triangles at the same t. Included by ref/fast/kernel/walk.h behind
+ * ref/fast/kernel/fast_lanes.h, for kernels that define as well:
  *   push_all       writes the children of a mask; push() must have no branches for up to 4
  *   group_nearest  the first lane with the least number, of the lanes of a mask
  *   lanes16        four vectors, turned into four words of each lane */

@@ -1,5 +1,5 @@
 /* The traversal, compiled once for every kind of processor. The including file defines
- * KERNEL_TARGET (an attribute, or nothing), INLINE, and these on the vectors of ref/fast/vectors.h:
+ * KERNEL_TARGET (an attribute, or nothing), INLINE, and these on the vectors of vectors.h:
  *   planes      8 codes as floats              fma8       a * b + c, rounded once or twice
  *   max4, max8  a if a > b, else b             min8       a if a < b, else b
  *   bits4       the lanes' sign bits           permute4   lanes selected by an index vector
@@ -8,7 +8,7 @@
  *   vertices    a row of up to 16 floats       corners    8 of a row, by 4-bit codes
  *   codes       the 8 4-bit codes of a word
  *   push        writes three or more children, farthest first; push_any all but the last
- * and groups of triangles: ref/fast/walk_group.h. FAST_SMALL chooses the nodes
+ * and groups of triangles: ref/fast/kernel/walk_group.h. FAST_SMALL chooses the nodes
  * and leaves of ref/fast/small_tree.h, FAST_TINY the nodes and the leaves of tiny trees. All
  * comparisons with NaN are false, also by unequal. */
 #include "ref/fast/fast.h"
@@ -149,7 +149,7 @@ INLINE bool prepare(struct walk_ray *r, const struct fast_tree *tree, const stru
     return true;
 }
 
-#include "ref/fast/leaf_row.h"
+#include "ref/fast/kernel/leaf_row.h"
 
 /* The vertices of a leaf, translated and sheared. */
 struct leaf_rows {
@@ -159,11 +159,11 @@ struct leaf_rows {
 };
 
 #if defined FAST_TINY
-#include "ref/fast/walk_tiny.h"
+#include "ref/fast/kernel/walk_tiny.h"
 #elif defined FAST_SMALL
-#include "ref/fast/walk_small.h"
+#include "ref/fast/kernel/walk_small.h"
 #else
-#include "ref/fast/walk_plain.h"
+#include "ref/fast/kernel/walk_plain.h"
 #endif
 
 /* Returns the nearest child and pushes the others on the stack. `mask` is not 0. */
@@ -186,7 +186,7 @@ INLINE uint32_t choose(uint32_t *key, uint32_t *ref, size_t *depth, const uint32
     return ref[*depth];
 }
 
-#include "ref/fast/walk_leaf.h"
+#include "ref/fast/kernel/walk_leaf.h"
 
 /* Moves from a node to one of its children; returns false if the ray meets none. */
 INLINE bool descend(const struct walk_ray *r, const struct fast_tree *tree, bool any,
@@ -270,11 +270,11 @@ INLINE void walk(const struct fast_tree *tree, const struct ray *ray, bool any, 
     write_hit(tree, &best, hit);
 }
 
-#include "ref/fast/fast_pair.h"
+#include "ref/fast/kernel/fast_pair.h"
 
 #ifdef FAST_LANES
-#include "ref/fast/fast_lanes.h"
-#include "ref/fast/fast_stream.h"
+#include "ref/fast/kernel/fast_lanes.h"
+#include "ref/fast/kernel/fast_stream.h"
 #endif
 
 /* Traces rays on their own. */
@@ -295,7 +295,7 @@ INLINE void walk_apart(const struct fast_tree *tree, const struct ray *ray, size
 }
 
 #ifdef FAST_PACKETS
-#include "ref/fast/fast_packet.h"
+#include "ref/fast/kernel/fast_packet.h"
 #endif
 
 INLINE void walk_many(const struct fast_tree *tree, const struct ray *ray, size_t count, bool any,
@@ -323,5 +323,5 @@ KERNEL_TARGET static void any_hit(const struct fast_tree *tree, const struct ray
 }
 
 #if !defined FAST_SMALL && !defined FAST_TINY
-#include "ref/fast/walk_world.h"
+#include "ref/fast/kernel/walk_world.h"
 #endif

@@ -7,11 +7,11 @@
     __attribute__((target("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi,bmi2,lzcnt,popcnt")))
 #define FAST_PACKETS
 #define INLINE KERNEL_TARGET static inline __attribute__((always_inline))
-#include "ref/fast/vectors.h"
-#include "ref/fast/vectors_avx2.h"
-#include "ref/fast/vectors_avx512.h"
-#include "ref/fast/walk_group.h"
-#include "ref/fast/walk.h"
+#include "ref/fast/kernel/vectors.h"
+#include "ref/fast/kernel/vectors_avx2.h"
+#include "ref/fast/kernel/vectors_avx512.h"
+#include "ref/fast/kernel/walk_group.h"
+#include "ref/fast/kernel/walk.h"
 
 static bool runs(void)
 {

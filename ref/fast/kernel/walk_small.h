@@ -1,8 +1,8 @@
 /* Leaves of small trees (ref/fast/small_block.h) as a traversal reads them. Included by
- * ref/fast/walk.h, for kernels that define as well:
+ * ref/fast/kernel/walk.h, for kernels that define as well:
  *   triplets   the corners of a group of triangles, from its first 12 bits on
  *   unpacked   up to 16 ordered integers of a row, from a bit on, as floats */
-#include "ref/fast/walk_small_node.h"
+#include "ref/fast/kernel/walk_small_node.h"
 
 /* The leaf of a ray without hits: one triangle, with the number of none. */
 static const uint32_t leaf_none[SMALL_WORDS] __attribute__((unused)) = {0, 0, 0, 0, ABI_NO_PRIM};

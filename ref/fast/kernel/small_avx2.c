@@ -8,10 +8,10 @@
 #define FAST_AVX2
 #define KERNEL_TARGET __attribute__((target("avx2,fma,bmi,bmi2,lzcnt,popcnt")))
 #define INLINE        KERNEL_TARGET static inline __attribute__((always_inline))
-#include "ref/fast/vectors.h"
-#include "ref/fast/vectors_avx2.h"
-#include "ref/fast/push.h"
-#include "ref/fast/walk_group.h"
+#include "ref/fast/kernel/vectors.h"
+#include "ref/fast/kernel/vectors_avx2.h"
+#include "ref/fast/kernel/push.h"
+#include "ref/fast/kernel/walk_group.h"
 
 /* Every lane has its 12 bits, and 4 bits that are no code's. */
 INLINE void triplets(const uint32_t *from, group_codes c[3])
@@ -56,7 +56,7 @@ INLINE float16 unpacked(const uint32_t *block, uint32_t first, uint32_t width, u
     return out;
 }
 
-#include "ref/fast/walk.h"
+#include "ref/fast/kernel/walk.h"
 
 static bool runs(void)
 {

@@ -1,5 +1,5 @@
 /* Traces two rays in turns, one node or leaf of each at a time, so that one waits for memory while
- * the other is computed. The hits are those of walk(). Included by ref/fast/walk.h. */
+ * the other is computed. The hits are those of walk(). Included by ref/fast/kernel/walk.h. */
 
 /* The state of one ray. */
 struct walker {

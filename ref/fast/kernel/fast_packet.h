@@ -1,7 +1,8 @@
 /* Traces up to 16 rays together where they are alike: directions of the same signs and main axis. A
  * node is tested for all of them at once by bounds of their rays, then each child that remains for
  * each ray. Where few rays are left, they go on one by one. Hits are those of walk(), except among
- * triangles at the same t. Included by ref/fast/walk.h behind ref/fast/fast_lanes.h. */
+ * triangles at the same t. Included by ref/fast/kernel/walk.h behind
+ * ref/fast/kernel/fast_lanes.h. */
 
 #define PACKET_FEW 3u /* so many rays go on alone */
 

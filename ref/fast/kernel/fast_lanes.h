@@ -1,5 +1,5 @@
 /* 16 rays, one a lane of vectors, that are prepared at once.
- * Included by ref/fast/walk.h, for kernels that define on 16 lanes:
+ * Included by ref/fast/kernel/walk.h, for kernels that define on 16 lanes:
  *   fma16, max16, min16                as fma8, max8, min8
  *   less16, unequal16, not_above16     bits of the lanes where it holds
  *   blend16, blend16i                  the second vector in the lanes of a mask, else the first

@@ -2,11 +2,11 @@
 #define FAST_SMALL
 #define KERNEL_TARGET
 #define INLINE static inline __attribute__((always_inline))
-#include "ref/fast/vectors.h"
-#include "ref/fast/vectors_portable.h"
-#include "ref/fast/push.h"
+#include "ref/fast/kernel/vectors.h"
+#include "ref/fast/kernel/vectors_portable.h"
+#include "ref/fast/kernel/push.h"
 #include "ref/fast/small_block.h"
-#include "ref/fast/walk_group.h"
+#include "ref/fast/kernel/walk_group.h"
 
 /* Words of eight codes each, as leaves of up to 8 triangles have them. */
 INLINE void triplets(const uint32_t *from, group_codes c[3])
@@ -30,7 +30,7 @@ INLINE float16 unpacked(const uint32_t *block, uint32_t first, uint32_t width, u
     return out;
 }
 
-#include "ref/fast/walk.h"
+#include "ref/fast/kernel/walk.h"
 
 static bool runs(void)
 {
