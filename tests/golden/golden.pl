@@ -6,11 +6,11 @@ use Digest::MD5 'md5_base64', 'md5_hex';
 use File::Path 'remove_tree';
 use File::Temp 'tempdir';
 use Time::HiRes 'time';
-BEGIN { require './tests/golden/pairs.pl'; require './tests/golden/normal.pl' }
+BEGIN { require './tests/golden/pairs.pl'; require './tests/golden/normal.pl'; require './tests/golden/covered.pl' }
 
 my ($program, @words) = @ARGV;
 $program = abs_path($program) // die "golden: $program is not there\n";
-my %word = (write => 0, case => undef, list => 0, times => 0, twice => 0, only => '');
+my %word = (write => 0, case => undef, list => 0, times => 0, twice => 0, first => 0, only => '');
 while (defined(my $word = shift @words)) {
     $word =~ s/^--// && exists $word{$word} or die "golden: what is '$word'? see the head of tests/golden/golden.sh\n";
     $word{$word} = $word =~ /^(case|only)$/ ? shift @words : 1;
@@ -140,6 +140,11 @@ if ($word{list}) {
     print "$number{$_->[0]} $_->[0]\n" for @cases;
     exit 0;
 }
+my @missing = uncovered($program, map { my ($name, @run) = @$_; $name =~ /^limits/ ? () : @run } @cases);
+if (@missing) {
+    print "no case of tests/golden/tables has $_\n" for @missing;
+    exit 1 if !$word{write};
+}
 if (defined $word{case}) {
     my ($n) = grep { $word{case} =~ /^\d+$/ ? $_ == $word{case} - 1 : index($cases[$_][0], $word{case}) >= 0 } 0 .. $#cases;
     die "golden: no such case\n" if !defined $n || !$cases[$n];
@@ -152,7 +157,12 @@ if (defined $word{case}) {
     exit 0;
 }
 
-# Workers take the next case's number out of a pipe.
+my %was;
+for my $file (glob "$home/record/*.txt") {
+    /^(\S+)/ and $was{$1} = $_ for split /\n/, slurp($file);
+}
+
+# Workers take the next case's number out of a pipe. With --first all end when one has met a case that differs.
 sub play_all {
     my @chosen = grep { index($cases[$_][0], $word{only}) >= 0 && can_run($cases[$_]) } 0 .. $#cases;
     my $jobs = $ENV{JOBS} // (`env -u OMP_NUM_THREADS nproc 2>/dev/null` || 2);
@@ -165,22 +175,25 @@ sub play_all {
         close $feed;
         open my $told, '>', "$work/told.$job";
         while (sysread($next, my $text, 4) // 0) {
+            last if -e "$work/stop";
             my $n = unpack 'N', $text;
             my $start = time;
             my $line = recorded($n, play($n));
+            if ($word{first} && $line ne ($was{key($n)} // '')) { open my $stop, '>', "$work/stop" }
             printf $told "%d %.0f %s\n", $n, 1000 * (time - $start), $line;
         }
         close $told;
         exit 0;
     }
     close $next;
-    syswrite $feed, pack 'N', $_ for @chosen;
+    syswrite $feed, pack 'N', $_ for sort { key($a) cmp key($b) } @chosen;
     close $feed;
     waitpid $_, 0 for @child;
     my (%line, %ms);
     for my $job (1 .. $jobs) {
         /^(\d+) (\d+) (.*)$/s and ($line{$1}, $ms{$1}) = ($3, $2) for split /\n/, slurp("$work/told.$job");
     }
+    @chosen = grep { defined $line{$_} } @chosen if $word{first};
     return (\@chosen, \%line, \%ms);
 }
 
@@ -228,10 +241,6 @@ if ($word{write}) {
 }
 
 # Compares.
-my %was;
-for my $file (glob "$home/record/*.txt") {
-    /^(\S+)/ and $was{$1} = $_ for split /\n/, slurp($file);
-}
 my ($failed, $shown) = (0, 0);
 sub differ {
     my ($n) = @_;

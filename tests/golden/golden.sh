@@ -3,7 +3,7 @@
 #   sh tests/golden/golden.sh BUILD/raydiff             compares with tests/golden/record
 #   sh tests/golden/golden.sh BUILD/raydiff --write     records anew
 #   sh tests/golden/golden.sh BUILD/raydiff --case N    the whole output of a case, by its number or a part of its name
-#   ... --only TEXT: cases whose name has it; --list: their names; --times: the slowest; --twice: which differ by chance
+#   ... --first: until a case differs; --only TEXT: cases whose name has it; --list: their names; --times: the slowest; --twice: which differ by chance
 # Cases stand in tests/golden/tables, of:
 #   word NAME TEXT        what @NAME@ stands for, in all later files
 #   table COMMAND         cases of that command, {} is where values come; they meet in pairs:
