@@ -49,6 +49,7 @@ plain)
     # Those without a stack are held to the bits of the others by `agree` and `conform`, and play here in `deep`.
     suite conform_hard sh tests/conform/conform.sh "$build/raydiff" "$logs/hard.xml" 8000 --hard --quick \
         --engine cpu,vulkan,fast,brute,vulkan_brute,embree,embree_robust
+    suite golden env JOBS=1 sh tests/golden/golden.sh "$build/raydiff"
     suite agree sh tests/scripts/agree.sh "$build" quick "$logs/agree"
     suite conform sh tests/conform/conform.sh "$build/raydiff" "$logs/conform.xml" 400
     suite conform_worlds sh tests/conform/conform.sh "$build/raydiff" "$logs/worlds.xml" 250 --worlds --count 200
