@@ -151,7 +151,6 @@ plain)
     suite deb sh tests/house/deb.sh
     suite image sh tests/house/image.sh
     suite hardware sh tests/house/hardware_steps.sh
-    alone mutants make -s mutants PART=80
     suite planted sh tests/planted/selftest.sh "$build"
     suite mutate sh tests/mutation/selftest.sh "$build"
     alone selftest make -s selftest-quick
