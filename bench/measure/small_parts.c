@@ -21,7 +21,7 @@ static double range_of_axis(const uint32_t *block, uint32_t k)
 {
     uint32_t most = 0, width = small_width(*block, k);
     for (uint32_t i = 0; i < small_vertices(*block); i++) {
-        uint32_t more = small_bits(block, small_row(*block, k) + width * i, width);
+        uint32_t more = block_bits(block, small_row(*block, k) + width * i, width);
         most = more > most ? more : most;
     }
     return (double)most + 1;

@@ -21,14 +21,6 @@ static uint32_t vertex_place(struct small_block *block, const float v[3])
     return block->vertex_count++;
 }
 
-static uint32_t width_of(uint32_t most)
-{
-    uint32_t width = 0;
-    while (width < 32 && most >> width)
-        width++;
-    return width;
-}
-
 /* Sets the least of a row and returns the width of its differences. */
 static uint32_t measure(const int32_t *row, uint32_t count, int32_t *least)
 {
@@ -38,7 +30,7 @@ static uint32_t measure(const int32_t *row, uint32_t count, int32_t *least)
         hi = row[i] > hi ? row[i] : hi;
     }
     *least = lo;
-    return width_of((uint32_t)hi - (uint32_t)lo);
+    return width_for((uint32_t)hi - (uint32_t)lo);
 }
 
 static void measure_prims(struct small_block *block)
@@ -49,7 +41,7 @@ static void measure_prims(struct small_block *block)
         hi = block->prim[i] > hi ? block->prim[i] : hi;
     }
     block->least_prim = lo;
-    block->prim_width = width_of(hi - lo);
+    block->prim_width = width_for(hi - lo);
     block->prim_width += block->prim_width == 31;
 }
 
@@ -81,7 +73,7 @@ bool small_block_make(const struct scene *scene, const uint32_t *prim, uint32_t 
     return true;
 }
 
-static uint32_t block_bits(const struct small_block *block)
+static uint32_t bits_of_block(const struct small_block *block)
 {
     return 32 * SMALL_HEAD + block->tri_count * (SMALL_CORNERS + block->prim_width) +
            block->vertex_count * (block->width[0] + block->width[1] + block->width[2]);
@@ -89,18 +81,7 @@ static uint32_t block_bits(const struct small_block *block)
 
 uint32_t small_block_words(const struct small_block *block)
 {
-    return (block_bits(block) + 31) / 32;
-}
-
-/* Adds bits at a place, and moves it behind them. */
-static void put(uint32_t *word, uint32_t *first, uint32_t bits, uint32_t width)
-{
-    uint64_t both = (uint64_t)bits << (*first & 31u);
-    if ((uint32_t)both)
-        word[*first >> 5] |= (uint32_t)both;
-    if (both >> 32)
-        word[(*first >> 5) + 1] |= (uint32_t)(both >> 32);
-    *first += width;
+    return (bits_of_block(block) + 31) / 32;
 }
 
 void small_block_write(const struct small_block *block, uint32_t *out)
@@ -113,11 +94,11 @@ void small_block_write(const struct small_block *block, uint32_t *out)
         out[1 + k] = (uint32_t)block->least[k];
     out[4] = block->least_prim;
     for (uint32_t i = 0; i < block->tri_count; i++)
-        put(out, &at, block->corner[i], SMALL_CORNERS);
+        block_add_bits(out, &at, block->corner[i], SMALL_CORNERS);
     for (uint32_t k = 0; k < 3; k++)
         for (uint32_t i = 0; i < block->vertex_count; i++)
-            put(out, &at, (uint32_t)block->vertex[k][i] - (uint32_t)block->least[k],
-                block->width[k]);
+            block_add_bits(out, &at, (uint32_t)block->vertex[k][i] - (uint32_t)block->least[k],
+                           block->width[k]);
     for (uint32_t i = 0; i < block->tri_count; i++)
-        put(out, &at, block->prim[i] - block->least_prim, block->prim_width);
+        block_add_bits(out, &at, block->prim[i] - block->least_prim, block->prim_width);
 }

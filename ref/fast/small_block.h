@@ -14,6 +14,7 @@
 #ifndef SMALL_BLOCK_H
 #define SMALL_BLOCK_H
 
+#include "ref/fast/block_bits.h"
 #include "ref/scene/scene.h"
 
 #define SMALL_TRIS     24u
@@ -91,38 +92,24 @@ static inline uint32_t small_row(uint32_t head, uint32_t k)
            small_vertices(head) * small_before(head, k);
 }
 
-/* The low bits of a word, 0 to 32 of them. */
-static inline uint32_t small_mask(uint32_t width)
-{
-    return (uint32_t)((UINT64_C(1) << width) - 1);
-}
-
-/* Up to 32 bits from a bit on. Reads the word that has the first bit, and the next one. */
-static inline uint32_t small_bits(const uint32_t *word, uint32_t first, uint32_t width)
-{
-    const uint32_t *at = word + (first >> 5);
-    uint64_t both = at[0] | (uint64_t)at[1] << 32;
-    return (uint32_t)(both >> (first & 31u)) & small_mask(width);
-}
-
 /* Coordinate k of vertex i, as bits of a float. */
 static inline uint32_t small_vertex(const uint32_t *block, uint32_t k, uint32_t i)
 {
     uint32_t head = block[0], width = small_width(head, k);
-    uint32_t more = small_bits(block, small_row(head, k) + width * i, width);
+    uint32_t more = block_bits(block, small_row(head, k) + width * i, width);
     return small_order(block[1 + k] + more);
 }
 
 /* The three corners of triangle i, 4 bits each. */
 static inline uint32_t small_corner(const uint32_t *block, uint32_t i)
 {
-    return small_bits(block + SMALL_HEAD, SMALL_CORNERS * i, SMALL_CORNERS);
+    return block_bits(block + SMALL_HEAD, SMALL_CORNERS * i, SMALL_CORNERS);
 }
 
 static inline uint32_t small_prim(const uint32_t *block, uint32_t i)
 {
     uint32_t width = small_prim_width(block[0]);
-    return block[4] + small_bits(block, small_row(block[0], 3) + width * i, width);
+    return block[4] + block_bits(block, small_row(block[0], 3) + width * i, width);
 }
 
 /* Triangle i as it is in the scene. */

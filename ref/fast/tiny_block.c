@@ -3,17 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static uint32_t width_of(uint32_t most)
-{
-    uint32_t width = 0;
-    while (width < 32 && most >> width)
-        width++;
-    return width;
-}
-
 enum status tiny_form_make(const struct scene *scene, struct tiny_form *out, struct reason *reason)
 {
-    out->prim_bits = scene->tri_count ? width_of(scene->tri_count - 1) : 0;
+    out->prim_bits = scene->tri_count ? width_for(scene->tri_count - 1) : 0;
     return grid_of_scene(scene, &out->grid, reason);
 }
 
@@ -77,7 +69,7 @@ static void measure(struct tiny_block *block)
             most = code > most ? code : most;
         }
         block->least[k] = least;
-        block->width[k] = width_of(most - least);
+        block->width[k] = width_for(most - least);
     }
     block->gap = 0;
     for (uint32_t gap = 1; gap < 32; gap++)
@@ -115,23 +107,12 @@ uint32_t tiny_block_words(const struct tiny_form *form, const struct tiny_block 
     return (uint32_t)((bits + 31) / 32);
 }
 
-/* Adds bits at a place, and moves it behind them. */
-static void put(uint32_t *word, uint32_t *first, uint32_t bits, uint32_t width)
-{
-    const uint64_t both = (uint64_t)bits << (*first & 31u);
-    if ((uint32_t)both)
-        word[*first >> 5] |= (uint32_t)both;
-    if (both >> 32)
-        word[(*first >> 5) + 1] |= (uint32_t)(both >> 32);
-    *first += width;
-}
-
 static void put_gap(uint32_t *word, uint32_t *first, uint32_t gap, uint32_t parameter)
 {
     for (uint32_t ones = gap >> parameter; ones > 0; ones--)
-        put(word, first, 1, 1);
-    put(word, first, 0, 1);
-    put(word, first, gap & ((1u << parameter) - 1), parameter);
+        block_add_bits(word, first, 1, 1);
+    block_add_bits(word, first, 0, 1);
+    block_add_bits(word, first, gap & ((1u << parameter) - 1), parameter);
 }
 
 void tiny_block_write(const struct tiny_form *form, const struct tiny_block *block, uint32_t *out)
@@ -140,13 +121,13 @@ void tiny_block_write(const struct tiny_form *form, const struct tiny_block *blo
     out[0] = (block->vertex_count - 1) | (block->tri_count - 1) << 5 | block->gap << 11 |
              block->width[0] << 16 | block->width[1] << 21 | block->width[2] << 26;
     for (uint32_t i = 0; i < block->tri_count; i++)
-        put(out, &at, block->corner[i], TINY_CORNERS);
+        block_add_bits(out, &at, block->corner[i], TINY_CORNERS);
     for (int k = 0; k < 3; k++)
-        put(out, &at, block->least[k], form->grid.bits);
-    put(out, &at, block->prim[0], form->prim_bits);
+        block_add_bits(out, &at, block->least[k], form->grid.bits);
+    block_add_bits(out, &at, block->prim[0], form->prim_bits);
     for (int k = 0; k < 3; k++)
         for (uint32_t i = 0; i < block->vertex_count; i++)
-            put(out, &at, block->vertex[k][i] - block->least[k], block->width[k]);
+            block_add_bits(out, &at, block->vertex[k][i] - block->least[k], block->width[k]);
     for (uint32_t i = 1; i < block->tri_count; i++)
         put_gap(out, &at, block->prim[i] - block->prim[i - 1] - 1, block->gap);
 }
@@ -158,7 +139,7 @@ static uint32_t ones_at(const uint32_t *word, uint32_t first)
 {
     uint32_t count = 0;
     for (;; count += 32) {
-        const uint32_t bits = ~tiny_bits(word, first + count, 32);
+        const uint32_t bits = ~block_bits(word, first + count, 32);
         if (bits)
             return count + (uint32_t)__builtin_ctz(bits);
     }
@@ -168,11 +149,11 @@ uint32_t tiny_prim(const struct tiny_form *form, const uint32_t *block, uint32_t
 {
     const uint32_t head = block[0], gap = tiny_gap(head);
     uint32_t at = tiny_row(form, head, 3);
-    uint32_t prim = tiny_bits(block, tiny_least_at(head) + 3 * form->grid.bits, form->prim_bits);
+    uint32_t prim = block_bits(block, tiny_least_at(head) + 3 * form->grid.bits, form->prim_bits);
     for (; i > 0; i--) {
         const uint32_t ones = ones_at(block, at);
         at += ones + 1;
-        prim += (ones << gap) + tiny_bits(block, at, gap) + 1;
+        prim += (ones << gap) + block_bits(block, at, gap) + 1;
         at += gap;
     }
     if (end)
@@ -187,7 +168,7 @@ void tiny_tri(const struct tiny_form *form, const uint32_t *block, uint32_t i, f
         const uint32_t row = tiny_row(form, head, k), width = tiny_width(head, k);
         for (uint32_t c = 0; c < 3; c++) {
             const uint32_t place = corner >> 5 * c & 31u;
-            const uint32_t more = tiny_bits(block, row + width * place, width);
+            const uint32_t more = block_bits(block, row + width * place, width);
             v[c][k] = (float)(tiny_least(form, block, k) + (int32_t)more) * form->grid.step[k];
         }
     }

@@ -16,6 +16,7 @@
 #ifndef TINY_BLOCK_H
 #define TINY_BLOCK_H
 
+#include "ref/fast/block_bits.h"
 #include "ref/fast/tiny_form.h"
 
 #define TINY_TRIS     48u
@@ -101,25 +102,17 @@ static inline uint32_t tiny_row(const struct tiny_form *form, uint32_t head, uin
            tiny_vertices(head) * tiny_before(head, k);
 }
 
-/* Up to 32 bits from a bit on. Reads the word that has the first bit, and the next one. */
-static inline uint32_t tiny_bits(const uint32_t *word, uint32_t first, uint32_t width)
-{
-    const uint32_t *at = word + (first >> 5);
-    const uint64_t both = at[0] | (uint64_t)at[1] << 32;
-    return (uint32_t)(both >> (first & 31u)) & (uint32_t)((UINT64_C(1) << width) - 1);
-}
-
 /* The least coordinate of axis k, in steps of the grid from 0 on. */
 static inline int32_t tiny_least(const struct tiny_form *form, const uint32_t *block, uint32_t k)
 {
     const uint32_t at = tiny_least_at(block[0]) + form->grid.bits * k;
-    return form->grid.lo[k] + (int32_t)tiny_bits(block, at, form->grid.bits);
+    return form->grid.lo[k] + (int32_t)block_bits(block, at, form->grid.bits);
 }
 
 /* The three corners of triangle i, 5 bits each. */
 static inline uint32_t tiny_corner(const uint32_t *block, uint32_t i)
 {
-    return tiny_bits(block, TINY_HEAD + TINY_CORNERS * i, TINY_CORNERS);
+    return block_bits(block, TINY_HEAD + TINY_CORNERS * i, TINY_CORNERS);
 }
 
 /* The number of triangle i. Reads all gaps before it.

@@ -131,6 +131,25 @@ static inline void check_tree(struct scene *scene)
     fast_free(&tree);
 }
 
+/* The trees of scenes of all kinds.
+ *   bits   of the grid that they are moved onto; 0: none */
+static inline void check_trees(uint32_t bits)
+{
+    static const char *const specs[] = {
+        "soup:n=1",    "soup:n=2", "soup:n=500",   "sphere:n=20",   "platonic", "cornell",
+        "terrain:k=5", "stack",    "needles:n=99", "flake:depth=2", "grid:n=12"};
+    for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
+        struct scene scene;
+        struct reason reason = {""};
+        if (scene_open(specs[s], 1, &scene, &reason))
+            fail_msg("%s", reason.text);
+        if (bits)
+            settle(&scene, bits);
+        check_tree(&scene);
+        scene_free(&scene);
+    }
+}
+
 /* --- hits ------------------------------------------------------------------------------------- */
 
 #define HIT_RAYS 400

@@ -7,17 +7,7 @@
 static void trees_hold_all_triangles(void **state)
 {
     (void)state;
-    static const char *const specs[] = {
-        "soup:n=1",    "soup:n=2", "soup:n=500",   "sphere:n=20",   "platonic", "cornell",
-        "terrain:k=5", "stack",    "needles:n=99", "flake:depth=2", "grid:n=12"};
-    for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
-        struct scene scene;
-        struct reason reason = {""};
-        if (scene_open(specs[s], 1, &scene, &reason))
-            fail_msg("%s", reason.text);
-        check_tree(&scene);
-        scene_free(&scene);
-    }
+    check_trees(0);
 }
 
 /* Triangles at the upper end of the frame, of which the last codes are used: where the bounds of a

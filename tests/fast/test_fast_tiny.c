@@ -153,19 +153,8 @@ static void limits_of_a_block(void **state)
 static void trees_hold_all_triangles(void **state)
 {
     (void)state;
-    static const char *const specs[] = {"soup:n=1",     "soup:n=2", "soup:n=500",  "sphere:n=20",
-                                        "platonic",     "cornell",  "terrain:k=5", "stack",
-                                        "needles:n=99", "grid:n=12"};
-    for (size_t s = 0; s < ARRAY_COUNT(specs); s++)
-        for (uint32_t bits = 8; bits <= 21; bits += 13) {
-            struct scene scene;
-            struct reason reason = {""};
-            if (scene_open(specs[s], 1, &scene, &reason))
-                fail_msg("%s", reason.text);
-            settle(&scene, bits);
-            check_tree(&scene);
-            scene_free(&scene);
-        }
+    check_trees(8);
+    check_trees(21);
 }
 
 /* 6 bytes a triangle on a grid whose steps are a thirtieth of an edge. */

@@ -31,7 +31,7 @@ static void ordered_integers_are_in_the_order_of_floats(void **state)
 /* Integers of a row whose differences have exactly `width` bits. */
 static void make_row(struct rng *rng, uint32_t width, uint32_t count, uint32_t *row)
 {
-    const uint32_t mask = small_mask(width), least = (uint32_t)rng_u64(rng) & ~mask;
+    const uint32_t mask = low_bits(width), least = (uint32_t)rng_u64(rng) & ~mask;
     for (uint32_t i = 0; i < count; i++)
         row[i] = least + ((uint32_t)rng_u64(rng) & mask);
     if (count > 1) {

@@ -10,7 +10,7 @@ use MIME::Base64 'decode_base64';
 our $TIMED = qr/; speeds cannot|f32's speed|times its|its speed|times the|refitted in| packed in|Mray/;
 our @TIMES = (
     [qr{\b\d+ threads, }, '# threads, '],
-    [qr{\bkernel (avx2|avx512)\b}, 'kernel #'],
+    [qr{\bkernel (avx2|avx512|portable)\b}, 'kernel #'],
     [qr{(?<= rays judged, )[\d.]+ s\b}, '# s'],
     [qr{\b\d{4}-\d\d-\d\d \d\d:\d\d UTC}, 'DATE'],
     [qr{^builder +threads +ns/tri}, 'builder threads ns/tri'],

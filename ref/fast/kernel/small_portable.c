@@ -13,7 +13,7 @@ INLINE void triplets(const uint32_t *from, group_codes c[3])
 {
     c[0] = c[1] = c[2] = 0;
     for (uint32_t i = 0; i < GROUP; i++) {
-        const uint32_t all = small_bits(from, SMALL_CORNERS * i, SMALL_CORNERS);
+        const uint32_t all = block_bits(from, SMALL_CORNERS * i, SMALL_CORNERS);
         for (uint32_t k = 0; k < 3; k++)
             c[k] |= (all >> 4 * k & 15u) << 4 * i;
     }
@@ -25,7 +25,7 @@ INLINE float16 unpacked(const uint32_t *block, uint32_t first, uint32_t width, u
     uint32_t v[16] = {0};
     float16 out;
     for (uint32_t i = 0; i < count; i++)
-        v[i] = small_order(least + small_bits(block, first + width * i, width));
+        v[i] = small_order(least + block_bits(block, first + width * i, width));
     memcpy(&out, v, sizeof out);
     return out;
 }

@@ -6,13 +6,7 @@
 
 #define FAST_TINY
 #define GROUP_16
-#define KERNEL_TARGET                                                                              \
-    __attribute__((target("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi,bmi2,lzcnt,popcnt")))
-#define INLINE KERNEL_TARGET static inline __attribute__((always_inline))
-#include "ref/fast/kernel/vectors.h"
-#include "ref/fast/kernel/vectors_avx2.h"
-#include "ref/fast/kernel/vectors_avx512.h"
-#include "ref/fast/kernel/walk_group.h"
+#include "ref/fast/kernel/avx512.h"
 
 /* Two 16-bit words of each triangle, in which its 15 bits are. */
 INLINE void triplets(const char *from, group_codes c[3])
@@ -28,22 +22,10 @@ INLINE void triplets(const char *from, group_codes c[3])
     c[2] = _mm512_srli_epi32(c[0], 10);
 }
 
-/* The row lies in 16 words. A bit beyond them is not of the row. */
 INLINE float16 unpacked(const uint32_t *block, uint32_t first, uint32_t width, uint32_t more)
 {
-    const __m512i number = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    const __m512i row = _mm512_loadu_si512(block + (first >> 5)), one = _mm512_set1_epi32(1);
-    __m512i at = _mm512_mullo_epi16(number, _mm512_set1_epi32((int)width));
-    at = _mm512_add_epi32(at, _mm512_set1_epi32((int)(first & 31)));
-    const __m512i word = _mm512_srli_epi32(at, 5);
-    const __m512i shift = _mm512_and_si512(at, _mm512_set1_epi32(31));
-    const __m512i low = _mm512_srlv_epi32(_mm512_permutexvar_epi32(word, row), shift);
-    const __m512i high =
-        _mm512_sllv_epi32(_mm512_permutexvar_epi32(_mm512_add_epi32(word, one), row),
-                          _mm512_sub_epi32(_mm512_set1_epi32(32), shift));
-    const __m512i mask = _mm512_set1_epi32((int)_bzhi_u32(~0u, width));
-    const __m512i v = _mm512_ternarylogic_epi32(low, high, mask, 0xA8); /* (a | b) & c */
-    return (float16)_mm512_cvtepi32_ps(_mm512_add_epi32(v, _mm512_set1_epi32((int)more)));
+    const __m512i v = _mm512_add_epi32(row16(block, first, width), _mm512_set1_epi32((int)more));
+    return (float16)_mm512_cvtepi32_ps(v);
 }
 
 /* The permutation of two registers reads the lowest 5 bits of a code. */
@@ -54,13 +36,6 @@ INLINE group corners32(const float16 half[2], group_codes code, uint32_t count)
 }
 
 #include "ref/fast/kernel/walk.h"
-
-static bool runs(void)
-{
-    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-           __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
-           __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
-}
 
 const struct fast_kernel fast_tiny_avx512 = {"avx512", runs, closest, any_hit, NULL};
 

@@ -25,7 +25,7 @@ INLINE float16 unpacked(const uint32_t *block, uint32_t first, uint32_t width, u
     float v[16];
     float16 out;
     for (uint32_t i = 0; i < 16; i++)
-        v[i] = (float)(int32_t)(more + tiny_bits(block, first + width * i, width));
+        v[i] = (float)(int32_t)(more + block_bits(block, first + width * i, width));
     memcpy(&out, v, sizeof out);
     return out;
 }

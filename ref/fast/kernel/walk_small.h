@@ -2,7 +2,7 @@
  * ref/fast/kernel/walk.h, for kernels that define as well:
  *   triplets   the corners of a group of triangles, from its first 12 bits on
  *   unpacked   up to 16 ordered integers of a row, from a bit on, as floats */
-#include "ref/fast/kernel/walk_small_node.h"
+#include "ref/fast/kernel/walk_small_both.h"
 
 /* The leaf of a ray without hits: one triangle, with the number of none. */
 static const uint32_t leaf_none[SMALL_WORDS] __attribute__((unused)) = {0, 0, 0, 0, ABI_NO_PRIM};
@@ -33,14 +33,7 @@ INLINE uint32_t leaf_open(const struct walk_ray *r, const struct fast_tree *tree
 INLINE uint32_t leaf_codes(const struct leaf_rows *rows, uint32_t number, group_codes c[3])
 {
     triplets(rows->block + SMALL_HEAD + GROUP * SMALL_CORNERS / 32 * number, c);
-    return rows->tris - GROUP * number >= GROUP ? ~0u : (1u << (rows->tris - GROUP * number)) - 1;
-}
-
-/* What prim_of takes beside the tree, the block and the lane: the first triangle of the group. */
-INLINE uint32_t leaf_part(const struct leaf_rows *rows, uint32_t number)
-{
-    (void)rows;
-    return GROUP * number;
+    return leaf_there(rows, number);
 }
 
 INLINE uint32_t prim_of(const struct fast_tree *tree, const uint32_t *block, uint32_t part,

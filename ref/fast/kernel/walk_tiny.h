@@ -3,7 +3,7 @@
  *   triplets    the corners of a group of triangles, from its first byte on, 15 bits each
  *   unpacked    16 numbers of a row, from a bit on, plus another number, as floats
  *   corners32   the lanes of two rows of 16 by codes of 5 bits */
-#include "ref/fast/kernel/walk_small_node.h"
+#include "ref/fast/kernel/walk_small_both.h"
 
 /* The leaf of a ray without hits: one triangle, of a single point. */
 static const uint32_t leaf_none[TINY_WORDS + TINY_BEYOND] __attribute__((unused)) = {0};
@@ -40,17 +40,8 @@ INLINE uint32_t leaf_open(const struct walk_ray *r, const struct fast_tree *tree
 /* The corners of a group, and those of its triangles that are there. */
 INLINE uint32_t leaf_codes(const struct leaf_rows *rows, uint32_t number, group_codes c[3])
 {
-    const uint32_t first = TINY_HEAD + TINY_CORNERS * GROUP * number,
-                   left = rows->tris - GROUP * number;
-    triplets((const char *)rows->block + first / 8, c);
-    return left >= GROUP ? ~0u : (1u << left) - 1;
-}
-
-/* What prim_of takes beside the tree, the block and the lane: the first triangle of the group. */
-INLINE uint32_t leaf_part(const struct leaf_rows *rows, uint32_t number)
-{
-    (void)rows;
-    return GROUP * number;
+    triplets((const char *)rows->block + (TINY_HEAD + TINY_CORNERS * GROUP * number) / 8, c);
+    return leaf_there(rows, number);
 }
 
 INLINE uint32_t prim_of(const struct fast_tree *tree, const uint32_t *block, uint32_t part,

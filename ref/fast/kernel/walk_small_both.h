@@ -1,5 +1,6 @@
-/* Nodes of ref/fast/small_tree.h as a traversal reads them. Included by
- * ref/fast/kernel/walk_small.h and ref/fast/kernel/walk_tiny.h, for kernels that define as well:
+/* Nodes of small and tiny trees (ref/fast/small_tree.h) as a traversal reads them, and the groups
+ * of triangles of their leaves. Included by ref/fast/kernel/walk_small.h and
+ * ref/fast/kernel/walk_tiny.h, for kernels that define as well:
  *   bytes      8 bytes as floats */
 #include "ref/fast/small_tree.h"
 
@@ -71,4 +72,18 @@ INLINE uint32_t test_node(const struct walk_ray *r, const walk_node *node, float
     *entry = max8(max8(nx, ny), max8(nz, r->tmin));
     return not_above(*entry, min8(min8(fx, fy), min8(fz, r->tbest))) &
            (0xFFu >> (FAST_WIDTH - small_children(node)));
+}
+
+/* The triangles of a group that are there. */
+INLINE uint32_t leaf_there(const struct leaf_rows *rows, uint32_t number)
+{
+    const uint32_t left = rows->tris - GROUP * number;
+    return left >= GROUP ? ~0u : (1u << left) - 1;
+}
+
+/* What prim_of takes beside the tree, the block and the lane: the first triangle of the group. */
+INLINE uint32_t leaf_part(const struct leaf_rows *rows, uint32_t number)
+{
+    (void)rows;
+    return GROUP * number;
 }
