@@ -79,9 +79,10 @@ static void print_originals(const struct check_scene *scene, const struct screen
         if (first)
             screen_text(
                 screen,
-                "  decoded from %u bits an axis: vertices moved by %.4g at most, certified; %u "
+                "  decoded from %u bits an axis: vertices moved by %s at most, certified; %u "
                 "triangles without area\n",
-                scene->quantised.grid.bits, scene->quantised.distance, scene->quantised.flat);
+                scene->quantised.grid.bits, BOUND(scene->quantised.distance),
+                scene->quantised.flat);
         first = false;
         screen_text(
             screen,

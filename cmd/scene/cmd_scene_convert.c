@@ -69,10 +69,9 @@ static enum status move_to_grid(struct world *world, const char *from, uint32_t 
 
 static void tell_moved(const struct quantised *moved)
 {
-    printf("on a grid of %u bits an axis: vertices moved by %.4g at most, certified; %u %s "
-           "without area\n",
-           moved->grid.bits, moved->distance, moved->flat,
-           moved->flat == 1 ? "triangle" : "triangles");
+    printf(
+        "on a grid of %u bits an axis: vertices moved by %s at most, certified; %s without area\n",
+        moved->grid.bits, BOUND(moved->distance), COUNTED(moved->flat, "triangle"));
 }
 
 int scene_convert(const struct scene_options *options)

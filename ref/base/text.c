@@ -3,6 +3,7 @@
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 void text_append(char *text, size_t text_bytes, const char *format, ...)
@@ -33,4 +34,14 @@ const char *counted_text(char text[COUNTED_MOST], uint64_t count, const char *no
     snprintf(text, COUNTED_MOST, "%" PRIu64 " %.*s%s", count, (int)length, noun,
              count == 1 ? "" : end);
     return text;
+}
+
+const char *bound_text(char text[BOUND_TEXT], double bound)
+{
+    /* A ten-thousandth is less than a step of the last digit, so no step is left out. */
+    for (double up = bound;; up *= 1.0001) {
+        snprintf(text, BOUND_TEXT, "%.4g", up);
+        if (!(strtod(text, NULL) < bound))
+            return text;
+    }
 }

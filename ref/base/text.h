@@ -17,4 +17,13 @@ const char *counted_text(char text[COUNTED_MOST], uint64_t count, const char *no
 /* The same as an argument of a call: the text lives as long as the block around it. */
 #define COUNTED(count, noun) counted_text((char[COUNTED_MOST]){0}, (count), (noun))
 
+#define BOUND_TEXT 32u /* bytes, the end included */
+
+/* Writes a bound, at least 0, as "%.4g" does, but rounded up: the number that is read again is not
+ * below it. Returns `text`. */
+const char *bound_text(char text[BOUND_TEXT], double bound);
+
+/* The same as an argument of a call. */
+#define BOUND(bound) bound_text((char[BOUND_TEXT]){0}, (bound))
+
 #endif

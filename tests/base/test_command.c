@@ -1,6 +1,7 @@
 /* Laws of ref/base/command.h: exit codes, and numbers on the command line. */
 #define _POSIX_C_SOURCE 200809L /* dup2, fileno */
 #include "ref/base/command.h"
+#include "ref/base/rng.h"
 #include "ref/base/text.h"
 
 #include <stdarg.h>
@@ -11,6 +12,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -179,6 +181,29 @@ static void one_thing_is_told_as_one(void **state)
     assert_int_equal(strlen(COUNTED(5, noun)), COUNTED_MOST - 1);
 }
 
+/* A bound that is printed is one: not below the number, and less than a digit above it. */
+static void bounds_are_rounded_up(void **state)
+{
+    (void)state;
+    static const double exact[] = {0, 1, 0.5, 1234, 8.95e-05, 1e30, 0x1p-20};
+    struct rng rng = rng_make(3, 1);
+    for (size_t i = 0; i < ARRAY_COUNT(exact); i++) {
+        char want[BOUND_TEXT];
+        snprintf(want, sizeof want, "%.4g", exact[i]);
+        if (strtod(want, NULL) == exact[i])
+            assert_string_equal(BOUND(exact[i]), want);
+    }
+    for (int i = 0; i < 100000; i++) {
+        const double part = 1 + (double)rng_below(&rng, 1u << 30) * 0x1p-30;
+        const double bound = ldexp(part, (int)rng_below(&rng, 120) - 60);
+        const double told = strtod(BOUND(bound), NULL), digit = pow(10, floor(log10(bound)) - 3);
+        assert_true(told >= bound);
+        assert_true(told < bound + digit * (1 + 1e-9));
+    }
+    char other[BOUND_TEXT];
+    assert_string_equal(bound_text(other, INFINITY), "inf");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -189,6 +214,7 @@ int main(void)
         cmocka_unit_test(floats_are_finite_and_whole_words),
         cmocka_unit_test(usage_errors_name_the_command_and_its_help),
         cmocka_unit_test(one_thing_is_told_as_one),
+        cmocka_unit_test(bounds_are_rounded_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

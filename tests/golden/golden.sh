@@ -14,5 +14,6 @@
 #   chain NAME, step ...  a case of several commands
 # A line that begins with a blank goes on with the line before. A case runs in a folder of its own; in/ has what
 # ready.txt makes and tests/golden/input. The record has, for each case, 18 bits of every line of the standard output,
-# the standard error and each file written, times left out (normal.pl), pictures by their pixels.
+# the standard error and each file written, or of several where there are many; times left out (normal.pl), pictures by
+# their pixels.
 exec perl tests/golden/golden.pl "$@"

@@ -78,7 +78,7 @@ play_info() {
                         if ((at - int(at + 0.5)) ^ 2 > (slack / step) ^ 2 || d > step / 2 + slack) bad = 1
                     }
                 }
-                exit !(n == m && lines == 1 && !bad && told >= most * 0.9995 - slack && told <= most * 1.0005 + slack)
+                exit !(n == m && lines == 1 && !bad && told >= most - slack && told <= most * 1.001 + slack)
             }' "$dir/as.obj" "$dir/on.obj" "$dir/text" || bad "scene convert --bits $bits of $scene: $(grep grid "$dir/text")"
     done
     # Several scenes, in their order.
