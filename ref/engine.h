@@ -5,20 +5,22 @@
 #include "ref/layout.h"
 #include "ref/primitives/primitives.h"
 
-struct model; /* ref/twin/model.h */
+struct model;       /* ref/twin/model.h */
+struct vk_compiler; /* gpu/vk/vk.h */
 
 struct engine_options {
     uint32_t threads;   /* CPU engines; 0: all */
     const char *driver; /* Vulkan: a part of the driver or device name, or NULL */
     int device;         /* Vulkan: index as in `raydiff doctor`; -1: the first that matches */
     uint32_t workgroup; /* Vulkan: 0: ABI_WORKGROUP */
-    bool unguarded;     /* Embree: also trace rays that may crash it; only in a process that may
+    const struct vk_compiler *compiler; /* Vulkan: compiles its shaders anew; NULL: as built */
+    bool unguarded;   /* Embree: also trace rays that may crash it; only in a process that may
                            crash */
-    bool compact;       /* Embree: build the scene with its compact flag */
-    bool avx512;        /* Embree: use AVX-512 if available; by default up to AVX2 */
-    bool alone;         /* fast: never trace several rays at once */
-    uint32_t peer_ms;   /* pipe: and FILE.so: time limit of a request to a peer; 0: PEER_MS */
-    uint32_t peer_mb;   /* the same: address space in MB; 0: PEER_MB, UINT32_MAX: unlimited */
+    bool compact;     /* Embree: build the scene with its compact flag */
+    bool avx512;      /* Embree: use AVX-512 if available; by default up to AVX2 */
+    bool alone;       /* fast: never trace several rays at once */
+    uint32_t peer_ms; /* pipe: and FILE.so: time limit of a request to a peer; 0: PEER_MS */
+    uint32_t peer_mb; /* the same: address space in MB; 0: PEER_MB, UINT32_MAX: unlimited */
 };
 
 #define PEER_MS 60000u
@@ -135,6 +137,26 @@ struct world_tracer {
     bool (*traces)(const void *self);
 };
 
+/* What a compiler made of the shader of the job that was prepared last. Float operations are
+ * those with NoContraction in the build's shader: all of them. */
+struct engine_compiled {
+    const char *compiler;     /* "opt", "passes:ccp+if-conversion@final" */
+    const struct engine *raw; /* the same engine with the shaders as built */
+    bool translates;      /* through another language, which may have no word for a decoration */
+    bool free;            /* no decoration is asked for: @none */
+    uint32_t source, ops; /* float operations of the build's module and of the compiled one */
+    uint32_t kept;        /* of `ops`, with NoContraction */
+    uint32_t
+        foreign;    /* fused, summed or other instructions of open rounding that the source lacks */
+    uint32_t words; /* of the compiled module; 0: nothing is prepared yet */
+};
+
+/* How many float operations lack a decoration that was asked for, or have open rounding. */
+static inline uint32_t engine_compiled_lost(const struct engine_compiled *compiled)
+{
+    return compiled->free ? 0 : compiled->ops - compiled->kept + compiled->foreign;
+}
+
 struct engine {
     const char *name;
     const char *summary;
@@ -183,9 +205,10 @@ struct engine {
                              struct hit *hit, uint32_t *hit_count, struct reason *reason);
     /* Whether this opened engine has trace_all at all. NULL: it does. */
     bool (*lists)(const void *self);
-    const struct world_tracer *worlds;     /* NULL: it traces no worlds (rows are skipped); see
+    const struct engine_compiled *compiled; /* NULL: it is not an engine with other shaders */
+    const struct world_tracer *worlds;      /* NULL: it traces no worlds (rows are skipped); see
                                               engine_traces_worlds */
-    const struct frame_renderer *renderer; /* NULL: rendered ray by ray (scenes/render/render.h) */
+    const struct frame_renderer *renderer;  /* NULL: rendered ray by ray (scenes/render/render.h) */
     /* Returns how the last prepare or trace that returned STATUS_DEVICE failed, and in *ray how
      * many of its rays were answered before. The engine stays usable: the next call restarts its
      * process. NULL: the engine has no process of its own; after STATUS_DEVICE it may have to be
@@ -228,7 +251,10 @@ static inline bool engine_takes(const struct engine *engine, const struct layout
 /* NULL-terminated: the program's own, then what engine_add added. */
 extern const struct engine *const *const engines;
 
-#define ENGINES_ADDED_MOST 4
+/* Of each of three kinds from outside, a recorded answer, and engines with compiled shaders. */
+#define ENGINES_OUTSIDE_MOST  4
+#define ENGINES_COMPILED_MOST 32
+#define ENGINES_ADDED_MOST    (3 * ENGINES_OUTSIDE_MOST + 1 + ENGINES_COMPILED_MOST)
 
 /* Adds an engine at the end of the table; it is borrowed until the program ends. Call it only while
  * no other thread reads the table. Errors: STATUS_LIMIT more than ENGINES_ADDED_MOST. */

@@ -2,7 +2,7 @@
 #ifndef CMD_CHECK_H
 #define CMD_CHECK_H
 
-#include "cmd/common/cmd_screen.h"
+#include "cmd/common/cmd_compiler.h"
 #include "ref/match/match.h"
 #include "ref/scene/quantise.h"
 #include "ref/match/turnout.h"
@@ -118,6 +118,7 @@ struct check_options {
     bool modes_named;
     uint64_t count, seed, repeats, brute, brute_rays, bits; /* bits 0: not given */
     struct engine_options engines;
+    struct compiler_options compilers;
     float move;
     struct match_demands demands;
     struct screen_options screen;

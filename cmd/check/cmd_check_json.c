@@ -66,7 +66,8 @@ static json_t *finding_json(const struct check_scene *scene, const struct row *r
 {
     char command[EXPLAIN_COMMAND_MOST];
     json_t *out = json_record("ray=%zu against=%s ray_bits=%p got=%p", f->ray_index,
-                              f->bits ? "cpu" : "truth", json_ray_bits(&f->ray), hit_json(&f->got));
+                              f->bits ? row->against->name : "truth", json_ray_bits(&f->ray),
+                              hit_json(&f->got));
     if (f->bits)
         json_add(out, "expected=%p", hit_json(&f->expected));
     else
@@ -129,6 +130,16 @@ static json_t *bytes_json(const struct row *row, uint64_t bytes)
     return row->layout ? json_integer((json_int_t)bytes) : json_known(bytes);
 }
 
+static json_t *compiled_json(const struct row *row)
+{
+    const struct engine_compiled *c = &row->compiled;
+    return json_record("compiler=%s raw=%s decorated=%i translates=%i source=%u operations=%u "
+                       "kept=%u open=%u lost=%u words=%u bits_free=%i moved=%zu",
+                       c->compiler, c->raw->name, !c->free, c->translates, c->source, c->ops,
+                       c->kept, c->foreign, engine_compiled_lost(c), c->words, !row->bits,
+                       row->moved);
+}
+
 static json_t *row_json(const struct check_scene *scene, const struct row *row)
 {
     const struct match_options *o = &row->options;
@@ -166,6 +177,8 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
              json_record("median=%g min=%g max=%g clock=%s", row->mrays[0], row->mrays[1],
                          row->mrays[2], row->device_clock ? "device" : "host"),
              row->boxes, row->tris, row_status_name(row->status), row->reason.text);
+    if (row->compiled.words > 0)
+        json_add(out, "compiled=%p", compiled_json(row));
     json_t *findings = json_array();
     for (size_t i = 0; i < row->finding_count; i++)
         json_array_append_new(findings, finding_json(scene, row, &row->finding[i]));

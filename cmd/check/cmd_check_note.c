@@ -73,6 +73,13 @@ void check_row_note(const struct row *row, char text[CHECK_NOTE_MOST])
         add(&note, "%s lost beside edges %s", note.at ? ";" : "", edges);
     if (row->fans_lost)
         add(&note, "%s watertight: %zu lost in closed fans", note.at ? ";" : "", row->fans_lost);
+    if (engine_compiled_lost(&row->compiled))
+        add(&note, "%s %u of %u float operations without NoContraction, %u of open rounding",
+            note.at ? ";" : "", row->compiled.ops - row->compiled.kept, row->compiled.ops,
+            row->compiled.foreign);
+    if (row->moved)
+        add(&note, "%s %zu answers with other bits than %s's", note.at ? ";" : "", row->moved,
+            row->against->name);
     add_lists(&note, row);
     if (row->status == ROW_VACUOUS)
         add(&note, "%s %s", note.at ? ";" : "", row->reason.text);

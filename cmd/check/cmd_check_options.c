@@ -74,10 +74,12 @@ const struct option_set check_set = {
     .group = {GROUP(rows), GROUP_AT(leaf_rows, build), GROUP_AT(build_rows, build),
               GROUP_AT(displacement_rows, demands), GROUP_AT(watertight_rows, demands),
               GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines),
-              GROUP_AT(screen_rows, screen)},
+              GROUP_AT(compiler_rows, compilers), GROUP_AT(screen_rows, screen)},
     .notes =
-        "Columns: the verdict (agrees, WRONG, BITS: bits differ from engine cpu's, LOST: more hits "
-        "lost beside edges than rounding explains, counted: as published, not judged, vacuous, "
+        "Columns: the verdict (agrees, WRONG, BITS: bits differ from engine cpu's or, of compiled "
+        "shaders, from those of the shaders as built, PRECISE: a compiler lost NoContraction or "
+        "fused, LOST: more hits lost beside edges than rounding explains, counted: as published, "
+        "not judged, vacuous, "
         "refused, skipped, failed); answers WRONG and allowed; bits that differ; hits; bytes a "
         "triangle that a traversal reads; the largest error over its proven bound; speed. What "
         "does not fit the screen is left out. --wide has all of it, answers by allowed class, too "
@@ -86,5 +88,6 @@ const struct option_set check_set = {
         "2, a named engine that cannot run with 77. A run that could play nothing, or nothing of "
         "a named storage, exits with 2.",
     .codes = "0 agree, 1 mismatch or vacuous, 2 bad input, 3 engine failed, 77 skipped",
-    .example = "check sphere:n=20 --layout f32,rf16 --engine cpu,embree --rays vertices",
+    .example = "check sphere:n=20 --layout f32,rf16 --engine cpu,embree --rays vertices\ncheck "
+               "sphere --engine vulkan --compiler raw,opt,passes:ccp+if-conversion",
 };

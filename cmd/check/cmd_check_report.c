@@ -21,8 +21,9 @@ static void print_findings(const struct check_scene *scene, const struct row *ro
                 shown++;
             }
         if (shown && all[bits] > shown)
-            printf("  ... and %zu more of this row that %s\n", all[bits] - shown,
-                   bits ? "differ from engine cpu's" : "are WRONG");
+            printf("  ... and %zu more of this row that %s%s%s\n", all[bits] - shown,
+                   bits ? "differ from engine " : "are WRONG", bits ? row->against->name : "",
+                   bits ? "'s" : "");
     }
 }
 
@@ -166,6 +167,7 @@ static const struct tri_store *idle_store(const struct check_scene *scene)
 /* Sums over the rows that ran. */
 struct agreement {
     size_t exact_rows, exact_rays, exact_bad; /* rows that must have the bits of engine cpu */
+    size_t same_rows, same_rays, same_bad;    /* or of the engine with the shaders as built */
     size_t judged, counted;                   /* answers judged; wrong ones of published members */
     size_t count[VERDICT_COUNT], wrong[WRONG_COUNT];
 };
@@ -177,7 +179,11 @@ static struct agreement agreement_of(const struct check_scene *scene)
         const struct row *row = &scene->row[i];
         if (row->status != ROW_OK)
             continue;
-        if (row->bits && !row->engine->reference) {
+        if (row->bits && row->compiled.words > 0) {
+            sum.same_rows++;
+            sum.same_rays += row->rays;
+            sum.same_bad += row->bit_differences;
+        } else if (row->bits && !row->engine->reference) {
             sum.exact_rows++;
             sum.exact_rays += row->rays;
             sum.exact_bad += row->bit_differences;
@@ -231,6 +237,10 @@ static void print_agreement(const struct check_scene *scene, const struct screen
     if (sum.exact_rows)
         screen_text(screen, "  bit for bit against cpu: %zu of %zu answers differ\n", sum.exact_bad,
                     sum.exact_rays);
+    if (sum.same_rows)
+        screen_text(screen,
+                    "  bit for bit against the shaders as built: %zu of %zu answers differ\n",
+                    sum.same_bad, sum.same_rays);
     print_verdicts(&sum, screen);
     if (sum.counted)
         screen_text(screen, "  members as published are wrong in %s: counted, not judged\n",
@@ -312,6 +322,7 @@ void check_print(const struct check_scene *scene, const struct screen *screen)
         check_print_wide(scene);
     else
         check_print_table(scene, screen);
+    compilers_print(scene->row, scene->row_count, scene->driver, screen);
     for (size_t i = 0; i < scene->row_count; i++)
         print_findings(scene, &scene->row[i], screen);
     puts("what it means");

@@ -57,6 +57,8 @@ static const char *verdict_of(const struct row *row)
         return "WRONG";
     if (row->bits && row->bit_differences && row->differences)
         return "BITS";
+    if (!row->compiled.translates && engine_compiled_lost(&row->compiled))
+        return "PRECISE";
     return row->differences ? "LOST" : "agrees";
 }
 

@@ -76,15 +76,17 @@ static void print_tag(uint32_t prim, uint32_t tag)
 }
 
 /* Lines of their own, which fit a terminal: what the ray may meet, and where the triangles are. */
-static void print_world(const struct finding *finding)
+static void print_world(const struct row *row, const struct finding *finding)
 {
     const struct world_finding *w = &finding->world;
+    char against[320];
     printf("  world: mask 0x%02X flags 0x%X\n", w->mode.mask, w->mode.flags);
     print_place("got:", finding->got.prim, &w->got);
     print_tag(finding->got.prim, w->tag);
     putchar('\n');
     if (finding->bits) {
-        print_place("cpu's:", finding->expected.prim, &w->expected);
+        snprintf(against, sizeof against, "%s's:", row->against->name);
+        print_place(against, finding->expected.prim, &w->expected);
         print_tag(finding->expected.prim, w->expected_tag);
     } else {
         print_place("expected:", finding->judgement.expected, &w->expected);
@@ -96,15 +98,18 @@ void finding_print(const struct screen *screen, const struct row *row,
                    const struct finding *finding, const char *spec, uint64_t seed,
                    const char *driver, bool first)
 {
-    char line[512], command[EXPLAIN_COMMAND_MOST];
+    char line[512], command[EXPLAIN_COMMAND_MOST], kind[320];
+    if (finding->bits)
+        snprintf(kind, sizeof kind, "differ from engine %s's:", row->against->name);
+    else
+        snprintf(kind, sizeof kind, "%s", wrong_name(finding->judgement.wrong));
     finding_line(finding, line, sizeof line);
-    screen_record(
-        screen, PAINT_BAD, "%s %s %s.%s.%s.%s ray %zu %s\n", finding->bits ? "BITS" : "WRONG",
-        finding->bits ? "differ from engine cpu's:" : wrong_name(finding->judgement.wrong),
-        query_name(row->options.query), row->engine->name, row->layout ? row->layout->name : "-",
-        row_tri_name(row), finding->ray_index, line);
+    screen_record(screen, PAINT_BAD, "%s %s %s.%s.%s.%s ray %zu %s\n",
+                  finding->bits ? "BITS" : "WRONG", kind, query_name(row->options.query),
+                  row->engine->name, row->layout ? row->layout->name : "-", row_tri_name(row),
+                  finding->ray_index, line);
     if (finding->world.is)
-        print_world(finding);
+        print_world(row, finding);
     if ((first || !screen->terminal || screen->wide) &&
         finding_command(row, finding, spec, seed, driver, command))
         printf("  explain: %s\n", command);

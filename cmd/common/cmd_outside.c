@@ -1,5 +1,6 @@
 #include "cmd/common/cmd_outside.h"
 
+#include "gpu/engines/compiled.h"
 #include "gpu/engines/shader_tracer.h"
 #include "ref/guest/guest.h"
 #include "ref/guest/guest_engine.h"
@@ -25,6 +26,11 @@ size_t outside_name_length(enum table table, const char *text)
     return next ? (size_t)(next - text) : strlen(text);
 }
 
+bool outside_is_engine(const char *name)
+{
+    return pipe_is_peer(name) || file_of_engine(name) || compiled_base(name);
+}
+
 enum status outside_engine(const char *name, const struct engine **out, struct reason *reason)
 {
     const char *path = object_of_engine(name);
@@ -33,15 +39,16 @@ enum status outside_engine(const char *name, const struct engine **out, struct r
         return STATUS_OK;
     if (begins_with(name, SHADER_PREFIX))
         return shader_tracer(name, out, reason);
+    if (compiled_base(name))
+        return compiled_engine(name, out, reason);
     enum status status = path ? guest_try(path, GUEST_TRY_MS, reason) : STATUS_OK;
     if (status)
         return status;
     return path && path != name ? guest_engine(name, out, reason) : pipe_engine(name, out, reason);
 }
 
-/* If the name is "pipe:COMMAND", "FILE.so", "inside:FILE.so", "shader:FILE" or
- * "answer:...", adds that engine to
- * the table. */
+/* If the name is "pipe:COMMAND", "FILE.so", "inside:FILE.so", "shader:FILE", "ENGINE:COMPILER" or
+ * "answer:...", adds that engine to the table. */
 static enum status add_engine(enum table table, const char *flag, const char *text, size_t length,
                               struct reason *reason)
 {
@@ -60,7 +67,7 @@ static enum status add_engine(enum table table, const char *flag, const char *te
                       "'%.100s': a pipe takes all that follows as its command: name it last, as "
                       "'%.60s,%.*s', or quote the comma of the command",
                       name, comma + 1, (int)(comma - name < 90 ? comma - name : 90), name);
-    else if (pipe_is_peer(name) || file_of_engine(name))
+    else if (outside_is_engine(name))
         status = outside_engine(name, &engine, &why);
     else if (begins_with(name, RECORDED_PREFIX))
         status = recorded_find(name, &engine, &why);

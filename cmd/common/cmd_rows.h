@@ -112,7 +112,7 @@ struct option_set {
             *row;     /* NULL ends the groups; of rows with the same name the first counts */
         size_t place; /* offset of their struct in the command's */
         const char *title;
-    } group[9];
+    } group[10]; /* the last one is NULL */
     const char *notes;
     const char *codes;     /* exit codes */
     const char *example;   /* lines that follow "raydiff" */

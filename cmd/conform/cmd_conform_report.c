@@ -153,6 +153,15 @@ static enum matrix_outcome decide(enum status status, const struct row *row,
     text_append(why, why_bytes, "%s; err/E %.2f; bits %zu",
                 row->judged ? "" : " (as published, counted)", row->worst_over,
                 row->bit_differences);
+    if (row->compiled.words > 0)
+        text_append(why, why_bytes, " against %s", row->compiled.raw->name);
+    if (row->moved)
+        text_append(why, why_bytes, "; other bits, free, %zu", row->moved);
+    if (engine_compiled_lost(&row->compiled))
+        text_append(why, why_bytes,
+                    "; %u of %u float operations without NoContraction, %u of open rounding",
+                    row->compiled.ops - row->compiled.kept, row->compiled.ops,
+                    row->compiled.foreign);
     if (row->fans_lost)
         text_append(why, why_bytes, "; lost in closed fans %zu", row->fans_lost);
     return row->differences ? OUTCOME_FAILED : OUTCOME_PASSED;
@@ -162,10 +171,11 @@ static void print_findings(const struct screen *screen, const struct row *row)
 {
     for (size_t i = 0; i < row->finding_count; i++) {
         const struct finding *f = &row->finding[i];
-        char line[512];
+        char line[512], bits[320];
         finding_line(f, line, sizeof line);
+        snprintf(bits, sizeof bits, "not %s's bits", f->bits ? row->against->name : "");
         screen_record(screen, PAINT_PLAIN, "        ray %zu (%s) %s\n", f->ray_index,
-                      f->bits ? "not cpu's bits" : wrong_name(f->judgement.wrong), line);
+                      f->bits ? bits : wrong_name(f->judgement.wrong), line);
     }
 }
 

@@ -90,9 +90,10 @@ static enum status make_pipeline(struct rayquery *r, const struct job *job, stru
 {
     struct vk_pipeline **pipeline = &r->pipeline[job->query];
     const struct dispatch dispatch = dispatch_query(job, r->base.workgroup);
-    const struct vk_shader make = dispatch_shader(&dispatch);
-    enum status status =
-        *pipeline ? STATUS_OK : vk_pipeline_make(r->base.vk, &make, pipeline, reason);
+    struct vk_shader make = dispatch_shader(&dispatch);
+    enum status status = vk_compile(r->base.vk, &make, reason);
+    if (!status && !*pipeline)
+        status = vk_pipeline_make(r->base.vk, &make, pipeline, reason);
     r->base.chosen = *pipeline;
     return status;
 }

@@ -136,9 +136,10 @@ static enum status make_pipeline(struct brute *b, const struct job *job, struct 
 {
     struct vk_pipeline **pipeline = &b->pipeline[job->tri->id][job->query];
     const struct dispatch dispatch = dispatch_brute(job, b->base.workgroup);
-    const struct vk_shader make = dispatch_shader(&dispatch);
-    enum status status =
-        *pipeline ? STATUS_OK : vk_pipeline_make(b->base.vk, &make, pipeline, reason);
+    struct vk_shader make = dispatch_shader(&dispatch);
+    enum status status = vk_compile(b->base.vk, &make, reason);
+    if (!status && !*pipeline)
+        status = vk_pipeline_make(b->base.vk, &make, pipeline, reason);
     b->base.chosen = *pipeline;
     return status;
 }

@@ -46,7 +46,7 @@ struct outsider {
 };
 
 static shader_tracer_compile_fn *compile_with;
-static struct shader_named named[ENGINES_ADDED_MOST];
+static struct shader_named named[ENGINES_OUTSIDE_MOST];
 static size_t named_count;
 
 void shader_tracer_compile_with(shader_tracer_compile_fn *compile)
@@ -276,7 +276,7 @@ enum status shader_tracer(const char *name, const struct engine **out, struct re
                     NAME_MOST - 1);
     if (named_count == ARRAY_COUNT(named))
         return fail(reason, STATUS_LIMIT, "%.80s: more than %d shaders that trace", name,
-                    ENGINES_ADDED_MOST);
+                    ENGINES_OUTSIDE_MOST);
     struct shader_named *one = &named[named_count];
     strcpy(one->name, name);
     enum status status = read_module(name + prefix, one, reason);

@@ -13,7 +13,11 @@ enum status pipelines_find(struct pipelines *pipelines, struct vk *vk,
                            const struct vk_shader *shader, struct vk_pipeline **out,
                            struct reason *reason)
 {
-    struct pipeline_kept want = {.word = shader->word};
+    struct vk_shader compiled = *shader;
+    enum status status = vk_compile(vk, &compiled, reason);
+    if (status)
+        return status;
+    struct pipeline_kept want = {.word = compiled.word};
     memcpy(want.constant, shader->constant, shader->constant_count * sizeof want.constant[0]);
     for (size_t i = 0; i < pipelines->count; i++)
         if (pipelines->kept[i].word == want.word &&
@@ -23,7 +27,7 @@ enum status pipelines_find(struct pipelines *pipelines, struct vk *vk,
         }
     if (array_reserve(&pipelines->kept, &pipelines->capacity, pipelines->count + 1, sizeof want))
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for the list of pipelines");
-    enum status status = vk_pipeline_make(vk, shader, &want.pipeline, reason);
+    status = vk_pipeline_make(vk, &compiled, &want.pipeline, reason);
     if (status)
         return status;
     pipelines->kept[pipelines->count++] = want;

@@ -9,7 +9,8 @@ struct pipelines {
     size_t count, capacity;
 };
 
-/* Finds or makes the pipeline, which the list owns. Errors: as vk_pipeline_make. */
+/* Finds or makes the pipeline of the shader as the device's compiler has it; the list owns it.
+ * Errors: as vk_compile and vk_pipeline_make. */
 enum status pipelines_find(struct pipelines *pipelines, struct vk *vk,
                            const struct vk_shader *shader, struct vk_pipeline **out,
                            struct reason *reason) MUST_USE;

@@ -242,3 +242,29 @@ enum status spirv_fix(const uint32_t *word, size_t count, const struct spirv_rul
     *out_count = sink.count;
     return STATUS_OK;
 }
+
+enum status spirv_strip(const uint32_t *word, size_t count, uint32_t **out, size_t *out_count,
+                        struct reason *reason)
+{
+    const struct module m = {.word = word, .count = count, .reason = reason};
+    struct instruction i;
+    bool ok = true;
+    *out = NULL;
+    *out_count = 0;
+    if (count < HEADER_WORDS || word[0] != MAGIC)
+        return fail(reason, STATUS_INPUT, "word 0: no SPIR-V header");
+    struct sink sink = {.word = alloc_zeroed(count, sizeof *sink.word)};
+    if (!sink.word)
+        return fail(reason, STATUS_MEMORY, "no memory for %zu words of SPIR-V", count);
+    put(&sink, word, HEADER_WORDS);
+    for (size_t at = HEADER_WORDS; next(&m, &at, &i, &ok);)
+        if (!(i.op == OP_DECORATE && i.count == 3 && i.word[2] == NO_CONTRACTION))
+            put(&sink, i.word, i.count);
+    if (!ok) {
+        free(sink.word);
+        return STATUS_INPUT;
+    }
+    *out = sink.word;
+    *out_count = sink.count;
+    return STATUS_OK;
+}

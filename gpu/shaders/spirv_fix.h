@@ -21,4 +21,9 @@ struct spirv_rules {
 enum status spirv_fix(const uint32_t *word, size_t count, const struct spirv_rules *rules,
                       uint32_t **out, size_t *out_count, struct reason *reason) MUST_USE;
 
+/* Makes a copy without any NoContraction, which the caller frees. Errors: as spirv_fix, but for its
+ * rules. */
+enum status spirv_strip(const uint32_t *word, size_t count, uint32_t **out, size_t *out_count,
+                        struct reason *reason) MUST_USE;
+
 #endif

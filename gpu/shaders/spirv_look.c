@@ -52,6 +52,17 @@ static void mark(const struct look_instruction *i, uint8_t *id, uint32_t bound)
         id[id_at(i, 1, bound)] |= IS_PINNED;
 }
 
+/* Instructions whose result is a float32 for every operand, so that nothing is rounded. */
+static bool is_exact(uint32_t extended)
+{
+    static const uint32_t exact[] = {2 /* RoundEven */, 3 /* Trunc */, 4 /* FAbs */, 6 /* FSign */,
+                                     8 /* Floor */,     9 /* Ceil */,  UNPACK_HALF};
+    for (size_t i = 0; i < ARRAY_COUNT(exact); i++)
+        if (exact[i] == extended)
+            return true;
+    return false;
+}
+
 static void judge(const struct look_instruction *i, const uint8_t *id, uint32_t bound,
                   struct spirv_found *out)
 {
@@ -61,8 +72,10 @@ static void judge(const struct look_instruction *i, const uint8_t *id, uint32_t 
         out->bare += !(id[id_at(i, 2, bound)] & IS_PINNED);
         out->sums += i->op >= OP_FIRST_SUM && i->op <= OP_LAST_SUM && i->op != OP_OUTER_PRODUCT;
     }
-    if (i->op == OP_EXT_INST)
+    if (i->op == OP_EXT_INST) {
         out->inexact_ext += word_at(i, 4) != UNPACK_HALF;
+        out->open_ext += id[id_at(i, 1, bound)] & IS_FLOAT && !is_exact(word_at(i, 4));
+    }
     if (i->op == OP_CAPABILITY)
         out->other_capabilities += word_at(i, 1) != CAPABILITY_SHADER;
 }

@@ -11,6 +11,7 @@ struct spirv_found {
     uint32_t bare;               /* of them, without NoContraction: a driver may fuse them */
     uint32_t sums;               /* dot and matrix products */
     uint32_t inexact_ext;        /* extended instructions other than UnpackHalf2x16 */
+    uint32_t open_ext;           /* those with a float result whose rounding or NaNs are open */
     uint32_t other_capabilities; /* other than Shader */
 };
 

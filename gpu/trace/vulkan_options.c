@@ -13,6 +13,7 @@ struct vk_options vulkan_options(const struct engine_options *options)
         .library = getenv("RAYDIFF_VULKAN_LIBRARY"),
         .driver = options->driver,
         .device = options->device,
+        .compiler = options->compiler,
         .validate = validate && strcmp(validate, "1") == 0,
         .watch = validate && strcmp(validate, "gpu") == 0,
     };

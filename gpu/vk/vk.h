@@ -12,6 +12,17 @@
 #define VK_UPDATE_MAX    65536u
 #define VK_NAME_BYTES    256u
 
+struct vk_shader;
+
+/* Makes another module of a shader's before a pipeline is made of it. */
+struct vk_compiler {
+    /* Replaces shader->word and word_count by words that live until the program ends, the same
+     * ones for the same module and constants. Errors: STATUS_DEVICE, STATUS_UNSUPPORTED,
+     * STATUS_MEMORY. */
+    enum status (*compile)(void *user, struct vk_shader *shader, struct reason *reason);
+    void *user;
+};
+
 struct vk_options {
     const char *library; /* the loader to open, NULL: libvulkan.so.1 */
     const char *driver;  /* argument of driver_find (gpu/vk/vk_driver.h), NULL: any */
@@ -20,8 +31,9 @@ struct vk_options {
     bool watch;    /* also check every memory access of a shader; switches off the robustness that
                     * makes invalid accesses harmless */
     bool staging;  /* copy through a staging buffer even if memory is shared */
-    bool ray_query;   /* require ray queries, see gpu/vk/vk_accel.h */
-    uint64_t wait_ns; /* longest wait for one dispatch, 0: VK_WAIT_NS */
+    bool ray_query;                     /* require ray queries, see gpu/vk/vk_accel.h */
+    const struct vk_compiler *compiler; /* for vk_compile; borrowed; NULL: none */
+    uint64_t wait_ns;                   /* longest wait for one dispatch, 0: VK_WAIT_NS */
 };
 
 /* Properties of a device. */
@@ -104,6 +116,11 @@ struct vk_shader {
     const uint32_t *constant; /* specialization constant i is constant[i]; borrowed for the call */
     uint32_t constant_count;  /* at most VK_CONSTANTS_MAX */
 };
+
+/* Has the device's compiler replace the shader's module; without one does nothing. Whoever makes a
+ * pipeline of a shader that traces or draws calls it before. Errors: as vk_compiler.compile. */
+enum status vk_compile(const struct vk *vk, struct vk_shader *shader,
+                       struct reason *reason) MUST_USE;
 
 /* Makes a pipeline. Errors: STATUS_UNSUPPORTED constant 0, the workgroup's size, is 0 or over the
  * device's limit, or more storage buffers than the device allows; STATUS_DEVICE; STATUS_MEMORY. */

@@ -53,6 +53,12 @@ static enum status make_pipeline(struct vk *vk, const struct vk_shader *shader,
     return vk_check(vk, result, shader->name, reason);
 }
 
+enum status vk_compile(const struct vk *vk, struct vk_shader *shader, struct reason *reason)
+{
+    const struct vk_compiler *compiler = vk->options.compiler;
+    return compiler ? compiler->compile(compiler->user, shader, reason) : STATUS_OK;
+}
+
 enum status vk_pipeline_make(struct vk *vk, const struct vk_shader *shader,
                              struct vk_pipeline **out, struct reason *reason)
 {

@@ -282,7 +282,7 @@ static const char *inmate_called(const void *self)
                : "trace of raydiff's rays";
 }
 
-static char name_of[ENGINES_ADDED_MOST][GUEST_PATH_MOST + sizeof GUEST_PREFIX];
+static char name_of[ENGINES_OUTSIDE_MOST][GUEST_PATH_MOST + sizeof GUEST_PREFIX];
 static size_t name_count;
 
 static enum status open_place(size_t place, const struct engine_options *options, void **self,
@@ -330,7 +330,7 @@ enum status guest_engine(const char *name, const struct engine **out, struct rea
                     GUEST_PATH_MOST - 1);
     if (name_count == ARRAY_COUNT(engine_of))
         return fail(reason, STATUS_LIMIT, "%.80s: more than %d engines from outside", name,
-                    ENGINES_ADDED_MOST);
+                    ENGINES_OUTSIDE_MOST);
     strcpy(name_of[name_count], name);
     return engine_place_take(engine_of, &name_count, out, reason);
 }

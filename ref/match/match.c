@@ -143,7 +143,7 @@ void match_set(struct match *match, const struct box_test *box, enum query query
 {
     match->options.box = box;
     match->options.query = query;
-    match_forget_cpu(match);
+    match_forget_against(match);
 }
 
 void match_refused(const struct match *match, const struct layout *layout,
@@ -221,34 +221,39 @@ static enum status timed_traces(struct match *match, const struct engine *engine
                        &untimed, row);
 }
 
-/* Opens engine cpu and prepares it for the match. */
-static enum status prepare_cpu(const struct match *match, void **self, struct reason *reason)
+/* Opens the engine that a row is compared with and prepares it for the match. */
+static enum status prepare_against(const struct match *match, const struct engine *engine,
+                                   void **self, struct reason *reason)
 {
-    const struct engine *cpu = engine_reference(true);
     enum status status = STATUS_OK;
-    *self = pool_get(match->pool, cpu, &status, reason);
-    return status ? status : match_prepare(match, cpu, *self, reason);
+    *self = pool_get(match->pool, engine, &status, reason);
+    return status ? status : match_prepare(match, engine, *self, reason);
 }
 
-/* Fills match->cpu, which exact engines are compared with. */
-static enum status cpu_hits(struct match *match, struct reason *reason)
+/* Fills match->against for a row. A row of brute force may have fewer rays than others. */
+static enum status against_hits(struct match *match, struct row *row)
 {
-    if (match->cpu)
+    const struct engine *engine = row->against;
+    const size_t count = match->ray_count;
+    if (match->against.engine == engine)
         return STATUS_OK;
     void *self;
     struct trace_report report;
-    match->cpu = alloc_zeroed(match->ray_count, sizeof *match->cpu);
-    match->cpu_tag = alloc_zeroed(match->world ? match->ray_count : 0, sizeof *match->cpu_tag);
+    match_forget_against(match);
+    match->against.hit = alloc_zeroed(count, sizeof *match->against.hit);
+    match->against.tag = alloc_zeroed(match->world ? count : 0, sizeof *match->against.tag);
     enum status status = STATUS_OK;
-    if (!match->cpu || !match->cpu_tag)
-        status = fail(reason, STATUS_MEMORY, "no memory for %zu rays", match->ray_count);
+    if (!match->against.hit || !match->against.tag)
+        status = fail(&row->reason, STATUS_MEMORY, "no memory for %zu rays", count);
     if (status == STATUS_OK)
-        status = prepare_cpu(match, &self, reason);
+        status = prepare_against(match, engine, &self, &row->reason);
     if (status == STATUS_OK)
-        status = match_trace(match, engine_reference(true), self, match->ray_count, match->cpu,
-                             match->cpu_tag, &report, reason);
+        status = match_trace(match, engine, self, engine->brute ? row->rays : count,
+                             match->against.hit, match->against.tag, &report, &row->reason);
     if (status)
-        match_forget_cpu(match);
+        match_forget_against(match);
+    else
+        match->against.engine = engine;
     return status;
 }
 
@@ -277,14 +282,14 @@ static bool is_judged(const struct match *match, const struct engine *engine)
            !(o->top_builder && o->top_builder->faithful);
 }
 
-/* Lists all hits and judges them, beside engine cpu's if they must have its bits. */
+/* Lists all hits and judges them, beside those of the engine that they are compared with. */
 static enum status run_lists(struct match *match, const struct engine *engine, void *self,
                              const struct model *model, struct row *row)
 {
     enum status status = STATUS_OK;
     void *beside = NULL;
-    if (row->bits && engine != engine_reference(true))
-        status = prepare_cpu(match, &beside, &row->reason);
+    if (row->against && engine != row->against)
+        status = prepare_against(match, row->against, &beside, &row->reason);
     if (status == STATUS_OK)
         status = match_lists(match, engine, self, beside, model, row);
     return status;
@@ -306,6 +311,12 @@ static enum status play_row(struct match *match, const struct engine *engine, vo
         model.watertight = false; /* the triangle test is, but its boxes are not */
     row->judged = is_judged(match, engine);
     row->bits = model.bits;
+    if (engine->compiled) {
+        row->compiled = *engine->compiled;
+        row->against = engine->compiled->raw;
+    } else if (row->bits) {
+        row->against = engine_reference(true);
+    }
     struct trace_report own = {0};
     if (engine->own_tree &&
         engine->trace(self, match->ray, 0, NULL, &own, &row->reason) == STATUS_OK) {
@@ -318,8 +329,8 @@ static enum status play_row(struct match *match, const struct engine *engine, vo
     if (match->options.query == QUERY_ALL)
         return run_lists(match, engine, self, &model, row);
     enum status status = timed_traces(match, engine, self, row);
-    if (status == STATUS_OK && row->bits)
-        status = cpu_hits(match, &row->reason);
+    if (status == STATUS_OK && row->against)
+        status = against_hits(match, row);
     if (status == STATUS_OK)
         status = match_judge(match, &model, row);
     return status;

@@ -8,7 +8,7 @@
 #include "ref/packed/tree_file.h"
 #include "ref/two_level/packed_world.h"
 
-#define POOL_MOST       15 /* every engine of the program, and all that may be added */
+#define POOL_MOST       56 /* every engine of the program, and all that may be added */
 #define FINDING_MOST    4  /* kept of a row: so many that are WRONG, and so many bit differences */
 #define REPEAT_MOST     32
 #define MATCH_EDGES     4 /* classes of hits beside edges */
@@ -73,7 +73,7 @@ struct match_refit {
 struct world_finding {
     bool is; /* false: it is of a scene */
     struct ray_mode mode;
-    uint32_t tag, expected_tag; /* of the answer, and of engine cpu's if the bits differ */
+    uint32_t tag, expected_tag; /* of the answer, and of row.against's if the bits differ */
     struct place got, expected; /* of the answer's triangle and the expected one, if they are */
 };
 
@@ -84,8 +84,8 @@ struct finding {
     struct hit got;             /* of a list: the hit at fault; a miss if one is lost */
     struct judgement judgement; /* why it is WRONG, unless `bits` */
     struct oracle_answer truth;
-    struct hit expected; /* engine cpu's, if `bits` */
-    bool bits;           /* found by comparing with engine cpu, else by the judge */
+    struct hit expected; /* that of row.against, if `bits` */
+    bool bits;           /* found by comparing with row.against, else by the judge */
     struct world_finding world;
 };
 
@@ -147,9 +147,12 @@ struct row {
         size_t lost, phantom, other; /* a miss for a hit, a hit for a miss, not the nearest */
         double allowed, most, most_decoded; /* certified; needed for the original, the decoded */
     } original;
-    size_t bit_differences; /* against engine cpu on the same tree, if bits */
-    bool bits;              /* compared with engine cpu bit for bit */
-    bool unknown;           /* its formula is not known */
+    size_t bit_differences;       /* against `against`, if bits */
+    bool bits;                    /* compared with `against` bit for bit, and must be equal */
+    const struct engine *against; /* engine cpu on the same tree; of compiled shaders the raw one */
+    struct engine_compiled compiled; /* of an engine with compiled shaders that was prepared */
+    size_t moved; /* of one whose bits are free: answers with other bits than `against` has */
+    bool unknown; /* its formula is not known */
     const char
         *formula;  /* of an engine with own_tri that ran: the triangle test of the table that it
                             reports; NULL: none of the table */
@@ -210,15 +213,19 @@ struct match {
     struct packed packed;     /* of the layout last packed */
     struct world_trees trees; /* of a world: in place of bvh */
     struct packed_world packed_world; /* and of packed */
-    struct hit *cpu;                  /* engine cpu's hits on packed, or NULL if not yet traced */
+    struct {
+        const struct engine *engine; /* NULL: not yet traced */
+        struct hit *hit;             /* its hits on packed, which bits are compared with */
+        uint32_t *tag;
+    } against;
     struct hit *answer;               /* of the engine last run */
     struct hit *again;                /* its second answers */
-    uint32_t *cpu_tag, *answer_tag, *again_tag; /* of a world: tags of these */
-    unsigned char *unstable;                    /* per ray: the two differ */
-    struct {             /* the last closest hits, for any-hit to be compared with */
-        struct hit *hit; /* room for all rays */
-        uint32_t *tag;   /* of a world: theirs */
-        size_t count;    /* 0: none */
+    uint32_t *answer_tag, *again_tag; /* of a world: tags of these */
+    unsigned char *unstable;          /* per ray: the two differ */
+    struct {                          /* the last closest hits, for any-hit to be compared with */
+        struct hit *hit;              /* room for all rays */
+        uint32_t *tag;                /* of a world: theirs */
+        size_t count;                 /* 0: none */
         const struct engine *engine;
         const struct box_test *box;
     } closest;
@@ -269,9 +276,10 @@ enum status match_pack_auto(struct match *match, char *refused, size_t refused_b
                             struct reason *reason) MUST_USE;
 
 /* Runs one engine on the packed layout (or without one) at least twice and judges it. Engines that
- * promise bits are compared with engine cpu, any-hits with the closest hits of the same engine,
- * layout and box test if those ran just before. QUERY_ALL: two traces, timed by the host, work not
- * counted. Never fails: what went wrong is in the row. */
+ * promise bits are compared with engine cpu, or with the engine whose shaders were compiled,
+ * any-hits with the closest hits of the same engine, layout and box test if those ran just before.
+ * QUERY_ALL: two traces, timed by the host, work not counted. Never fails: what went wrong is in
+ * the row. */
 void match_run(struct match *match, const struct engine *engine, struct row *row);
 
 /* A row for a layout that could not be packed. */

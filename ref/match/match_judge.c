@@ -94,6 +94,8 @@ enum status match_tally_end(struct match_tally *tally, const struct match *match
     row->compared = row->rays;
     row->brute = match->brute_count < row->rays ? match->brute_count : row->rays;
     row->differences += row->bit_differences;
+    if (!row->compiled.translates) /* what a translator cannot say is stated, not a fault */
+        row->differences += engine_compiled_lost(&row->compiled);
     if (row->judged)
         row->differences += row->count[VERDICT_WRONG] + row->edges_beyond + row->fans_lost;
     free(tally->displacement);
@@ -180,14 +182,18 @@ static void compare_bits(const struct match *match, struct row *row)
 {
     for (size_t i = 0; i < row->rays; i++) {
         const uint32_t *tag = match->world ? match->answer_tag : NULL;
-        if (match_same_bits(match->cpu, match->answer, tag, match->cpu_tag, i) ||
+        if (match_same_bits(match->against.hit, match->answer, tag, match->against.tag, i) ||
             !ray_in_contract(&match->ray[i]))
             continue;
+        if (!row->bits) {
+            row->moved++;
+            continue;
+        }
         const struct finding finding = {.got = match->answer[i],
-                                        .expected = match->cpu[i],
+                                        .expected = match->against.hit[i],
                                         .bits = true,
                                         .world.tag = tag ? tag[i] : 0,
-                                        .world.expected_tag = tag ? match->cpu_tag[i] : 0};
+                                        .world.expected_tag = tag ? match->against.tag[i] : 0};
         row->bit_differences++;
         match_keep_finding(match, i, &finding, row);
     }
@@ -217,7 +223,7 @@ enum status match_judge(const struct match *match, const struct model *model, st
     enum status status = started && j.judgement ? judges_make(&j, model)
                                                 : fail(&row->reason, STATUS_MEMORY,
                                                        "no memory to judge %zu rays", row->rays);
-    if (status == STATUS_OK && row->bits)
+    if (status == STATUS_OK && row->against)
         compare_bits(match, row);
     if (status == STATUS_OK)
         status = judge_all(&j);

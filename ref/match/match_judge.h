@@ -4,9 +4,9 @@
 
 #include "ref/match/match.h"
 
-/* Judges match->answer and counts in the row: against the truth; against match->cpu if row->bits;
- * repeatability by match->unstable; any-hits against match->closest if that is of the same engine
- * and box test. Errors: STATUS_MEMORY. */
+/* Judges match->answer and counts in the row: against the truth; against match->against if the row
+ * is compared; repeatability by match->unstable; any-hits against match->closest if that is of the
+ * same engine and box test. Errors: STATUS_MEMORY. */
 enum status match_judge(const struct match *match, const struct model *model,
                         struct row *row) MUST_USE;
 

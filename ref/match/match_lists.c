@@ -20,7 +20,7 @@ struct said {
     struct list_judgement list;
     struct list_mesh mesh;
     bool unstable, failed;
-    bool bits; /* the bits differ from engine cpu's; the first such hits: */
+    bool bits; /* the bits differ from row->against's; the first such hits: */
     struct tagged_hit got, expected;
 };
 
@@ -28,11 +28,11 @@ struct said {
 struct playing {
     struct match *match;
     const struct engine *engine;
-    void *self, *cpu;
+    void *self, *beside; /* beside: row->against's; NULL: not compared */
     struct row *row;
     struct judge *judge;
     struct topology topology;
-    struct all_hits hits, again, theirs; /* the engine's, twice, and cpu's */
+    struct all_hits hits, again, theirs; /* the engine's, twice, and row->against's */
     struct said *said;                   /* of the rays of one batch */
     struct match_tally tally;
     uint64_t ns[2];
@@ -120,7 +120,7 @@ static void judge_one(const struct playing *p, size_t at, size_t i, bool closed,
         out->list.at_fault = one.hit;
         out->list.tag = one.tag;
     }
-    out->bits = p->cpu && differ(p, &p->hits, &p->theirs, i, &out->got, &out->expected) &&
+    out->bits = p->beside && differ(p, &p->hits, &p->theirs, i, &out->got, &out->expected) &&
                 ray_in_contract(&p->match->ray[at + i]);
     out->failed = status != STATUS_OK;
 }
@@ -147,7 +147,8 @@ static void count_one(struct playing *p, size_t at, size_t i)
     row->lists.doubles += said->mesh.doubled;
     row->lists.parity += said->mesh.parity;
     row->lists.parity_off += said->mesh.parity_off;
-    if (said->bits) {
+    row->moved += said->bits && !row->bits;
+    if (said->bits && row->bits) {
         row->bit_differences++;
         keep_finding(p, at + i, said, true);
     }
@@ -167,8 +168,8 @@ static enum status play_part(struct playing *p, size_t at, bool closed, size_t *
     enum status status = list_part(p, p->engine, p->self, at, &p->hits, done, &p->ns[0]);
     if (!status)
         status = list_part(p, p->engine, p->self, at, &p->again, done, &p->ns[1]);
-    if (!status && p->cpu)
-        status = list_part(p, engine_reference(true), p->cpu, at, &p->theirs, done, &theirs);
+    if (!status && p->beside)
+        status = list_part(p, p->row->against, p->beside, at, &p->theirs, done, &theirs);
     if (status)
         return status;
 #pragma omp parallel for schedule(dynamic, 64)
@@ -203,7 +204,7 @@ static enum status play(struct playing *p, const struct model *model)
     return match_tally_end(&p->tally, match, status);
 }
 
-enum status match_lists(struct match *match, const struct engine *engine, void *self, void *cpu,
+enum status match_lists(struct match *match, const struct engine *engine, void *self, void *beside,
                         const struct model *model, struct row *row)
 {
     bool split = match->world ? match->packed_world.split : match->packed.split;
@@ -211,7 +212,7 @@ enum status match_lists(struct match *match, const struct engine *engine, void *
     struct playing p = {.match = match,
                         .engine = engine,
                         .self = self,
-                        .cpu = cpu,
+                        .beside = beside,
                         .row = row,
                         .hits.once = once,
                         .again.once = once,

@@ -9,19 +9,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-void match_forget_cpu(struct match *match)
+void match_forget_against(struct match *match)
 {
-    free(match->cpu);
-    free(match->cpu_tag);
-    match->cpu = NULL;
-    match->cpu_tag = NULL;
+    free(match->against.hit);
+    free(match->against.tag);
+    match->against.engine = NULL;
+    match->against.hit = NULL;
+    match->against.tag = NULL;
 }
 
 void match_unpack(struct match *match)
 {
     packed_free(&match->packed);
     packed_world_free(&match->packed_world);
-    match_forget_cpu(match);
+    match_forget_against(match);
     match->closest.count = 0;
 }
 

@@ -8,6 +8,6 @@
 void match_unpack(struct match *match);
 
 /* Frees the answers of engine cpu alone. */
-void match_forget_cpu(struct match *match);
+void match_forget_against(struct match *match);
 
 #endif

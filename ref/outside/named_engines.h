@@ -12,7 +12,7 @@
 #include "ref/engine.h"
 
 #define ENGINE_PLACES(each) each(0) each(1) each(2) each(3)
-_Static_assert(ENGINES_ADDED_MOST == 4, "a place for each");
+_Static_assert(ENGINES_OUTSIDE_MOST == 4, "a place for each");
 
 #define ENGINE_PLACE(n)                                                                            \
     static enum status open_##n(const struct engine_options *options, void **self,                 \

@@ -313,7 +313,7 @@ static struct model tracer_model(void *self, const struct tri_test *tri)
     return model;
 }
 
-static char name_of[ENGINES_ADDED_MOST][PIPE_NAME_MOST];
+static char name_of[ENGINES_OUTSIDE_MOST][PIPE_NAME_MOST];
 static size_t name_count;
 
 static enum status open_place(size_t place, const struct engine_options *options, void **self,
@@ -380,7 +380,7 @@ enum status pipe_engine(const char *name, const struct engine **out, struct reas
         return fail(reason, STATUS_INPUT, "'%.40s...' is longer than %d characters", name,
                     PIPE_NAME_MOST - 1);
     if (name_count == ARRAY_COUNT(engine_of))
-        return fail(reason, STATUS_LIMIT, "%.80s: more than %d peers", name, ENGINES_ADDED_MOST);
+        return fail(reason, STATUS_LIMIT, "%.80s: more than %d peers", name, ENGINES_OUTSIDE_MOST);
     memcpy(name_of[name_count], name, length + 1);
     return engine_place_take(engine_of, &name_count, out, reason);
 }

@@ -115,7 +115,8 @@ static inline void assert_differs(const struct fixture *f, bool bits)
         assert_memory_equal(&found->truth, &f->match.truth[at], sizeof found->truth);
         assert_memory_equal(&found->got, &f->match.answer[at], sizeof found->got);
         if (found->bits) {
-            assert_memory_equal(&found->expected, &f->match.cpu[at], sizeof found->expected);
+            assert_memory_equal(&found->expected, &f->match.against.hit[at],
+                                sizeof found->expected);
             assert_memory_not_equal(&found->expected, &found->got, sizeof found->got);
         } else {
             assert_int_equal(found->judgement.verdict, VERDICT_WRONG);

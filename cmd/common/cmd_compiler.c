@@ -1,0 +1,255 @@
+#include "cmd/common/cmd_compiler.h"
+
+#include "gpu/engines/compiled.h"
+#include "gpu/shaders/compiler.h"
+#include "ref/base/command.h"
+#include "ref/store.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define ROWS_OF struct compiler_options
+
+const struct option_row compiler_rows[] = {
+    {"compiler", "C,..",
+     "engines vulkan* and rayquery: compilers of their shaders, compared with raw bit for bit: raw "
+     "(as built), opt and size (spirv-opt -O, -Os), passes:A+B (its passes; ./PROGRAM is one of "
+     "your "
+     "own), cross (SPIRV-Cross and glslang), hlsl, shaderc",
+     OF_TEXT(list), .shown = "raw"},
+    {"decorate", "WHEN",
+     "NoContraction is put on every float operation before the compilers (source), after them "
+     "(final) or never (none)",
+     OF_CHOICE(decorate, decorate_names), .value = "source"},
+    {0},
+};
+
+#define NAME_MOST 256
+
+/* Adds an engine under one compiler. */
+static enum status add(const struct compiler_options *options, const struct engine *engine,
+                       const char *compiler, size_t length, struct list *out, struct reason *reason)
+{
+    char name[NAME_MOST];
+    const struct engine *made;
+    struct reason why = {""};
+    const char *when = decorate_names[options->decorate];
+    const bool own = memchr(compiler, '@', length) != NULL;
+    if (own && option_was_given("decorate"))
+        return fail(reason, STATUS_INPUT, "--decorate: '%.*s' has its own", (int)length, compiler);
+    if (length + strlen(engine->name) + 16 > sizeof name)
+        return fail(reason, STATUS_INPUT, "--compiler: '%.60s...' is too long", compiler);
+    snprintf(name, sizeof name, "%s:%.*s%s%s", engine->name, (int)length, compiler, own ? "" : "@",
+             own ? "" : when);
+    enum status status = compiled_engine(name, &made, &why);
+    if (status)
+        return fail(reason, status, "--compiler: %s", why.text);
+    if (list_names(out, made))
+        return fail(reason, STATUS_INPUT, "--compiler: %s is named twice", made->name);
+    if (out->count == LIST_MOST)
+        return fail(reason, STATUS_INPUT, "--compiler: more than %d engines", LIST_MOST);
+    list_add(out, TABLE_ENGINES, made);
+    return STATUS_OK;
+}
+
+static enum status replace(const struct compiler_options *options, struct list *list,
+                           struct reason *reason)
+{
+    struct list out = {.every = list->every, .all = list->all};
+    enum status status = STATUS_OK;
+    bool any = false;
+    for (size_t i = 0; i < list->count && !status; i++) {
+        const struct engine *engine = engines[list->index[i]];
+        if (!compiled_takes(engine)) {
+            list_add(&out, TABLE_ENGINES, engine);
+            continue;
+        }
+        any = true;
+        for (const char *at = options->list; !status;) {
+            const size_t length = strcspn(at, ",");
+            status = add(options, engine, at, length, &out, reason);
+            if (!at[length])
+                break;
+            at += length + 1;
+        }
+    }
+    if (!status && !any)
+        return fail(reason, STATUS_INPUT,
+                    "--compiler: not used here: it needs an engine vulkan, vulkan_brute, "
+                    "vulkan_stackless or rayquery");
+    if (!status)
+        *list = out;
+    return status;
+}
+
+int compilers_apply(const char *command, const struct compiler_options *options,
+                    struct list *engines_of)
+{
+    struct reason reason = {""};
+    if (!options->list)
+        return option_was_given("decorate")
+                   ? usage_error(command, "--decorate: not used here: it needs --compiler")
+                   : -1;
+    enum status status = replace(options, engines_of, &reason);
+    if (!status)
+        return -1;
+    return status == STATUS_INPUT ? usage_error(command, "%s", reason.text)
+                                  : exit_with_reason(command, status, &reason);
+}
+
+/* --- what became of them ---------------------------------------------------------------------- */
+
+void compiled_kept_text(const struct engine_compiled *compiled, char text[COMPILED_TEXT])
+{
+    if (compiled->free)
+        snprintf(text, COMPILED_TEXT, "none of %u", compiled->ops);
+    else
+        snprintf(text, COMPILED_TEXT, "%u of %u", compiled->kept, compiled->ops);
+}
+
+enum {
+    COL_COMPILER,
+    COL_ENGINE,
+    COL_LAYOUT,
+    COL_BUILDER,
+    COL_BOX,
+    COL_TRI,
+    COL_QUERY,
+    COL_SOURCE,
+    COL_KEPT,
+    COL_OPEN,
+    COL_BITS,
+    COL_WRONG,
+    COL_RATIO
+};
+
+static const struct column columns[] = {
+    [COL_COMPILER] = {"compiler", .left = true},
+    [COL_ENGINE] = {"engine", .left = true},
+    [COL_LAYOUT] = {"layout", .left = true},
+    [COL_BUILDER] = {"builder", .left = true, .varies = true, .rank = 4},
+    [COL_BOX] = {"box", .left = true, .varies = true, .rank = 3},
+    [COL_TRI] = {"tri", .left = true, .varies = true, .rank = 2},
+    [COL_QUERY] = {"query", .left = true, .varies = true, .rank = 1},
+    [COL_SOURCE] = {"source", .rank = 5},
+    [COL_KEPT] = {"NoContraction"},
+    [COL_OPEN] = {"open"},
+    [COL_BITS] = {"bits"},
+    [COL_WRONG] = {"WRONG"},
+    [COL_RATIO] = {"speed", .least = 6},
+};
+
+/* The rows of compiled engines that ran, and all rows. */
+struct compiled_rows {
+    const struct row *all;
+    size_t all_count;
+    const struct row *row[LIST_MOST];
+    size_t count;
+};
+
+/* The row of the same members with the shaders of the build, or NULL. */
+static const struct row *raw_of(const struct compiled_rows *rows, const struct row *row)
+{
+    for (size_t i = 0; i < rows->all_count; i++) {
+        const struct row *raw = &rows->all[i];
+        const struct match_options *a = &raw->options, *b = &row->options;
+        if (raw->engine == row->compiled.raw && raw->layout == row->layout &&
+            raw->status == ROW_OK && a->store == b->store && a->builder == b->builder &&
+            a->box == b->box && a->tri == b->tri && a->query == b->query)
+            return raw;
+    }
+    return NULL;
+}
+
+static void write_number(const struct compiled_rows *rows, const struct row *row, size_t column,
+                         char *text)
+{
+    const struct row *raw = raw_of(rows, row);
+    char kept[COMPILED_TEXT];
+    switch (column) {
+    case COL_SOURCE:
+        snprintf(text, CELL_MOST, "%u", row->compiled.source);
+        break;
+    case COL_KEPT:
+        compiled_kept_text(&row->compiled, kept);
+        cell_put(text, kept);
+        break;
+    case COL_OPEN:
+        snprintf(text, CELL_MOST, "%u", row->compiled.foreign);
+        break;
+    case COL_BITS:
+        if (row->bits && row->bit_differences == 0)
+            cell_put(text, "equal");
+        else
+            snprintf(text, CELL_MOST, "%zu%s", row->bits ? row->bit_differences : row->moved,
+                     row->bits ? "" : " free");
+        break;
+    case COL_WRONG:
+        snprintf(text, CELL_MOST, "%zu", row->count[VERDICT_WRONG]);
+        break;
+    default:
+        if (raw && raw->mrays[0] > 0 && row->mrays[0] > 0)
+            snprintf(text, CELL_MOST, "%.2f", row->mrays[0] / raw->mrays[0]);
+        else
+            cell_put(text, "-");
+        break;
+    }
+}
+
+static void write_cell(const void *data, size_t i, size_t column, char *text)
+{
+    const struct compiled_rows *rows = data;
+    const struct row *row = rows->row[i];
+    char name[STORED_NAME_MOST];
+    switch (column) {
+    case COL_COMPILER:
+        cell_put(text, row->compiled.compiler);
+        break;
+    case COL_ENGINE:
+        cell_put(text, row->compiled.raw->name);
+        break;
+    case COL_LAYOUT:
+        cell_put(text, stored_name(row->layout, row->options.store, name));
+        break;
+    case COL_BUILDER:
+        cell_put(text, row->layout ? row->options.builder->name : "-");
+        break;
+    case COL_BOX:
+        cell_put(text, row_box_name(row));
+        break;
+    case COL_TRI:
+        cell_put(text, row_tri_name(row));
+        break;
+    case COL_QUERY:
+        cell_put(text, query_name(row->options.query));
+        break;
+    default:
+        write_number(rows, row, column, text);
+        break;
+    }
+}
+
+static enum paint paint_of(const void *data, size_t i)
+{
+    const struct row *row = ((const struct compiled_rows *)data)->row[i];
+    return row_failed(row) ? PAINT_BAD : PAINT_GOOD;
+}
+
+void compilers_print(const struct row *row, size_t count, const char *driver,
+                     const struct screen *screen)
+{
+    struct compiled_rows rows = {.all = row, .all_count = count};
+    for (size_t i = 0; i < count && rows.count < LIST_MOST; i++)
+        if (row[i].compiled.words > 0 && row[i].status == ROW_OK)
+            rows.row[rows.count++] = &row[i];
+    if (rows.count == 0)
+        return;
+    const struct table_text table = {
+        columns, ARRAY_COUNT(columns), rows.count, &rows, write_cell, NULL, paint_of};
+    screen_text(screen,
+                "compilers, driver %s: NoContraction kept of the float operations after "
+                "compilation; instructions of open rounding that the source lacks; answers with "
+                "other bits than the shaders as built have; speed beside theirs\n",
+                driver ? driver : "any");
+    table_text_print(&table, screen);
+}

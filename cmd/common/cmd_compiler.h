@@ -1,0 +1,33 @@
+/* The axis of compilers: --compiler and --decorate put engines with compiled shaders in the place
+ * of those with the build's (gpu/engines/compiled.h). For commands only. */
+#ifndef CMD_COMPILER_H
+#define CMD_COMPILER_H
+
+#include "cmd/common/cmd_screen.h"
+
+/* Values of the options. */
+struct compiler_options {
+    const char *list; /* NULL: none was named */
+    size_t decorate;  /* enum decorate */
+};
+
+extern const struct option_row compiler_rows[];
+
+/* Replaces each engine of the list that has shaders to compile by itself under each compiler that
+ * is named, in their order; does nothing without --compiler. Call it before options_check. Returns
+ * -1 to continue, else the exit code, after the reason was printed: EXIT_SKIPPED a tool is
+ * missing; EXIT_USAGE no such compiler, one twice, no engine that has shaders, --decorate alone. */
+int compilers_apply(const char *command, const struct compiler_options *options,
+                    struct list *engines);
+
+/* Prints a line for each engine with compiled shaders among the rows: NoContraction kept of
+ * demanded, bits as the build's shaders have them, WRONG and the speed beside theirs. Nothing
+ * without any. `driver` is that of --driver, or NULL. */
+void compilers_print(const struct row *row, size_t count, const char *driver,
+                     const struct screen *screen);
+
+/* "714 of 714 (110 in the source)": NoContraction kept of demanded. */
+#define COMPILED_TEXT 80
+void compiled_kept_text(const struct engine_compiled *compiled, char text[COMPILED_TEXT]);
+
+#endif

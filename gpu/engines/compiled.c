@@ -1,0 +1,182 @@
+#include "gpu/engines/compiled.h"
+
+#include "gpu/shaders/compiler.h"
+#include "ref/twin/model.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define NAME_MOST (COMPILER_NAME_MOST + 64)
+
+/* An engine of this file: what it is made of, and what became of the last shader. */
+struct compiled_place {
+    char name[NAME_MOST];
+    char compiler_text[COMPILER_NAME_MOST + 32];
+    struct compiler compiler;
+    struct vk_compiler hook;
+    struct engine_compiled facts;
+};
+
+static struct compiled_place places[ENGINES_COMPILED_MOST];
+static struct engine engine_of[ENGINES_COMPILED_MOST];
+static size_t place_count;
+
+/* Called before a pipeline is made or found. */
+static enum status compile(void *user, struct vk_shader *shader, struct reason *reason)
+{
+    struct compiled_place *place = user;
+    struct compiled made;
+    enum status status = compiler_run(&place->compiler, shader, &made, reason);
+    place->facts.words = made.count;
+    if (status)
+        return status;
+    place->facts.source = made.source;
+    place->facts.ops = made.ops;
+    place->facts.kept = made.kept;
+    place->facts.foreign = made.foreign;
+    shader->word = made.word;
+    shader->word_count = made.count;
+    return STATUS_OK;
+}
+
+/* Whether the answers must have the bits of the engine as built. A translator may have no word for
+ * a decoration; what it leaves undecorated a driver may contract, which is right within the same
+ * bounds. Of a translator whose module is not known yet nothing is promised. */
+static bool promised(const struct compiled_place *place)
+{
+    const struct engine_compiled *facts = &place->facts;
+    if (facts->free)
+        return false;
+    return !facts->translates || (facts->words > 0 && engine_compiled_lost(facts) == 0);
+}
+
+/* Traversal without a formula of ours, or of every triangle: the same driver does the same again.
+ */
+static bool repeats(const struct engine *raw, const struct model *model)
+{
+    return raw->own_tri || (raw->brute && model->rounding.div <= 1.0);
+}
+
+static struct model model_place(size_t i, void *self, const struct tri_test *tri)
+{
+    const struct compiled_place *place = &places[i];
+    const struct engine *raw = place->facts.raw;
+    struct model model = raw->model(self, tri);
+    const bool keeps = promised(place);
+    model.bits = keeps && (model.bits || repeats(raw, &model));
+    model.watertight = keeps && model.watertight;
+    return model;
+}
+
+static enum status open_place(size_t i, const struct engine_options *options, void **self,
+                              struct reason *reason)
+{
+    struct engine_options own = *options;
+    own.compiler = &places[i].hook;
+    return places[i].facts.raw->open(&own, self, reason);
+}
+
+/* One set of functions for each place. */
+#define COMPILED_PLACES(each)                                                                      \
+    each(0) each(1) each(2) each(3) each(4) each(5) each(6) each(7) each(8) each(9) each(10)       \
+        each(11) each(12) each(13) each(14) each(15) each(16) each(17) each(18) each(19) each(20)  \
+            each(21) each(22) each(23) each(24) each(25) each(26) each(27) each(28) each(29)       \
+                each(30) each(31)
+_Static_assert(ENGINES_COMPILED_MOST == 32, "a place for each");
+
+#define COMPILED_PLACE(n)                                                                          \
+    static enum status open_##n(const struct engine_options *options, void **self,                 \
+                                struct reason *reason)                                             \
+    {                                                                                              \
+        return open_place(n, options, self, reason);                                               \
+    }                                                                                              \
+    static struct model model_##n(void *self, const struct tri_test *tri)                          \
+    {                                                                                              \
+        return model_place(n, self, tri);                                                          \
+    }
+COMPILED_PLACES(COMPILED_PLACE)
+
+#define COMPILED_FUNCTIONS(n) {open_##n, model_##n},
+static const struct {
+    enum status (*open)(const struct engine_options *options, void **self, struct reason *reason);
+    struct model (*model)(void *self, const struct tri_test *tri);
+} functions[] = {COMPILED_PLACES(COMPILED_FUNCTIONS)};
+
+bool compiled_takes(const struct engine *engine)
+{
+    static const char *const takes[] = {"vulkan", "vulkan_brute", "vulkan_stackless", "rayquery"};
+    for (size_t i = 0; i < ARRAY_COUNT(takes); i++)
+        if (strcmp(engine->name, takes[i]) == 0)
+            return true;
+    return false;
+}
+
+const struct engine *compiled_base(const char *name)
+{
+    const char *colon = strchr(name, ':');
+    for (size_t i = 0; colon && engines[i]; i++)
+        if (strlen(engines[i]->name) == (size_t)(colon - name) &&
+            strncmp(engines[i]->name, name, (size_t)(colon - name)) == 0)
+            return compiled_takes(engines[i]) ? engines[i] : NULL;
+    return NULL;
+}
+
+static enum status add(const struct engine *raw, const struct compiler *compiler, const char *name,
+                       const struct engine **out, struct reason *reason)
+{
+    if (place_count == ARRAY_COUNT(places))
+        return fail(reason, STATUS_LIMIT, "%.80s: more than %d engines with compiled shaders", name,
+                    ENGINES_COMPILED_MOST);
+    struct compiled_place *place = &places[place_count];
+    struct engine *engine = &engine_of[place_count];
+    snprintf(place->name, sizeof place->name, "%s", name);
+    place->compiler = *compiler;
+    compiler_name(compiler, place->compiler_text);
+    place->hook = (struct vk_compiler){compile, place};
+    place->facts = (struct engine_compiled){.compiler = place->compiler_text,
+                                            .raw = raw,
+                                            .translates = compiler_translates(compiler),
+                                            .free = compiler->decorate == DECORATE_NONE};
+    *engine = *raw;
+    engine->name = place->name;
+    engine->summary = "its shaders as a compiler makes them";
+    engine->open = functions[place_count].open;
+    engine->model = functions[place_count].model;
+    engine->compiled = &place->facts;
+    engine->compiles = true;
+    enum status status = engine_add(engine, reason);
+    if (status)
+        return status;
+    place_count++;
+    *out = engine;
+    return STATUS_OK;
+}
+
+enum status compiled_engine(const char *name, const struct engine **out, struct reason *reason)
+{
+    struct compiler compiler;
+    char canonical[NAME_MOST], text[COMPILER_NAME_MOST + 32];
+    const struct engine *raw = compiled_base(name);
+    *out = NULL;
+    if (!raw)
+        return fail(
+            reason, STATUS_INPUT,
+            "'%.60s': only vulkan, vulkan_brute, vulkan_stackless and rayquery have shaders "
+            "to compile",
+            name);
+    enum status status = compiler_parse(strchr(name, ':') + 1, &compiler, reason);
+    if (status)
+        return status;
+    compiler_name(&compiler, text);
+    snprintf(canonical, sizeof canonical, "%.30s:%s", raw->name, text);
+    *out = compiler.kind == COMPILER_RAW && compiler.decorate != DECORATE_NONE
+               ? raw
+               : engine_find(canonical);
+    if (*out)
+        return STATUS_OK;
+    struct reason why = {""};
+    status = compiler_check(&compiler, &why);
+    if (status)
+        return fail(reason, status, "%.80s: %.220s", text, why.text);
+    return add(raw, &compiler, canonical, out, reason);
+}

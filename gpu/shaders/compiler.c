@@ -1,0 +1,218 @@
+#include "gpu/shaders/compiler.h"
+
+#include "gpu/shaders/compiler_tools.h"
+#include "gpu/shaders/shaders.h"
+#include "gpu/shaders/spirv_fix.h"
+#include "gpu/shaders/spirv_look.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const decorate_names[DECORATE_COUNT + 1] = {"source", "final", "none", NULL};
+
+static const char *const kind_names[COMPILER_KINDS] = {
+    [COMPILER_RAW] = "raw",       [COMPILER_OPT] = "opt",     [COMPILER_SIZE] = "size",
+    [COMPILER_PASSES] = "passes", [COMPILER_CROSS] = "cross", [COMPILER_SHADERC] = "shaderc"};
+
+/* --- names ------------------------------------------------------------------------------------ */
+
+static bool is_word(const char *text, size_t length, const char *word)
+{
+    return strlen(word) == length && memcmp(text, word, length) == 0;
+}
+
+static enum status parse_kind(const char *text, size_t length, struct compiler *out,
+                              struct reason *reason)
+{
+    for (enum compiler_kind kind = 0; kind < COMPILER_KINDS; kind++)
+        if (is_word(text, length, kind_names[kind])) {
+            out->kind = kind;
+            return STATUS_OK;
+        }
+    return fail(reason, STATUS_INPUT,
+                "'%.*s' is no compiler: raw, opt, size, passes:A+B, cross or shaderc",
+                (int)(length < 60 ? length : 60), text);
+}
+
+static enum status parse_passes(const char *text, size_t length, struct compiler *out,
+                                struct reason *reason)
+{
+    size_t passes = 1;
+    for (size_t i = 0; i < length; i++) {
+        const bool between = text[i] == '+';
+        if (text[i] <= ' ' || text[i] > '~' || text[i] == '\'' || text[i] == '"')
+            return fail(reason, STATUS_INPUT, "passes: '%.60s' has a character that no pass has",
+                        text);
+        if (between && (i == 0 || i + 1 == length || text[i - 1] == '+'))
+            return fail(reason, STATUS_INPUT, "passes: '%.60s' has an empty pass", text);
+        passes += between;
+    }
+    if (length == 0 || length >= sizeof out->passes || passes > COMPILER_PASSES_MOST)
+        return fail(reason, STATUS_INPUT,
+                    "passes: takes names such as passes:ccp+if-conversion, at most %d of %zu "
+                    "characters together",
+                    COMPILER_PASSES_MOST, sizeof out->passes - 1);
+    memcpy(out->passes, text, length);
+    return STATUS_OK;
+}
+
+enum status compiler_parse(const char *text, struct compiler *out, struct reason *reason)
+{
+    const char *at = strrchr(text, '@'), *colon = strchr(text, ':');
+    const size_t length = at ? (size_t)(at - text) : strlen(text);
+    *out = (struct compiler){.decorate = at ? DECORATE_COUNT : DECORATE_SOURCE};
+    for (enum decorate d = 0; at && d < DECORATE_COUNT; d++)
+        if (strcmp(at + 1, decorate_names[d]) == 0)
+            out->decorate = d;
+    if (out->decorate == DECORATE_COUNT)
+        return fail(reason, STATUS_INPUT, "'%.60s' is not @source, @final or @none", at);
+    if (!colon || colon >= text + length)
+        colon = NULL;
+    enum status status = parse_kind(text, colon ? (size_t)(colon - text) : length, out, reason);
+    if (status)
+        return status;
+    if (out->kind != COMPILER_PASSES && colon)
+        return fail(reason, STATUS_INPUT, "'%.60s': %s takes no list", text, kind_names[out->kind]);
+    if (out->kind != COMPILER_PASSES)
+        return STATUS_OK;
+    const char *list = colon ? colon + 1 : text + length;
+    return parse_passes(list, length - (size_t)(list - text), out, reason);
+}
+
+void compiler_name(const struct compiler *compiler, char text[COMPILER_NAME_MOST + 32])
+{
+    const bool source = compiler->decorate == DECORATE_SOURCE;
+    snprintf(text, COMPILER_NAME_MOST + 32, "%s%s%s%s%s", kind_names[compiler->kind],
+             compiler->kind == COMPILER_PASSES ? ":" : "", compiler->passes, source ? "" : "@",
+             source ? "" : decorate_names[compiler->decorate]);
+}
+
+bool compiler_translates(const struct compiler *compiler)
+{
+    return compiler->kind >= COMPILER_CROSS;
+}
+
+/* --- modules ---------------------------------------------------------------------------------- */
+
+/* A module that is passed on from step to step. */
+struct module_passed {
+    uint32_t *word;
+    size_t count;
+};
+
+static void replace(struct module_passed *module, uint32_t *word, size_t count)
+{
+    free(module->word);
+    *module = (struct module_passed){word, count};
+}
+
+static enum status begin(const struct compiler *compiler, const struct vk_shader *shader,
+                         struct module_passed *out, struct reason *reason)
+{
+    if (compiler->decorate != DECORATE_SOURCE)
+        return spirv_strip(shader->word, shader->word_count, &out->word, &out->count, reason);
+    out->word = alloc_copy(shader->word, shader->word_count, sizeof *shader->word);
+    out->count = shader->word_count;
+    return out->word ? STATUS_OK : fail(reason, STATUS_MEMORY, "no memory for a shader");
+}
+
+static enum status decorate(struct module_passed *module, struct reason *reason)
+{
+    const struct spirv_rules rules = {.query = true}; /* its baseline: what the device has */
+    uint32_t *word;
+    size_t count;
+    enum status status = spirv_fix(module->word, module->count, &rules, &word, &count, reason);
+    if (status)
+        return STATUS_DEVICE;
+    replace(module, word, count);
+    return STATUS_OK;
+}
+
+static enum status look(const struct vk_shader *shader, const struct module_passed *module,
+                        struct compiled *out, struct reason *reason)
+{
+    struct spirv_found before, after;
+    enum status status = spirv_look(shader->word, shader->word_count, &before, reason);
+    if (!status)
+        status = spirv_look(module->word, (uint32_t)module->count, &after, reason);
+    if (status)
+        return status;
+    const uint32_t open = before.sums + before.open_ext, now = after.sums + after.open_ext;
+    *out = (struct compiled){.word = module->word,
+                             .count = (uint32_t)module->count,
+                             .source = before.float_ops,
+                             .ops = after.float_ops,
+                             .kept = after.float_ops - after.bare,
+                             .foreign = now > open ? now - open : 0};
+    return STATUS_OK;
+}
+
+/* Everything that a compiler does to a module; on success its words are the caller's. */
+static enum status make(const struct compiler *compiler, const struct vk_shader *shader,
+                        struct compiled *out, struct reason *reason)
+{
+    struct module_passed module = {0};
+    enum status status = begin(compiler, shader, &module, reason);
+    if (!status && compiler->kind != COMPILER_RAW) {
+        uint32_t *word = NULL;
+        size_t count = 0;
+        status = compiler_tools(compiler, module.word, module.count, &word, &count, reason);
+        if (!status)
+            replace(&module, word, count);
+    }
+    if (!status && compiler->decorate == DECORATE_FINAL)
+        status = decorate(&module, reason);
+    if (!status && compiler->kind != COMPILER_RAW)
+        status = compiler_validate(module.word, module.count, reason);
+    if (!status)
+        status = look(shader, &module, out, reason);
+    if (status)
+        free(module.word);
+    return status;
+}
+
+/* --- what was made ---------------------------------------------------------------------------- */
+
+static struct kept {
+    char compiler[COMPILER_NAME_MOST + 32];
+    const uint32_t *word;
+    struct compiled compiled;
+} * kept;
+static size_t kept_count, kept_capacity;
+
+enum status compiler_run(const struct compiler *compiler, const struct vk_shader *shader,
+                         struct compiled *out, struct reason *reason)
+{
+    struct kept one = {.word = shader->word};
+    struct reason why = {""};
+    compiler_name(compiler, one.compiler);
+    for (size_t i = 0; i < kept_count; i++)
+        if (kept[i].word == shader->word && strcmp(kept[i].compiler, one.compiler) == 0) {
+            *out = kept[i].compiled;
+            return STATUS_OK;
+        }
+    *out = (struct compiled){0};
+    if (array_reserve(&kept, &kept_capacity, kept_count + 1, sizeof one))
+        return fail(reason, STATUS_MEMORY, "no memory for the list of compiled shaders");
+    enum status status = make(compiler, shader, &one.compiled, &why);
+    if (status)
+        return fail(reason, status, "compiler %.100s, shader %s: %.220s", one.compiler,
+                    shader->name, why.text);
+    kept[kept_count++] = one;
+    *out = one.compiled;
+    return STATUS_OK;
+}
+
+enum status compiler_check(const struct compiler *compiler, struct reason *reason)
+{
+    enum status status = compiler_tools_are_here(compiler, reason);
+    if (status || compiler->kind != COMPILER_PASSES)
+        return status;
+    const struct shader *small = shader_find("probe_free");
+    uint32_t *word = NULL;
+    size_t count;
+    status = compiler_tools(compiler, small->word, small->word_count, &word, &count, reason);
+    free(word);
+    return status == STATUS_DEVICE ? STATUS_INPUT : status;
+}
