@@ -149,6 +149,7 @@ struct engine_compiled {
     uint32_t
         foreign;    /* fused, summed or other instructions of open rounding that the source lacks */
     uint32_t words; /* of the compiled module; 0: nothing is prepared yet */
+    bool equal;     /* answers must have the bits of `raw`; known when the model was asked for */
 };
 
 /* How many float operations lack a decoration that was asked for, or have open rounding. */

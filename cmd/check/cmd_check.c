@@ -295,7 +295,8 @@ int cmd_check(int argc, char **argv)
     check.options.engine_named = option_was_given("engine") && !check.options.engine.all;
     if (first == argc)
         return usage_error("check", "no scene given");
-    code = compilers_apply("check", &check.options.compilers, &check.options.engine);
+    code = compilers_apply("check", &check.options.compilers, option_was_given("engine"),
+                           &check.options.engine);
     if (code >= 0)
         return code;
     struct reason reason;

@@ -52,7 +52,7 @@ static enum status add(const struct compiler_options *options, const struct engi
     return STATUS_OK;
 }
 
-static enum status replace(const struct compiler_options *options, struct list *list,
+static enum status replace(const struct compiler_options *options, bool named, struct list *list,
                            struct reason *reason)
 {
     struct list out = {.every = list->every, .all = list->all};
@@ -61,7 +61,8 @@ static enum status replace(const struct compiler_options *options, struct list *
     for (size_t i = 0; i < list->count && !status; i++) {
         const struct engine *engine = engines[list->index[i]];
         if (!compiled_takes(engine)) {
-            list_add(&out, TABLE_ENGINES, engine);
+            if (named)
+                list_add(&out, TABLE_ENGINES, engine);
             continue;
         }
         any = true;
@@ -82,17 +83,20 @@ static enum status replace(const struct compiler_options *options, struct list *
     return status;
 }
 
-int compilers_apply(const char *command, const struct compiler_options *options,
+int compilers_apply(const char *command, const struct compiler_options *options, bool named,
                     struct list *engines_of)
 {
     struct reason reason = {""};
+    struct list list = engines_of->count > 0 ? *engines_of : table_all(TABLE_ENGINES);
     if (!options->list)
         return option_was_given("decorate")
                    ? usage_error(command, "--decorate: not used here: it needs --compiler")
                    : -1;
-    enum status status = replace(options, engines_of, &reason);
-    if (!status)
+    enum status status = replace(options, named, &list, &reason);
+    if (!status) {
+        *engines_of = list;
         return -1;
+    }
     return status == STATUS_INPUT ? usage_error(command, "%s", reason.text)
                                   : exit_with_reason(command, status, &reason);
 }

@@ -107,10 +107,12 @@ static const struct option_set set = {
         "has no tree; it is the reproduction. Lists of all hits are played where PATTERN begins "
         "with 'all.'.",
     .group = {GROUP(rows), GROUP_AT(displacement_rows, demands), GROUP_AT(engine_rows, engines),
-              GROUP_AT(outside_rows, engines), GROUP_AT(screen_rows, screen)},
+              GROUP_AT(outside_rows, engines), GROUP_AT(compiler_rows, compilers),
+              GROUP_AT(screen_rows, screen)},
     .codes = "0 passed, 1 a trial failed, 2 usage or nothing matches, 3 engine failed, 77 "
              "everything was skipped",
-    .example = "conform 'closest.vulkan.rf16.median.robust.woop.sphere.*'",
+    .example = "conform 'closest.vulkan.rf16.median.robust.woop.sphere.*'\nconform --engine vulkan "
+               "--compiler opt,size",
 };
 
 /* Whether any trial was judged, and whether any of an unknown formula was. */
@@ -268,13 +270,13 @@ static int check_name(const struct conform_options *o)
     struct list engine, layout = {.count = 0};
     struct trial trial;
     struct reason why;
-    char never[120];
+    char never[160];
     if (trial_parse(o->pattern, &trial, &why))
         return -1; /* not a valid name: suite_make reports that */
     engine = list_of_one(TABLE_ENGINES, trial.engine);
     const bool outside = trial.layout && trial.layout->outside;
     snprintf(never, sizeof never,
-             "%s%s store builder box tri hard worlds quick summary markdown html",
+             "%s%s store builder box tri hard worlds quick summary markdown html compiler decorate",
              engine_is_peer(trial.engine) ? "" : "engine ", outside ? "" : "layout");
     const struct option_use use = {.by = "a trial's whole name",
                                    .never = never,
@@ -340,6 +342,10 @@ int cmd_conform(int argc, char **argv)
     if (argc - first > 1)
         return usage_error("conform", "one pattern at a time; '%s' is a second", argv[first + 1]);
     o.pattern = first < argc ? argv[first] : NULL;
+    code = compilers_apply("conform", &o.compilers, option_was_given("engine"),
+                           &o.list[TABLE_ENGINES]);
+    if (code >= 0)
+        return code;
     for (size_t i = 0; i < o.require.count; i++) {
         const struct engine *engine = engines[o.require.index[i]];
         if (o.list[TABLE_ENGINES].count > 0 && !list_names(&o.list[TABLE_ENGINES], engine))

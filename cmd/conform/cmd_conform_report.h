@@ -2,7 +2,7 @@
 #ifndef CMD_CONFORM_REPORT_H
 #define CMD_CONFORM_REPORT_H
 
-#include "cmd/common/cmd_screen.h"
+#include "cmd/common/cmd_compiler.h"
 #include "cmd/common/cmd_tables.h"
 #include "ref/match/turnout.h"
 #include "tests/hard/matrix.h"
@@ -18,6 +18,7 @@ struct conform_options {
     struct match_demands demands;
     uint64_t count, brute;
     struct engine_options engines;
+    struct compiler_options compilers;
     struct screen_options screen;
 };
 

@@ -1,6 +1,7 @@
 #include "cmd/conform/cmd_trial.h"
 
 #include "cmd/common/cmd_outside.h"
+#include "gpu/engines/compiled.h"
 #include "ref/outside/pipe.h"
 #include "ref/outside/shared_object.h"
 #include "scenes/scenes.h"
@@ -30,11 +31,38 @@ static char *cut_first(char **rest)
     return field;
 }
 
+/* Whether a text begins with the layout's field of a name, "-" if there is none. */
+static bool begins_layout(const char *text)
+{
+    char field[64];
+    const size_t length = strcspn(text, ".:");
+    if (length == 1 && *text == '-')
+        return true;
+    snprintf(field, sizeof field, "%.*s", (int)(length < sizeof field ? length : 0), text);
+    return layout_find(field) != NULL;
+}
+
+/* Cuts off the name of an engine with compiled shaders: the path of a program may contain dots, so it
+ * ends before a layout. */
+static char *cut_compiled(char **rest)
+{
+    char *field = *rest;
+    for (char *dot = field; (dot = strchr(dot, '.')) != NULL; dot++)
+        if (begins_layout(dot + 1)) {
+            *dot = '\0';
+            *rest = dot + 1;
+            return field;
+        }
+    return cut_first(rest);
+}
+
 /* Cuts off the engine's name. A command or a file may contain dots, so it ends at the three '-' of
  * an engine without a tree. */
 static char *cut_engine(char **rest)
 {
     char *field = *rest;
+    if (compiled_base(field))
+        return cut_compiled(rest);
     char *end = strstr(field, ".-.-.-.");
     if (end)
         *end = '\0';
@@ -61,7 +89,7 @@ static enum status parse_fields(char *const field[6], struct trial *out, struct 
     if (!query_find(field[0], &out->query))
         return fail(reason, STATUS_INPUT, "trial: unknown query '%s'", field[0]);
     out->engine = engine_find(field[1]);
-    if (!out->engine && (pipe_is_peer(field[1]) || file_of_engine(field[1]))) {
+    if (!out->engine && outside_is_engine(field[1])) {
         enum status status = outside_engine(field[1], &out->engine, reason);
         if (status)
             return status;

@@ -59,11 +59,12 @@ static bool repeats(const struct engine *raw, const struct model *model)
 
 static struct model model_place(size_t i, void *self, const struct tri_test *tri)
 {
-    const struct compiled_place *place = &places[i];
+    struct compiled_place *place = &places[i];
     const struct engine *raw = place->facts.raw;
     struct model model = raw->model(self, tri);
     const bool keeps = promised(place);
-    model.bits = keeps && (model.bits || repeats(raw, &model));
+    place->facts.equal = keeps && (model.bits || repeats(raw, &model));
+    model.bits = keeps && model.bits;
     model.watertight = keeps && model.watertight;
     return model;
 }

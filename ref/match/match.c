@@ -314,6 +314,7 @@ static enum status play_row(struct match *match, const struct engine *engine, vo
     if (engine->compiled) {
         row->compiled = *engine->compiled;
         row->against = engine->compiled->raw;
+        row->bits = engine->compiled->equal;
     } else if (row->bits) {
         row->against = engine_reference(true);
     }
