@@ -146,16 +146,22 @@ struct engine_compiled {
     bool free;            /* no decoration is asked for: @none */
     uint32_t source, ops; /* float operations of the build's module and of the compiled one */
     uint32_t kept;        /* of `ops`, with NoContraction */
-    uint32_t
-        foreign;    /* fused, summed or other instructions of open rounding that the source lacks */
-    uint32_t words; /* of the compiled module; 0: nothing is prepared yet */
-    bool equal;     /* answers must have the bits of `raw`; known when the model was asked for */
+    uint32_t signs;       /* of those without, negations, which round nothing */
+    uint32_t foreign; /* instructions of open rounding that the source lacks, such as Fma and Dot */
+    uint32_t words;   /* of the compiled module; 0: nothing is prepared yet */
+    bool equal;       /* answers must have the bits of `raw`; known when the model was asked for */
 };
 
 /* How many float operations lack a decoration that was asked for, or have open rounding. */
 static inline uint32_t engine_compiled_lost(const struct engine_compiled *compiled)
 {
     return compiled->free ? 0 : compiled->ops - compiled->kept + compiled->foreign;
+}
+
+/* The same without negations: while there is none, a driver may not round otherwise than before. */
+static inline uint32_t engine_compiled_loose(const struct engine_compiled *compiled)
+{
+    return compiled->free ? compiled->ops : engine_compiled_lost(compiled) - compiled->signs;
 }
 
 struct engine {

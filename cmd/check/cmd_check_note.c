@@ -73,7 +73,8 @@ void check_row_note(const struct row *row, char text[CHECK_NOTE_MOST])
         add(&note, "%s lost beside edges %s", note.at ? ";" : "", edges);
     if (row->fans_lost)
         add(&note, "%s watertight: %zu lost in closed fans", note.at ? ";" : "", row->fans_lost);
-    if (engine_compiled_lost(&row->compiled))
+    if (row->compiled.translates ? engine_compiled_loose(&row->compiled)
+                                 : engine_compiled_lost(&row->compiled))
         add(&note, "%s %u of %u float operations without NoContraction, %u of open rounding",
             note.at ? ";" : "", row->compiled.ops - row->compiled.kept, row->compiled.ops,
             row->compiled.foreign);

@@ -33,6 +33,7 @@ static enum status compile(void *user, struct vk_shader *shader, struct reason *
     place->facts.source = made.source;
     place->facts.ops = made.ops;
     place->facts.kept = made.kept;
+    place->facts.signs = made.signs;
     place->facts.foreign = made.foreign;
     shader->word = made.word;
     shader->word_count = made.count;
@@ -47,7 +48,7 @@ static bool promised(const struct compiled_place *place)
     const struct engine_compiled *facts = &place->facts;
     if (facts->free)
         return false;
-    return !facts->translates || (facts->words > 0 && engine_compiled_lost(facts) == 0);
+    return !facts->translates || (facts->words > 0 && engine_compiled_loose(facts) == 0);
 }
 
 /* Traversal without a formula of ours, or of every triangle: the same driver does the same again.

@@ -12,8 +12,9 @@
 const char *const decorate_names[DECORATE_COUNT + 1] = {"source", "final", "none", NULL};
 
 static const char *const kind_names[COMPILER_KINDS] = {
-    [COMPILER_RAW] = "raw",       [COMPILER_OPT] = "opt",     [COMPILER_SIZE] = "size",
-    [COMPILER_PASSES] = "passes", [COMPILER_CROSS] = "cross", [COMPILER_SHADERC] = "shaderc"};
+    [COMPILER_RAW] = "raw",        [COMPILER_OPT] = "opt",     [COMPILER_SIZE] = "size",
+    [COMPILER_PASSES] = "passes",  [COMPILER_CROSS] = "cross", [COMPILER_HLSL] = "hlsl",
+    [COMPILER_SHADERC] = "shaderc"};
 
 /* --- names ------------------------------------------------------------------------------------ */
 
@@ -31,7 +32,7 @@ static enum status parse_kind(const char *text, size_t length, struct compiler *
             return STATUS_OK;
         }
     return fail(reason, STATUS_INPUT,
-                "'%.*s' is no compiler: raw, opt, size, passes:A+B, cross or shaderc",
+                "'%.*s' is no compiler: raw, opt, size, passes:A+B, cross, hlsl or shaderc",
                 (int)(length < 60 ? length : 60), text);
 }
 
@@ -144,8 +145,18 @@ static enum status look(const struct vk_shader *shader, const struct module_pass
                              .source = before.float_ops,
                              .ops = after.float_ops,
                              .kept = after.float_ops - after.bare,
+                             .signs = after.bare_signs,
                              .foreign = now > open ? now - open : 0};
     return STATUS_OK;
+}
+
+static struct vk_shader with_words(const struct vk_shader *shader,
+                                   const struct module_passed *module)
+{
+    struct vk_shader out = *shader;
+    out.word = module->word;
+    out.word_count = (uint32_t)module->count;
+    return out;
 }
 
 /* Everything that a compiler does to a module; on success its words are the caller's. */
@@ -157,7 +168,8 @@ static enum status make(const struct compiler *compiler, const struct vk_shader 
     if (!status && compiler->kind != COMPILER_RAW) {
         uint32_t *word = NULL;
         size_t count = 0;
-        status = compiler_tools(compiler, module.word, module.count, &word, &count, reason);
+        const struct vk_shader input = with_words(shader, &module);
+        status = compiler_tools(compiler, &input, &word, &count, reason);
         if (!status)
             replace(&module, word, count);
     }
@@ -177,6 +189,7 @@ static enum status make(const struct compiler *compiler, const struct vk_shader 
 static struct kept {
     char compiler[COMPILER_NAME_MOST + 32];
     const uint32_t *word;
+    uint32_t constant[VK_CONSTANTS_MAX]; /* 0 but of hlsl */
     struct compiled compiled;
 } * kept;
 static size_t kept_count, kept_capacity;
@@ -187,8 +200,11 @@ enum status compiler_run(const struct compiler *compiler, const struct vk_shader
     struct kept one = {.word = shader->word};
     struct reason why = {""};
     compiler_name(compiler, one.compiler);
+    if (compiler->kind == COMPILER_HLSL)
+        memcpy(one.constant, shader->constant, shader->constant_count * sizeof one.constant[0]);
     for (size_t i = 0; i < kept_count; i++)
-        if (kept[i].word == shader->word && strcmp(kept[i].compiler, one.compiler) == 0) {
+        if (kept[i].word == shader->word && strcmp(kept[i].compiler, one.compiler) == 0 &&
+            memcmp(kept[i].constant, one.constant, sizeof one.constant) == 0) {
             *out = kept[i].compiled;
             return STATUS_OK;
         }
@@ -209,10 +225,11 @@ enum status compiler_check(const struct compiler *compiler, struct reason *reaso
     enum status status = compiler_tools_are_here(compiler, reason);
     if (status || compiler->kind != COMPILER_PASSES)
         return status;
-    const struct shader *small = shader_find("probe_free");
+    const struct shader *found = shader_find("probe_free");
+    const struct vk_shader small = {.word = found->word, .word_count = found->word_count};
     uint32_t *word = NULL;
     size_t count;
-    status = compiler_tools(compiler, small->word, small->word_count, &word, &count, reason);
+    status = compiler_tools(compiler, &small, &word, &count, reason);
     free(word);
     return status == STATUS_DEVICE ? STATUS_INPUT : status;
 }

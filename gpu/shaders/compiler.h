@@ -5,6 +5,8 @@
  *   passes:A+B+...    passes of spirv-opt by name, in this order; one with a '/' is a program that
  *                     reads SPIR-V from its standard input and writes it to its standard output
  *   cross             SPIRV-Cross to GLSL, and glslang back
+ *   hlsl              SPIRV-Cross to HLSL, and glslang's front end for that back; specialization
+ *                     constants have their values by then
  *   shaderc           SPIRV-Cross to GLSL, and glslc -O back
  * A name may end in @source, @final or @none, see enum decorate. */
 #ifndef COMPILER_H
@@ -26,6 +28,7 @@ enum compiler_kind {
     COMPILER_SIZE,
     COMPILER_PASSES,
     COMPILER_CROSS,
+    COMPILER_HLSL,
     COMPILER_SHADERC,
     COMPILER_KINDS
 };
@@ -40,7 +43,7 @@ struct compiler {
 struct compiled {
     const uint32_t *word; /* lives until the program ends */
     uint32_t count;
-    uint32_t source, ops, kept, foreign; /* as in struct engine_compiled (ref/engine.h) */
+    uint32_t source, ops, kept, signs, foreign; /* as in struct engine_compiled (ref/engine.h) */
 };
 
 /* Reads a name. Errors: STATUS_INPUT it is none, with the rule. */

@@ -12,14 +12,14 @@
 
 /* Programs by the compilers that run them: bit 1 << kind. */
 #define OF(kind) (1u << COMPILER_##kind)
-#define OF_ALL   (OF(OPT) | OF(SIZE) | OF(PASSES) | OF(CROSS) | OF(SHADERC))
+#define OF_ALL   (OF(OPT) | OF(SIZE) | OF(PASSES) | OF(CROSS) | OF(HLSL) | OF(SHADERC))
 
 static const struct {
     const char *program, *package;
     unsigned kinds;
 } tools[] = {{"spirv-opt", "spirv-tools", OF(OPT) | OF(SIZE) | OF(PASSES)},
-             {"spirv-cross", "spirv-cross", OF(CROSS) | OF(SHADERC)},
-             {"glslangValidator", "glslang-tools", OF(CROSS)},
+             {"spirv-cross", "spirv-cross", OF(CROSS) | OF(HLSL) | OF(SHADERC)},
+             {"glslangValidator", "glslang-tools", OF(CROSS) | OF(HLSL)},
              {"glslc", "glslc", OF(SHADERC)},
              {"spirv-val", "spirv-tools", OF_ALL}};
 
@@ -159,28 +159,89 @@ static enum status run_level(const char *level, struct between *io, struct reaso
 
 /* --- translators ------------------------------------------------------------------------------ */
 
-static enum status translate(bool shaderc, struct between *io, struct reason *reason)
+/* What a translator says is wrong with a shader is what its language lacks. */
+static enum status cannot(enum status status, const char *to, struct reason *reason)
 {
-    char target[32];
+    const struct reason why = *reason;
+    return status == STATUS_DEVICE
+               ? fail(reason, STATUS_UNSUPPORTED, "no way through %s: %.200s", to, why.text)
+               : status;
+}
+
+static enum status glslang(const char *const *more, const char *target, struct between *io,
+                           struct reason *reason)
+{
+    /* --stdin is taken at the beginning alone. */
+    const char *argv[ARGS_MOST] = {
+        "glslangValidator", "--stdin", "-S", "comp",       "--quiet", "-V", "-g0",
+        "--target-env",     target,    "-o", "/dev/stdout"};
+    size_t count = 0;
+    while (argv[count])
+        count++;
+    while (more && *more)
+        argv[count++] = *more++;
+    return run(argv, io, reason);
+}
+
+static enum status through_glsl(bool shaderc, struct between *io, struct reason *reason)
+{
+    char environment[48];
+    const char *target = target_of(io->bytes);
     const char *const cross[] = {"spirv-cross",        "--version", "460",
                                  "--vulkan-semantics", "-",         NULL};
-    /* glslang takes --stdin at the beginning alone. */
-    const char *const glslang[] = {
-        "glslangValidator", "--stdin", "-S", "comp",        "--quiet", "-V", "-g0",
-        "--target-env",     target,    "-o", "/dev/stdout", NULL};
-    char environment[48];
     const char *const glslc[] = {"glslc", environment, "-fshader-stage=compute", "-O", "-o", "-",
                                  "-",     NULL};
-    snprintf(target, sizeof target, "%s", target_of(io->bytes));
     snprintf(environment, sizeof environment, "--target-env=%s", target);
     enum status status = run(cross, io, reason);
-    return status ? status : run(shaderc ? glslc : glslang, io, reason);
+    if (!status)
+        status = shaderc ? run(glslc, io, reason) : glslang(NULL, target, io, reason);
+    return cannot(status, "GLSL", reason);
+}
+
+/* HLSL has no push constants: SPIRV-Cross makes a buffer of them, which is marked. */
+static enum status mark_push(struct between *io, struct reason *reason)
+{
+    static const char buffer[] = "\ncbuffer ", mark[] = "\n[[vk::push_constant]] cbuffer ";
+    char *at = strstr(io->bytes, buffer);
+    if (!at)
+        return STATUS_OK;
+    const size_t before = (size_t)(at - io->bytes), more = sizeof mark - sizeof buffer;
+    char *text = alloc_zeroed(io->size + more + 1, 1);
+    if (!text)
+        return fail(reason, STATUS_MEMORY, "no memory for a shader");
+    memcpy(text, io->bytes, before);
+    memcpy(text + before, mark, sizeof mark - 1);
+    memcpy(text + before + sizeof mark - 1, at + sizeof buffer - 1,
+           io->size - before - (sizeof buffer - 1));
+    free(io->bytes);
+    *io = (struct between){text, io->size + more};
+    return STATUS_OK;
+}
+
+static enum status through_hlsl(const struct vk_shader *shader, struct between *io,
+                                struct reason *reason)
+{
+    const char *const cross[] = {"spirv-cross", "--hlsl", "--shader-model", "60", "-", NULL};
+    char value[VK_CONSTANTS_MAX][64];
+    const char *more[VK_CONSTANTS_MAX + 4] = {"-D", "-e", "main"};
+    const char *target = target_of(io->bytes);
+    for (uint32_t i = 0; i < shader->constant_count; i++) {
+        snprintf(value[i], sizeof value[i], "-DSPIRV_CROSS_CONSTANT_ID_%u=%uu", i,
+                 shader->constant[i]);
+        more[3 + i] = value[i];
+    }
+    enum status status = run(cross, io, reason);
+    if (!status)
+        status = mark_push(io, reason);
+    if (!status)
+        status = glslang(more, target, io, reason);
+    return cannot(status, "HLSL", reason);
 }
 
 /* --- all of it -------------------------------------------------------------------------------- */
 
-static enum status run_tools(const struct compiler *compiler, struct between *io,
-                             struct reason *reason)
+static enum status run_tools(const struct compiler *compiler, const struct vk_shader *shader,
+                             struct between *io, struct reason *reason)
 {
     switch (compiler->kind) {
     case COMPILER_OPT:
@@ -191,7 +252,9 @@ static enum status run_tools(const struct compiler *compiler, struct between *io
         return run_passes(compiler->passes, io, reason);
     case COMPILER_CROSS:
     case COMPILER_SHADERC:
-        return translate(compiler->kind == COMPILER_SHADERC, io, reason);
+        return through_glsl(compiler->kind == COMPILER_SHADERC, io, reason);
+    case COMPILER_HLSL:
+        return through_hlsl(shader, io, reason);
     case COMPILER_RAW:
     case COMPILER_KINDS:
         break;
@@ -199,17 +262,18 @@ static enum status run_tools(const struct compiler *compiler, struct between *io
     return STATUS_OK;
 }
 
-enum status compiler_tools(const struct compiler *compiler, const uint32_t *word, size_t count,
+enum status compiler_tools(const struct compiler *compiler, const struct vk_shader *shader,
                            uint32_t **out, size_t *out_count, struct reason *reason)
 {
-    struct between io = {alloc_copy(word, count, sizeof *word), count * sizeof *word};
+    struct between io = {alloc_copy(shader->word, shader->word_count, sizeof *shader->word),
+                         shader->word_count * sizeof *shader->word};
     *out = NULL;
     *out_count = 0;
     if (!io.bytes)
         return fail(reason, STATUS_MEMORY, "no memory for a shader");
     enum status status = compiler_tools_are_here(compiler, reason);
     if (!status)
-        status = run_tools(compiler, &io, reason);
+        status = run_tools(compiler, shader, &io, reason);
     if (!status && !is_module(&io))
         status = fail(reason, STATUS_DEVICE, "its last tool wrote no SPIR-V module");
     if (!status) {

@@ -14,10 +14,11 @@ enum {
     OP_TYPE_MATRIX = 24,
     OP_DECORATE = 71,
     OP_FIRST_ARITHMETIC = 126, /* OpSNegate */
-    OP_FIRST_SUM = 144,        /* OpVectorTimesMatrix */
-    OP_OUTER_PRODUCT = 147,    /* within the range, but not a sum */
-    OP_LAST_SUM = 148,         /* OpDot */
-    OP_LAST_ARITHMETIC = 152,  /* OpSMulExtended */
+    OP_NEGATE = 127,
+    OP_FIRST_SUM = 144,       /* OpVectorTimesMatrix */
+    OP_OUTER_PRODUCT = 147,   /* within the range, but not a sum */
+    OP_LAST_SUM = 148,        /* OpDot */
+    OP_LAST_ARITHMETIC = 152, /* OpSMulExtended */
     NO_CONTRACTION = 42,
     UNPACK_HALF = 62,
     CAPABILITY_SHADER = 1,
@@ -69,7 +70,9 @@ static void judge(const struct look_instruction *i, const uint8_t *id, uint32_t 
     if (i->op >= OP_FIRST_ARITHMETIC && i->op <= OP_LAST_ARITHMETIC &&
         id[id_at(i, 1, bound)] & IS_FLOAT) {
         out->float_ops++;
-        out->bare += !(id[id_at(i, 2, bound)] & IS_PINNED);
+        const bool bare = !(id[id_at(i, 2, bound)] & IS_PINNED);
+        out->bare += bare;
+        out->bare_signs += bare && i->op == OP_NEGATE;
         out->sums += i->op >= OP_FIRST_SUM && i->op <= OP_LAST_SUM && i->op != OP_OUTER_PRODUCT;
     }
     if (i->op == OP_EXT_INST) {

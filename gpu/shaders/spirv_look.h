@@ -9,6 +9,7 @@
 struct spirv_found {
     uint32_t float_ops;          /* arithmetic with a float result */
     uint32_t bare;               /* of them, without NoContraction: a driver may fuse them */
+    uint32_t bare_signs;         /* of these, negations, which round nothing */
     uint32_t sums;               /* dot and matrix products */
     uint32_t inexact_ext;        /* extended instructions other than UnpackHalf2x16 */
     uint32_t open_ext;           /* those with a float result whose rounding or NaNs are open */

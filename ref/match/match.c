@@ -354,7 +354,8 @@ static enum status run_and_judge(struct match *match, const struct engine *engin
     if (status == STATUS_LIMIT || status == STATUS_UNSUPPORTED) {
         row->status = status == STATUS_LIMIT ? ROW_REFUSED : ROW_SKIPPED;
         row->declined = row->status == ROW_REFUSED;
-        row->absent = match->world && !engine_traces_worlds(engine, self);
+        row->absent = (match->world && !engine_traces_worlds(engine, self)) ||
+                      (engine->compiled && engine->compiled->words == 0);
         return status;
     }
     if (status == STATUS_OK)

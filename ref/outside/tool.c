@@ -229,9 +229,10 @@ static enum status talk(struct running *run, struct reason *reason)
     return status;
 }
 
+/* Some programs complain on their standard output. */
 static void keep_said(const struct running *run, char said[TOOL_SAID_MOST])
 {
-    const struct arrived *from = &run->from[TOOL_ERROR];
+    const struct arrived *from = &run->from[run->from[TOOL_ERROR].size ? TOOL_ERROR : TOOL_OUT];
     size_t at = 0;
     while (at < from->size && at + 1 < TOOL_SAID_MOST && from->bytes[at] != '\n') {
         const char c = from->bytes[at];

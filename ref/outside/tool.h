@@ -24,7 +24,9 @@ struct tool_answer {
     size_t size;
     char *diagnosis; /* its standard error output, with a 0 after it; NULL: not kept */
     size_t diagnosis_size;
-    char said[TOOL_SAID_MOST]; /* the first line of its standard error output, printable */
+    char said
+        [TOOL_SAID_MOST]; /* the first line of its standard error output, or of its output if that
+                                  is empty; printable */
 };
 
 /* Writes the path of a program to `path`: of one in PATH, or of a name with a '/'. Returns false if
