@@ -140,10 +140,10 @@ struct world_tracer {
 /* What a compiler made of the shader of the job that was prepared last. Float operations are
  * those with NoContraction in the build's shader: all of them. */
 struct engine_compiled {
-    const char *compiler;     /* "opt", "passes:ccp+if-conversion@final" */
+    const char *compiler;     /* "opt", "passes:ccp+if-conversion:final" */
     const struct engine *raw; /* the same engine with the shaders as built */
     bool translates;      /* through another language, which may have no word for a decoration */
-    bool free;            /* no decoration is asked for: @none */
+    bool free;            /* no decoration is asked for: ":none" */
     uint32_t source, ops; /* float operations of the build's module and of the compiled one */
     uint32_t kept;        /* of `ops`, with NoContraction */
     uint32_t signs;       /* of those without, negations, which round nothing */

@@ -24,24 +24,24 @@ const struct option_row compiler_rows[] = {
     {0},
 };
 
-#define NAME_MOST 256
-
-/* Adds an engine under one compiler. */
+/* Adds an engine under the compiler of that name. */
 static enum status add(const struct compiler_options *options, const struct engine *engine,
-                       const char *compiler, size_t length, struct list *out, struct reason *reason)
+                       const char *text, size_t length, struct list *out, struct reason *reason)
 {
-    char name[NAME_MOST];
+    char name[COMPILER_NAME_MOST + 32];
+    struct compiler compiler;
     const struct engine *made;
     struct reason why = {""};
-    const char *when = decorate_names[options->decorate];
-    const bool own = memchr(compiler, '@', length) != NULL;
-    if (own && option_was_given("decorate"))
-        return fail(reason, STATUS_INPUT, "--decorate: '%.*s' has its own", (int)length, compiler);
-    if (length + strlen(engine->name) + 16 > sizeof name)
-        return fail(reason, STATUS_INPUT, "--compiler: '%.60s...' is too long", compiler);
-    snprintf(name, sizeof name, "%s:%.*s%s%s", engine->name, (int)length, compiler, own ? "" : "@",
-             own ? "" : when);
-    enum status status = compiled_engine(name, &made, &why);
+    snprintf(name, sizeof name, "%.*s", (int)length, text);
+    enum status status = length < sizeof name
+                             ? compiler_parse(name, &compiler, &why)
+                             : fail(&why, STATUS_INPUT, "'%.60s...' is too long", name);
+    if (!status && compiler.decorated && option_was_given("decorate"))
+        return fail(reason, STATUS_INPUT, "--decorate: '%.60s' has its own", name);
+    if (!status && !compiler.decorated)
+        compiler.decorate = (enum decorate)options->decorate;
+    if (!status)
+        status = compiled_make(engine, &compiler, &made, &why);
     if (status)
         return fail(reason, status, "--compiler: %s", why.text);
     if (list_names(out, made))

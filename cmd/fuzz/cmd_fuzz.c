@@ -237,6 +237,17 @@ static int finish(struct fuzz_command *c, enum status status, const struct reaso
     return status ? code : c->code;
 }
 
+/* Without --engine those of the default engines that have shaders. Returns -1 to continue. */
+static int apply_compilers(struct fuzz_command *c)
+{
+    struct reason reason;
+    const bool named = option_was_given("engine");
+    if (c->compilers.list && !named &&
+        table_parse(TABLE_ENGINES, "--engine", FUZZ_ENGINES, &c->engine, &reason))
+        return usage_error("fuzz", "%s", reason.text);
+    return compilers_apply("fuzz", &c->compilers, named, &c->engine);
+}
+
 int cmd_fuzz(int argc, char **argv)
 {
     static struct fuzz_command c;
@@ -252,6 +263,8 @@ int cmd_fuzz(int argc, char **argv)
     int first, code = options_read(&fuzz_set, &c, argc, argv, &first);
     if (code < 0 && first < argc)
         code = usage_error("fuzz", "'%s': only options are expected", argv[first]);
+    if (code < 0)
+        code = apply_compilers(&c);
     if (code >= 0) {
         baseline_close(&c.baseline);
         return code;

@@ -4,7 +4,7 @@
 
 #include "fuzz/findings/baseline.h"
 #include "fuzz/campaign/campaign.h"
-#include "cmd/common/cmd_rows.h"
+#include "cmd/common/cmd_compiler.h"
 #include "cmd/fuzz/cmd_fuzz_screen.h"
 
 /* Options that decide what is found. They are saved in the folder, so that a resumed campaign uses
@@ -40,6 +40,7 @@ struct fuzz_command {
     uint32_t rays, triangles_least, triangles_most;
     char driver[FUZZ_VALUE_MOST]; /* "": any */
     struct engine_options engines;
+    struct compiler_options compilers;
     uint64_t trials, seconds;
     uint64_t pairs; /* draw members until each pair met in so many trials; 0: do not draw */
     uint32_t jobs, until;

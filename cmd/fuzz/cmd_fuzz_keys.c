@@ -161,6 +161,12 @@ enum status fuzz_default_engines(struct fuzz_command *c, struct reason *reason)
 
 /* --- the folder's campaign ------------------------------------------------------------------- */
 
+/* --compiler makes a list of engines, too. */
+static bool was_given(const struct fuzz_command *c, enum fuzz_key key)
+{
+    return option_was_given(fuzz_key_name(key)) || (key == KEY_ENGINE && c->compilers.list);
+}
+
 /* Options may still differ if nothing was played yet, so that a mistyped command can be
  * corrected. */
 static enum status compare(struct fuzz_command *c, const char *state, enum fuzz_key key,
@@ -168,7 +174,7 @@ static enum status compare(struct fuzz_command *c, const char *state, enum fuzz_
 {
     char kept[FUZZ_VALUE_MOST] = "", mine[FUZZ_VALUE_MOST];
     (void)campaign_state_get(state, fuzz_key_name(key), kept, sizeof kept);
-    if (!option_was_given(fuzz_key_name(key)))
+    if (!was_given(c, key))
         return kept[0] ? option_put(&fuzz_set, c, fuzz_key_name(key), kept, reason) : STATUS_OK;
     fuzz_key_print(c, key, mine);
     if (strcmp(kept, mine) == 0 ||

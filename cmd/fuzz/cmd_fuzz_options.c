@@ -115,7 +115,7 @@ const struct option_set fuzz_set = {
              "for each distinct finding, with the first and the smallest trial that shows it. An "
              "existing folder is resumed, also after a kill; its campaign's options need not be "
              "given again.",
-    .group = {GROUP(rows), GROUP_AT(outside_rows, engines)},
+    .group = {GROUP(rows), GROUP_AT(outside_rows, engines), GROUP_AT(compiler_rows, compilers)},
     .codes = "0 nothing that the baseline does not know, 1 a finding outside it or a pair that met "
              "in fewer than --pairs, 2 bad input, 3 an engine cannot be opened, 4 internal error, "
              "77 an engine cannot run here, 128 + the signal that ended it before all of --trials "

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cmd/fuzz/cmd_replay.h"
 
+#include "gpu/engines/compiled.h"
 #include "ref/outside/pipe.h"
 #include "ref/outside/shared_object.h"
 #include "cmd/common/cmd_rows.h"
@@ -214,6 +215,8 @@ enum status replay_engine(const struct finding_file *file, const struct engine *
     if (*out)
         return STATUS_OK;
     const char *name = file->signature.engine, *object = file_of_engine(name);
+    if (compiled_base(name))
+        return compiled_engine(name, out, reason);
     return fail(reason, STATUS_INPUT, "engine '%s' is not available%s", name,
                 object && !object_of_engine(name) ? "; name its file: --engine shader:PATH"
                 : object && object != name        ? "; name its file: --engine inside:PATH/FILE.so"

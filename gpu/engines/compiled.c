@@ -1,6 +1,5 @@
 #include "gpu/engines/compiled.h"
 
-#include "gpu/shaders/compiler.h"
 #include "ref/twin/model.h"
 
 #include <stdio.h>
@@ -154,31 +153,34 @@ static enum status add(const struct engine *raw, const struct compiler *compiler
     return STATUS_OK;
 }
 
+enum status compiled_make(const struct engine *raw, const struct compiler *compiler,
+                          const struct engine **out, struct reason *reason)
+{
+    char name[NAME_MOST], text[COMPILER_NAME_MOST + 32];
+    struct reason why = {""};
+    compiler_name(compiler, text);
+    snprintf(name, sizeof name, "%.30s:%s", raw->name, text);
+    *out = compiler->kind == COMPILER_RAW && compiler->decorate != DECORATE_NONE
+               ? raw
+               : engine_find(name);
+    if (*out)
+        return STATUS_OK;
+    enum status status = compiler_check(compiler, &why);
+    if (status)
+        return fail(reason, status, "%.80s: %.220s", text, why.text);
+    return add(raw, compiler, name, out, reason);
+}
+
 enum status compiled_engine(const char *name, const struct engine **out, struct reason *reason)
 {
     struct compiler compiler;
-    char canonical[NAME_MOST], text[COMPILER_NAME_MOST + 32];
     const struct engine *raw = compiled_base(name);
     *out = NULL;
     if (!raw)
-        return fail(
-            reason, STATUS_INPUT,
-            "'%.60s': only vulkan, vulkan_brute, vulkan_stackless and rayquery have shaders "
-            "to compile",
-            name);
+        return fail(reason, STATUS_INPUT,
+                    "'%.60s': only vulkan, vulkan_brute, vulkan_stackless and rayquery have "
+                    "shaders to compile",
+                    name);
     enum status status = compiler_parse(strchr(name, ':') + 1, &compiler, reason);
-    if (status)
-        return status;
-    compiler_name(&compiler, text);
-    snprintf(canonical, sizeof canonical, "%.30s:%s", raw->name, text);
-    *out = compiler.kind == COMPILER_RAW && compiler.decorate != DECORATE_NONE
-               ? raw
-               : engine_find(canonical);
-    if (*out)
-        return STATUS_OK;
-    struct reason why = {""};
-    status = compiler_check(&compiler, &why);
-    if (status)
-        return fail(reason, status, "%.80s: %.220s", text, why.text);
-    return add(raw, &compiler, canonical, out, reason);
+    return status ? status : compiled_make(raw, &compiler, out, reason);
 }

@@ -1,8 +1,9 @@
 /* Engines of the program's own shaders that a compiler has been at: "ENGINE:COMPILER", as in
- * "vulkan:opt" or "rayquery:passes:ccp+if-conversion@final" (gpu/shaders/compiler.h). */
+ * "vulkan:opt" or "rayquery:passes:ccp+if-conversion:final" (gpu/shaders/compiler.h). */
 #ifndef COMPILED_H
 #define COMPILED_H
 
+#include "gpu/shaders/compiler.h"
 #include "ref/engine.h"
 
 /* True for vulkan, vulkan_brute, vulkan_stackless and rayquery. */
@@ -16,5 +17,9 @@ const struct engine *compiled_base(const char *name);
  * compiler_check; STATUS_INPUT no such engine; STATUS_LIMIT more than ENGINES_COMPILED_MOST. */
 enum status compiled_engine(const char *name, const struct engine **out,
                             struct reason *reason) MUST_USE;
+
+/* The same of an engine that compiled_takes, and a compiler. Errors: as compiler_check; STATUS_LIMIT. */
+enum status compiled_make(const struct engine *raw, const struct compiler *compiler,
+                          const struct engine **out, struct reason *reason) MUST_USE;
 
 #endif

@@ -60,14 +60,15 @@ static enum status parse_passes(const char *text, size_t length, struct compiler
 
 enum status compiler_parse(const char *text, struct compiler *out, struct reason *reason)
 {
-    const char *at = strrchr(text, '@'), *colon = strchr(text, ':');
-    const size_t length = at ? (size_t)(at - text) : strlen(text);
-    *out = (struct compiler){.decorate = at ? DECORATE_COUNT : DECORATE_SOURCE};
-    for (enum decorate d = 0; at && d < DECORATE_COUNT; d++)
-        if (strcmp(at + 1, decorate_names[d]) == 0)
+    const char *last = strrchr(text, ':'), *colon = strchr(text, ':');
+    size_t length = strlen(text);
+    *out = (struct compiler){.decorate = DECORATE_SOURCE};
+    for (enum decorate d = 0; last && d < DECORATE_COUNT; d++)
+        if (strcmp(last + 1, decorate_names[d]) == 0) {
             out->decorate = d;
-    if (out->decorate == DECORATE_COUNT)
-        return fail(reason, STATUS_INPUT, "'%.60s' is not @source, @final or @none", at);
+            out->decorated = true;
+            length = (size_t)(last - text);
+        }
     if (!colon || colon >= text + length)
         colon = NULL;
     enum status status = parse_kind(text, colon ? (size_t)(colon - text) : length, out, reason);
@@ -85,7 +86,7 @@ void compiler_name(const struct compiler *compiler, char text[COMPILER_NAME_MOST
 {
     const bool source = compiler->decorate == DECORATE_SOURCE;
     snprintf(text, COMPILER_NAME_MOST + 32, "%s%s%s%s%s", kind_names[compiler->kind],
-             compiler->kind == COMPILER_PASSES ? ":" : "", compiler->passes, source ? "" : "@",
+             compiler->kind == COMPILER_PASSES ? ":" : "", compiler->passes, source ? "" : ":",
              source ? "" : decorate_names[compiler->decorate]);
 }
 

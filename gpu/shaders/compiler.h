@@ -8,7 +8,7 @@
  *   hlsl              SPIRV-Cross to HLSL, and glslang's front end for that back; specialization
  *                     constants have their values by then
  *   shaderc           SPIRV-Cross to GLSL, and glslc -O back
- * A name may end in @source, @final or @none, see enum decorate. */
+ * A name may end in :source, :final or :none, see enum decorate. */
 #ifndef COMPILER_H
 #define COMPILER_H
 
@@ -36,6 +36,7 @@ enum compiler_kind {
 struct compiler {
     enum compiler_kind kind;
     enum decorate decorate;
+    bool decorated;                  /* its name says so */
     char passes[COMPILER_NAME_MOST]; /* of passes: "A+B" */
 };
 
@@ -49,7 +50,7 @@ struct compiled {
 /* Reads a name. Errors: STATUS_INPUT it is none, with the rule. */
 enum status compiler_parse(const char *text, struct compiler *out, struct reason *reason) MUST_USE;
 
-/* Writes the name: what compiler_parse reads; @source is left out. */
+/* Writes the name: what compiler_parse reads; :source is left out. */
 void compiler_name(const struct compiler *compiler, char text[COMPILER_NAME_MOST + 32]);
 
 /* Whether its way leads through another language. */
