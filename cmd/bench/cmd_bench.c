@@ -136,11 +136,13 @@ static const struct option_set set = {
               {.row = own_rows, .title = "and where the benchmark takes them:"},
               GROUP_AT(engine_rows, engines),
               GROUP_AT(outside_rows, engines),
+              GROUP_AT(compiler_rows, compilers),
               GROUP_AT(screen_rows, screen)},
     .codes = "0 measured, 1 an answer was not allowed or a run proved nothing, 2 bad input, 3 "
              "engine failed, 77 a named engine cannot run here; 128 + the signal that ended a run "
              "of frames: its files hold the frames measured until then",
-    .example = "bench layouts --scene 'sphere:n=20;soup:n=1000' --count 2000",
+    .example = "bench layouts --scene 'sphere:n=20;soup:n=1000' --count 2000\n"
+               "bench layouts --compiler opt,size --scene sphere",
     .more = print_benchmarks,
 };
 
@@ -288,6 +290,9 @@ int cmd_bench(int argc, char **argv)
                           .engines = engine_options_default(),
                           .progress = progress_make("bench")};
     int first, code = options_read(&set, &bench, argc, argv, &first);
+    if (code >= 0)
+        return code;
+    code = compilers_apply("bench", &bench.compilers, false, &bench.engine);
     if (code >= 0)
         return code;
     bench.screen_is = screen_make(&bench.screen);

@@ -3,6 +3,7 @@
 #define CMD_BENCH_H
 
 #include "bench/chart/spread.h"
+#include "cmd/common/cmd_compiler.h"
 #include "cmd/common/cmd_grid.h"
 #include "cmd/common/cmd_tree.h"
 #include "cmd/common/cmd_progress.h"
@@ -20,9 +21,10 @@
 
 /* Parts of benchmark.takes: options of CPUs and Vulkan drivers, and of outside engines and
  * layouts. */
-#define BENCH_MACHINE " threads driver device workgroup"
-#define BENCH_SCREEN  " wide color"
-#define BENCH_OUTSIDE " peer-time peer-memory shader"
+#define BENCH_MACHINE   " threads driver device workgroup"
+#define BENCH_SCREEN    " wide color"
+#define BENCH_COMPILERS " compiler decorate"
+#define BENCH_OUTSIDE   " peer-time peer-memory shader"
 
 /* Settings of a run, and its outputs. */
 struct bench {
@@ -32,6 +34,7 @@ struct bench {
     uint64_t instances;                                /* likewise */
     struct list engine, layout, store, tri, box, rays; /* count 0: the benchmark's default */
     struct engine_options engines;
+    struct compiler_options compilers;
     struct screen_options screen;
     struct screen screen_is; /* made of them; benchmarks that print one table for all ignore it */
     struct progress progress;

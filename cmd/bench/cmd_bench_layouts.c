@@ -43,13 +43,29 @@ static const struct column columns[] = {
     {"+items", .rank = 6},
 };
 
+/* With --compiler only the engines that it names, and those with the shaders as built beside them;
+ * without it, all but the reference without a tree: its time depends on the triangles, not on a
+ * layout. */
+static bool takes_part(const struct layouts_field *field, const struct engine *engine)
+{
+    const struct list *named = &field->bench->engine;
+    if (named->count == 0)
+        return !(engine->reference && !engine->needs_packed);
+    for (size_t i = 0; i < named->count; i++) {
+        const struct engine *one = engines[named->index[i]];
+        if (one == engine || (one->compiled && one->compiled->raw == engine))
+            return true;
+    }
+    return false;
+}
+
 /* Enters every engine on every layout that can run here and hold the scene. */
 static void enter_all(struct layouts_field *field)
 {
     for (size_t e = 0; engines[e]; e++) {
         bool tree = engines[e]->needs_packed;
-        if (engines[e]->reference && !tree)
-            continue; /* its time depends on the triangles, not on a layout */
+        if (!takes_part(field, engines[e]))
+            continue;
         for (size_t l = 0; tree ? layouts[l] != NULL : l == 0; l++) {
             struct reason reason = {""};
             if (tree && layouts[l]->faithful)
@@ -127,11 +143,12 @@ static void add_contestant(struct layouts_field *field, size_t i, const struct s
 static void print_contestant(struct layouts_field *field, size_t i)
 {
     size_t rounds = (size_t)field->bench->rounds;
-    const struct row *row = &field->row[i];
+    struct row *row = &field->row[i];
     struct contestant *c = &field->race.contestant[i];
     double tris = field->scene->tri_count ? (double)field->scene->tri_count : 1.0;
     struct spread speed = spread_of(c->mrays, rounds), ratio = spread_of(c->ratio, rounds);
     size_t allowed = row->rays - row->count[VERDICT_RIGHT] - row->count[VERDICT_WRONG];
+    row->mrays[0] = speed.median; /* of the race, for the table of compilers */
     if (!field->bench->screen_is.wide) {
         add_contestant(field, i, &speed, &ratio, allowed);
         write_row(field, i, &speed, &ratio, allowed);
@@ -184,6 +201,8 @@ static enum status bench_rays(struct layouts_field *field, const struct ray_set 
         progress_end(&field->bench->progress);
         for (size_t i = 0; i < field->race.count && status == STATUS_OK; i++)
             print_contestant(field, i);
+        compilers_print(field->row, field->race.count, set->name, field->bench->engines.driver,
+                        &field->bench->screen_is);
         race_leave(&field->race);
         match_free(&field->match);
     }
@@ -233,7 +252,7 @@ const struct benchmark bench_layouts = {
     .shown = "no answer is WRONG",
     .refuted = "an answer is WRONG, or no ray hits anything",
     .summary = "engines and layouts: speed, bytes, memory, errors on the same tree",
-    .takes = "scene count rounds csv json seed bvh" BENCH_MACHINE BENCH_SCREEN,
+    .takes = "scene count rounds csv json seed bvh" BENCH_MACHINE BENCH_SCREEN BENCH_COMPILERS,
     .scenes = "sphere:n=50;terrain:k=6;scenes/fetched/dragon-11k.ply.gz",
     .play = play_scene,
 };

@@ -179,14 +179,21 @@ void race_leave(struct race *race)
     race->count = 0;
 }
 
-/* Index of the contestant that contestant i is compared with: on a GPU the same engine and tests on
- * the first layout, else Embree; i itself if that does not run. */
+/* Index of the contestant that contestant i is compared with: of compiled shaders the same with the
+ * shaders as built; else on a GPU the same engine and tests on the first layout, else Embree; i
+ * itself if that does not run. */
 static size_t base_of(const struct race *race, size_t i)
 {
     const struct contestant *c = &race->contestant[i];
     bool gpu = c->engine->gpu && c->layout;
     for (size_t k = 0; k < race->count; k++) {
         const struct contestant *b = &race->contestant[k];
+        if (c->engine->compiled) {
+            if (b->engine == c->engine->compiled->raw && b->tri == c->tri && b->box == c->box &&
+                b->layout == c->layout)
+                return k;
+            continue;
+        }
         if (gpu ? b->engine == c->engine && b->tri == c->tri && b->box == c->box &&
                       b->layout == layouts[0]
                 : b->engine->library)

@@ -322,7 +322,7 @@ void check_print(const struct check_scene *scene, const struct screen *screen)
         check_print_wide(scene);
     else
         check_print_table(scene, screen);
-    compilers_print(scene->row, scene->row_count, scene->driver, screen);
+    compilers_print(scene->row, scene->row_count, scene->spec, scene->driver, screen);
     for (size_t i = 0; i < scene->row_count; i++)
         print_findings(scene, &scene->row[i], screen);
     puts("what it means");

@@ -103,14 +103,6 @@ int compilers_apply(const char *command, const struct compiler_options *options,
 
 /* --- what became of them ---------------------------------------------------------------------- */
 
-void compiled_kept_text(const struct engine_compiled *compiled, char text[COMPILED_TEXT])
-{
-    if (compiled->free)
-        snprintf(text, COMPILED_TEXT, "none of %u", compiled->ops);
-    else
-        snprintf(text, COMPILED_TEXT, "%u of %u", compiled->kept, compiled->ops);
-}
-
 enum {
     COL_COMPILER,
     COL_ENGINE,
@@ -169,14 +161,16 @@ static void write_number(const struct compiled_rows *rows, const struct row *row
                          char *text)
 {
     const struct row *raw = raw_of(rows, row);
-    char kept[COMPILED_TEXT];
+    const struct engine_compiled *compiled = &row->compiled;
     switch (column) {
     case COL_SOURCE:
         snprintf(text, CELL_MOST, "%u", row->compiled.source);
         break;
     case COL_KEPT:
-        compiled_kept_text(&row->compiled, kept);
-        cell_put(text, kept);
+        if (compiled->free)
+            snprintf(text, CELL_MOST, "free, %u", compiled->ops);
+        else
+            snprintf(text, CELL_MOST, "%u of %u", compiled->kept, compiled->ops);
         break;
     case COL_OPEN:
         snprintf(text, CELL_MOST, "%u", row->compiled.foreign);
@@ -239,7 +233,7 @@ static enum paint paint_of(const void *data, size_t i)
     return row_failed(row) ? PAINT_BAD : PAINT_GOOD;
 }
 
-void compilers_print(const struct row *row, size_t count, const char *driver,
+void compilers_print(const struct row *row, size_t count, const char *title, const char *driver,
                      const struct screen *screen)
 {
     struct compiled_rows rows = {.all = row, .all_count = count};
@@ -250,10 +244,7 @@ void compilers_print(const struct row *row, size_t count, const char *driver,
         return;
     const struct table_text table = {
         columns, ARRAY_COUNT(columns), rows.count, &rows, write_cell, NULL, paint_of};
-    screen_text(screen,
-                "compilers, driver %s: NoContraction kept of the float operations after "
-                "compilation; instructions of open rounding that the source lacks; answers with "
-                "other bits than the shaders as built have; speed beside theirs\n",
+    screen_text(screen, "compilers, %s, driver %s: speed beside the shaders as built\n", title,
                 driver ? driver : "any");
     table_text_print(&table, screen);
 }

@@ -24,12 +24,8 @@ int compilers_apply(const char *command, const struct compiler_options *options,
 
 /* Prints a line for each engine with compiled shaders among the rows: NoContraction kept of
  * demanded, bits as the build's shaders have them, WRONG and the speed beside theirs. Nothing
- * without any. `driver` is that of --driver, or NULL. */
-void compilers_print(const struct row *row, size_t count, const char *driver,
+ * without any. `title` is of the rows; `driver` that of --driver, or NULL. */
+void compilers_print(const struct row *row, size_t count, const char *title, const char *driver,
                      const struct screen *screen);
-
-/* "714 of 714 (110 in the source)": NoContraction kept of demanded. */
-#define COMPILED_TEXT 80
-void compiled_kept_text(const struct engine_compiled *compiled, char text[COMPILED_TEXT]);
 
 #endif
