@@ -14,11 +14,11 @@ struct compiler_options {
 extern const struct option_row compiler_rows[];
 
 /* Replaces each engine of the list that has shaders to compile by itself under each compiler that
- * is named, in their order; does nothing without --compiler. An empty list, or one of which none was
- * `named` by the user, stands for all engines, of which those with shaders alone are left. Call it
- * before options_check. Returns
- * -1 to continue, else the exit code, after the reason was printed: EXIT_SKIPPED a tool is
- * missing; EXIT_USAGE no such compiler, one twice, no engine that has shaders, --decorate alone. */
+ * is named, in their order; does nothing without --compiler. An empty list, or one of which none
+ * was `named` by the user, stands for all engines, of which those with shaders alone are left.
+ * Call it before options_check. Returns -1 to continue, else the exit code, after the reason was
+ * printed: EXIT_SKIPPED a tool is missing; EXIT_USAGE no such compiler, one twice, no engine that
+ * has shaders, --decorate alone. */
 int compilers_apply(const char *command, const struct compiler_options *options, bool named,
                     struct list *engines);
 

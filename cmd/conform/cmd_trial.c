@@ -42,8 +42,8 @@ static bool begins_layout(const char *text)
     return layout_find(field) != NULL;
 }
 
-/* Cuts off the name of an engine with compiled shaders: the path of a program may contain dots, so it
- * ends before a layout. */
+/* Cuts off the name of an engine with compiled shaders: the path of a program may contain dots, so
+ * it ends before a layout. */
 static char *cut_compiled(char **rest)
 {
     char *field = *rest;

@@ -18,7 +18,8 @@ const struct engine *compiled_base(const char *name);
 enum status compiled_engine(const char *name, const struct engine **out,
                             struct reason *reason) MUST_USE;
 
-/* The same of an engine that compiled_takes, and a compiler. Errors: as compiler_check; STATUS_LIMIT. */
+/* The same of an engine that compiled_takes, and a compiler. Errors: as compiler_check;
+ * STATUS_LIMIT. */
 enum status compiled_make(const struct engine *raw, const struct compiler *compiler,
                           const struct engine **out, struct reason *reason) MUST_USE;
 

@@ -232,5 +232,6 @@ enum status compiler_check(const struct compiler *compiler, struct reason *reaso
     size_t count;
     status = compiler_tools(compiler, &small, &word, &count, reason);
     free(word);
-    return status == STATUS_DEVICE ? STATUS_INPUT : status;
+    /* The tools are here: it is a pass or a program that is not. */
+    return status == STATUS_DEVICE || status == STATUS_UNSUPPORTED ? STATUS_INPUT : status;
 }

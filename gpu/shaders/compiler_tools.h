@@ -8,7 +8,8 @@
 enum status compiler_tools_are_here(const struct compiler *compiler,
                                     struct reason *reason) MUST_USE;
 
-/* Runs the compiler's tools on the shader's module; the caller frees *out. Errors: as compiler_run. */
+/* Runs the compiler's tools on the shader's module; the caller frees *out. Errors: as
+ * compiler_run. */
 enum status compiler_tools(const struct compiler *compiler, const struct vk_shader *shader,
                            uint32_t **out, size_t *out_count, struct reason *reason) MUST_USE;
 

@@ -1,0 +1,121 @@
+#!/bin/sh
+# Shaders compiled anew, from the command line: what is asked for is in names, tables and JSON; a pass that drops a
+# decoration, one that reassociates and one that contracts are found by check and conform; a missing tool is named.
+#   sh tests/compilers/compilers.sh BUILD/raydiff
+set -u
+raydiff=$1
+for tool in spirv-opt spirv-val; do
+    command -v $tool >/dev/null || { echo "SKIP compilers: $tool is needed (Debian: spirv-tools)"; exit 77; }
+done
+. tests/scripts/expect.sh
+"$raydiff" check soup:n=9 --count 9 --engine vulkan >"$dir/out" 2>"$dir/err"
+[ $? -ne 77 ] || { echo "SKIP compilers: no Vulkan driver"; exit 77; }
+
+${CC:-cc} -std=c17 -O1 -o "$dir/spirv_pass" tests/compilers/spirv_pass.c || { echo "FAILED  spirv_pass.c"; exit 1; }
+for what in copy drop reassociate contract text invalid fails; do
+    printf '#!/bin/sh\nexec "%s/spirv_pass" %s\n' "$dir" $what >"$dir/$what"
+    chmod +x "$dir/$what"
+done
+scene='sphere:n=8 --count 3000 --repeat 1'
+
+# Output of a run has such lines.
+has() { # what, pattern...
+    what=$1
+    shift
+    for pattern; do
+        grep -qE -- "$pattern" "$dir/out" || bad "$what: no line like /$pattern/"
+    done
+}
+
+# Every compiler that is here, on engines with and without a tree; bits, decorations, WRONG.
+expect 0 . check $scene --engine vulkan,vulkan_stackless,vulkan_brute --compiler raw,opt,size --layout f32,rf16 \
+    --json "$dir/all.json"
+has opt '^agrees +f32 +vulkan:opt ' '^agrees +rf16 +vulkan_stackless:size ' '^agrees +- +vulkan_brute:opt ' \
+    '^compilers, sphere:n=8, driver any' '^opt +vulkan +f32 +[0-9]+ +([0-9]+) of \1 +0 equal +0 ' \
+    '^size +vulkan_brute +- +[0-9]+ +([0-9]+) of \1 +0 equal +0 '
+[ "$(grep -c '^ *"compiler": ' "$dir/all.json")" -eq 10 ] || bad 'JSON: a compiler a compiled row'
+[ "$(grep -c '^ *"lost": 0' "$dir/all.json")" -eq 10 ] || bad 'JSON: something lost'
+expect 0 . check $scene --engine vulkan --compiler raw --layout f32
+grep -q '^compilers' "$dir/out" && bad 'raw alone has a table of compilers'
+expect 0 . check $scene --engine vulkan:opt,vulkan:passes:ccp --layout f32
+has 'names of engines' '^agrees +f32 +vulkan:opt ' '^agrees +f32 +vulkan:passes:ccp '
+expect 0 . check $scene --engine vulkan,vulkan_brute --compiler opt --layout f32 --query any,all
+has queries '^opt +vulkan +f32 +any .*equal' '^opt +vulkan_brute +- +all .*equal'
+expect 0 . check crowd:n=6 --count 2000 --repeat 1 --engine vulkan --compiler opt,size --layout f32
+has worlds '^agrees +f32 +vulkan:opt '
+
+# When the decorations come.
+expect 0 . check $scene --engine vulkan --compiler raw,opt --decorate none --layout f32
+has none '^opt:none +vulkan .* free, [0-9]+ +[1-9][0-9]* 0 free +0 '
+expect 1 . check $scene --engine vulkan --compiler opt --decorate final --layout f32
+has final '^PRECISE f32 +vulkan:opt:final ' '^opt:final +vulkan .* ([0-9]+) of \1 +[1-9]'
+
+# The planted ones.
+expect 0 . check $scene --engine vulkan --layout f32 --compiler "passes:$dir/copy+ccp+$dir/copy"
+expect 1 . check $scene --engine vulkan --layout f32 --compiler "passes:ccp+$dir/drop"
+has drop '^PRECISE ' 'NoContraction, 0 of open' '^passes:.*/drop +vulkan +f32 +([0-9]+ +|)109 of 110 +0 '
+expect 1 . check $scene --engine vulkan --layout f32 --compiler "passes:$dir/contract"
+has contract '^PRECISE ' '1 of open rounding'
+expect 1 . check $scene --engine vulkan --layout f32 --compiler "passes:$dir/reassociate" --json "$dir/re.json"
+has reassociate "^BITS differ from engine vulkan's: closest.vulkan:passes:" 'against the shaders as built: [1-9]'
+grep -q '"against": "vulkan"' "$dir/re.json" || bad 'reassociate: JSON does not say against what'
+expect 3 . check $scene --engine vulkan --layout f32 --compiler "passes:$dir/invalid"
+has invalid 'spirv-val ended with exit code 1'
+expect 2 'wrote no SPIR-V module' check $scene --engine vulkan --compiler "passes:$dir/text"
+expect 2 'ended with exit code 3: spirv_pass: on purpose' check $scene --engine vulkan --compiler "passes:$dir/fails"
+for what in drop contract reassociate; do
+    expect 1 . conform 'closest.vulkan*.f32.median.robust.mt.sphere.random.1' --engine vulkan \
+        --compiler "passes:$dir/$what"
+    has "conform $what" "^FAILED +closest.vulkan:passes:.*/$what.f32"
+done
+has 'conform reassociate' "not vulkan's bits"
+name=closest.vulkan:passes:$dir/drop.f32.median.robust.mt.sphere.random.1
+expect 1 . conform "$name"
+has 'a whole name' "^FAILED +closest.vulkan:passes:.*/drop.f32"
+expect 0 . conform closest.vulkan:opt.rf16.median.robust.mt.sphere.random.1 --verbose
+has 'a whole name' 'bits 0 against vulkan$'
+
+# A campaign keeps what a compiler breaks, and the finding is played again.
+if "$raydiff" fuzz --compiler "passes:$dir/reassociate" --engine vulkan --layout f32 --trials 40 --corpus none \
+    --dir "$dir/found" --jobs 1 >"$dir/out" 2>"$dir/err"; then
+    bad 'fuzz: a compiler that reassociates is not found'
+fi
+finding=$(ls -d "$dir"/found/vulkan=passes* 2>/dev/null | head -n 1)
+[ -n "$finding" ] || bad 'fuzz: no folder of a finding'
+expect 1 . replay "$finding/smallest.trial" --brief --engine "vulkan:passes:$dir/reassociate"
+has replay 'STILL FAILS'
+expect 0 . replay "$finding/smallest.trial" --brief --engine vulkan:opt
+expect 0 . fuzz --compiler opt --engine vulkan --layout f32 --trials 20 --corpus none --dir "$dir/clean" --jobs 1
+expect 0 . fuzz --trials 30 --corpus none --dir "$dir/clean" --jobs 1
+has 'a resumed campaign' 'vulkan:opt.f32 answered 30 trials'
+
+expect 0 . bench layouts --scene sphere:n=5 --count 500 --rounds 2 --compiler opt --csv "$dir/rows.csv"
+grep -q '[",]vulkan:opt[",]' "$dir/rows.csv" || bad 'bench: CSV without the compiler'
+has bench '^compilers, primary, driver any' '^opt +vulkan +rf16 .* equal +0 +[0-9.]+$'
+
+# What is not used, not known or not here.
+expect 2 'needs an engine vulkan' check $scene --engine cpu --compiler opt
+expect 2 '--decorate: not used here: it needs --compiler' check $scene --decorate none
+expect 2 "--decorate: 'opt:final' has its own" check $scene --compiler opt:final --decorate none
+expect 2 'vulkan:opt is named twice' check $scene --compiler opt,size,opt
+expect 2 "'fast' is no compiler" check $scene --compiler fast
+expect 2 "Unknown flag '--no-such-pass'" check $scene --compiler passes:ccp+no-such-pass
+expect 2 'there is no program /no/such' check $scene --engine vulkan --compiler passes:/no/such/pass
+printf '#!/bin/sh\nPATH=/nonexistent exec %s "$@"\n' "$(realpath "$raydiff")" >"$dir/bare"
+chmod +x "$dir/bare"
+whole=$raydiff raydiff=$dir/bare
+expect 77 'no program spirv-opt \(Debian package spirv-tools\)' check $scene --compiler opt
+expect 77 'no program spirv-cross \(Debian package spirv-cross\)' conform --compiler hlsl
+raydiff=$whole
+
+# The translators, where they are.
+for compiler in cross:spirv-cross hlsl:spirv-cross shaderc:glslc; do
+    if ! command -v ${compiler#*:} >/dev/null || ! command -v spirv-cross >/dev/null; then
+        echo "SKIP ${compiler%%:*}: ${compiler#*:} is not installed (Debian package ${compiler#*:})"
+        continue
+    fi
+    expect 0 . check $scene --engine vulkan,vulkan_brute --compiler ${compiler%%:*} --layout f32,rf16 --tri mt,woop \
+        --query closest,any
+    [ "$(grep -cE "^${compiler%%:*} .* equal +0 " "$dir/out")" -eq 12 ] || bad "${compiler%%:*}: bits differ"
+done
+exit $((failed > 0))

@@ -1,0 +1,121 @@
+/* A compiler that breaks one thing: reads SPIR-V from its standard input, writes it to its standard
+ * output. It uses nothing of raydiff.
+ *   spirv_pass copy          changes nothing
+ *   spirv_pass drop          NoContraction of the first multiplication is lost
+ *   spirv_pass reassociate   (a + b) + c becomes a + (b + c), in each sum of three
+ *   spirv_pass contract      a * b + c becomes fma(a, b, c), in the first such sum
+ *   spirv_pass text          writes words of a language
+ *   spirv_pass invalid       a module without its last instruction
+ *   spirv_pass fails         writes nothing and ends with 3 */
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { EXT_IMPORT = 11, EXT = 12, DECORATE = 71, FUNCTION = 54, FADD = 129, FMUL = 133 };
+enum { NO_CONTRACTION = 42, FMA = 50, MOST = 1 << 20 };
+
+static uint32_t in[MOST], out[2 * MOST];
+static size_t in_count, out_count;
+
+static uint32_t op_at(size_t at)
+{
+    return in[at] & 0xFFFFu;
+}
+
+static size_t length_at(size_t at)
+{
+    return in[at] >> 16;
+}
+
+static void put(const uint32_t *word, size_t count)
+{
+    memcpy(out + out_count, word, count * sizeof *word);
+    out_count += count;
+}
+
+/* The first instruction `op` whose word `at` is `value`; `at` 0: whatever it is. 0: there is none. */
+static size_t find(uint32_t op, size_t at, uint32_t value)
+{
+    for (size_t i = 5; i < in_count; i += length_at(i))
+        if (op_at(i) == op && (at == 0 || (length_at(i) > at && in[i + at] == value)))
+            return i;
+    return 0;
+}
+
+static size_t maker_of(uint32_t op, uint32_t id)
+{
+    return find(op, 2, id);
+}
+
+static void drop(void)
+{
+    const uint32_t id = in[find(FMUL, 0, 0) + 2];
+    for (size_t i = 5; i < in_count; i += length_at(i))
+        if (!(op_at(i) == DECORATE && in[i + 1] == id && in[i + 2] == NO_CONTRACTION))
+            put(in + i, length_at(i));
+}
+
+/* The new sums need decorations of their own, which are known once all sums are. */
+static void reassociate(void)
+{
+    static uint32_t fresh[4096];
+    size_t count = 0;
+    uint32_t bound = in[3];
+    for (size_t i = 5; i < in_count; i += length_at(i)) /* as many as there will be */
+        if (op_at(i) == FADD && maker_of(FADD, in[i + 3]))
+            fresh[count++] = bound++;
+    const size_t first = find(DECORATE, 0, 0);
+    for (size_t i = 5, next = 0; i < in_count; i += length_at(i)) {
+        if (i == first)
+            for (size_t k = 0; k < count; k++)
+                put((const uint32_t[]){3u << 16 | DECORATE, fresh[k], NO_CONTRACTION}, 3);
+        const size_t inner = op_at(i) == FADD ? maker_of(FADD, in[i + 3]) : 0;
+        if (!inner) {
+            put(in + i, length_at(i));
+            continue;
+        }
+        const uint32_t id = fresh[next++];
+        put((const uint32_t[]){5u << 16 | FADD, in[i + 1], id, in[inner + 4], in[i + 4]}, 5);
+        put((const uint32_t[]){5u << 16 | FADD, in[i + 1], in[i + 2], in[inner + 3], id}, 5);
+    }
+    out[3] = bound;
+}
+
+static void contract(void)
+{
+    size_t sum = 0, product = 0;
+    for (size_t i = 5; i < in_count && !sum; i += length_at(i))
+        if (op_at(i) == FADD && (product = maker_of(FMUL, in[i + 3])) != 0)
+            sum = i;
+    const uint32_t set = in[find(EXT_IMPORT, 0, 0) + 1];
+    for (size_t i = 5; i < in_count; i += length_at(i))
+        if (i == sum)
+            put((const uint32_t[]){8u << 16 | EXT, in[i + 1], in[i + 2], set, FMA, in[product + 3],
+                                   in[product + 4], in[i + 4]},
+                8);
+        else if (!(op_at(i) == DECORATE && in[i + 1] == in[sum + 2]))
+            put(in + i, length_at(i));
+}
+
+int main(int argc, char **argv)
+{
+    const char *what = argc > 1 ? argv[1] : "";
+    in_count = fread(in, sizeof in[0], MOST, stdin);
+    if (strcmp(what, "fails") == 0) {
+        fprintf(stderr, "spirv_pass: on purpose\n");
+        return 3;
+    }
+    if (strcmp(what, "text") == 0)
+        return puts("void main() {}") < 0;
+    put(in, 5);
+    if (strcmp(what, "drop") == 0)
+        drop();
+    else if (strcmp(what, "reassociate") == 0)
+        reassociate();
+    else if (strcmp(what, "contract") == 0)
+        contract();
+    else
+        put(in + 5, in_count - 5 - (strcmp(what, "invalid") == 0));
+    return fwrite(out, sizeof out[0], out_count, stdout) != out_count;
+}
