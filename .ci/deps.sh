@@ -10,7 +10,8 @@ libvulkan-dev:Vulkan_headers_and_loader mesa-vulkan-drivers:lavapipe,_Vulkan_wit
 glslang-tools:compiles_the_shaders libjansson-dev:JSON zlib1g-dev:gz_files
 libpng-dev:pictures'
 check="$run glslang-dev:shaders_of_layouts_from_outside g++:the_C++_library_that_glslang_wants
-libcmocka-dev:unit_tests spirv-tools:validates_SPIR-V
+libcmocka-dev:unit_tests spirv-tools:validates_and_optimises_SPIR-V
+spirv-cross:translates_shaders_to_GLSL_and_HLSL glslc:compiles_them_as_shaderc_does
 vulkan-validationlayers:Vulkan_validation libgmp-dev:rationals_that_check_the_oracle
 tmux:screens_of_terminals libsdl2-dev:the_window xvfb:a_screen_for_it xdotool:presses_its_keys
 python3-numpy:the_library_from_Python"

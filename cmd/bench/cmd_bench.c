@@ -264,6 +264,12 @@ static void run_one(struct bench *bench, const struct benchmark *benchmark)
 static int run_benchmarks(struct bench *bench, const char *name)
 {
     struct reason reason = {""};
+    if (check_given(bench, name, &reason))
+        return usage_error("bench", "%s", reason.text);
+    const int code = compilers_apply("bench", &bench->compilers, false, &bench->engine);
+    if (code >= 0)
+        return code;
+    /* Once more, of the engines that are left. */
     if (check_given(bench, name, &reason) || name_files(bench, name, &reason) ||
         (bench->csv_path && options_out(bench->csv_path, &bench->csv, &reason)))
         return usage_error("bench", "%s", reason.text);
@@ -290,9 +296,6 @@ int cmd_bench(int argc, char **argv)
                           .engines = engine_options_default(),
                           .progress = progress_make("bench")};
     int first, code = options_read(&set, &bench, argc, argv, &first);
-    if (code >= 0)
-        return code;
-    code = compilers_apply("bench", &bench.compilers, false, &bench.engine);
     if (code >= 0)
         return code;
     bench.screen_is = screen_make(&bench.screen);

@@ -29,6 +29,11 @@ written check 1 rtrs --bvh "$dir/seed.json" --engine cpu --count 2000 --repeat 1
 written check 2 sphere:n=200 --layout rf16 --engine cpu --count 100 --repeat 1 --brute 0
 written check 0 sphere:n=4 --engine cpu,brute --query closest,any,all --move 0.01 --count 100 --repeat 1
 written check 0 sphere:n=4 --engine cpu --layout f32 --store quantised --count 100 --repeat 1
+# Shaders compiled anew.
+written check 0 sphere:n=4 --engine vulkan --layout f32 --compiler raw,opt --count 100 --repeat 1
+for change in 's/"bits_free": *false/"bits_free": 0/' 's/"translates"/"translated"/' 's/"kept": *[0-9]*/"kept": "all"/'; do
+    planted check "$change"
+done
 # A world's rows, with findings of a layout that is wrong once its tree was checked; engines that trace none.
 sed 's/"mine"/"late"/; s/            out->box\[i\] = box(packed, out->child\[i\]);/{ & static volatile int loads; if (loads++ > 3000) out->box[i].hi[0] = out->box[i].lo[0]; }/' \
     fuzz/samples/layout/mine.c >"$dir/late.c"

@@ -9,6 +9,17 @@ function told_apart(a, b,  lo_a, hi_a, lo_b, hi_b, wider) {
     wider = hi_a / lo_a > hi_b / lo_b ? hi_a / lo_a : hi_b / lo_b
     return wider > 1 && (lo_a / hi_b > wider || lo_b / hi_a > wider)
 }
+# The row of that engine that is like row r in all else, or "".
+function row_like(r, engine,  k, i, same_all) {
+    for (k = first; k < next_row; k++) {
+        if (v["rows." k ".engine"] != engine || v["rows." k ".status"] != "ok") continue
+        same_all = 1
+        for (i = split("scene layout store builder box tri query", like, " "); i > 0; i--)
+            same_all = same_all && v["rows." k "." like[i]] == v["rows." r "." like[i]]
+        if (same_all) return k
+    }
+    return ""
+}
 # The first row of the scene with that layout, engine, box and triangle test.
 function row_of(layout, engine, like,  r) {
     for (r = first; r < next_row; r++)
@@ -79,6 +90,48 @@ BEGIN {
     for (k = 1; k <= count; k++) { split(part[k], word, " "); tests[word[1]] = word[2] }
     next
 }
+# Shaders compiled anew: a row for each compiled row, in their order; columns by their titles.
+/^compilers, / {
+    rows = narrow = 0
+    compiled = 1
+    compiled_row = first
+    text = $0
+    sub(/^compilers, /, "", text)
+    sub(/, driver .*/, "", text)
+    equal("scene of compilers", text, v["scenes." scene ".scene"])
+    next
+}
+compiled && /^compiler +engine/ {
+    for (i in column) delete column[i]
+    for (i = 1; i <= NF; i++) column[$i] = i
+    next
+}
+/^what it means/ { compiled = 0 }
+compiled && NF {
+    while (compiled_row < next_row && !(("rows." compiled_row ".compiled.compiler") in v)) compiled_row++
+    p = "rows." compiled_row++
+    name = v[p ".scene"] " compiled row " compiled_row - 1 " "
+    # "109 of 110" is one column, "free, 110" and "0 free" are, too
+    text = $0
+    gsub(/ of /, "/", text)
+    gsub(/free, /, "free,", text)
+    sub(/ free /, "-free ", text)
+    split(text, cell, " ")
+    equal(name "compiler", cell[1], v[p ".compiled.compiler"])
+    equal(name "engine and compiler", v[p ".compiled.raw"] ":" cell[1], v[p ".engine"])
+    equal(name "engine", cell[2], v[p ".compiled.raw"])
+    equal(name "layout", cell[3], v[p ".layout"] == "null" ? "-" : v[p ".layout"])
+    if ("source" in column) equal(name "source", cell[column["source"]], v[p ".compiled.source"])
+    equal(name "NoContraction", cell[column["NoContraction"]], v[p ".compiled.decorated"] == "true" ? v[p ".compiled.kept"] "/" v[p ".compiled.operations"] : "free," v[p ".compiled.operations"])
+    equal(name "open", cell[column["open"]], v[p ".compiled.open"])
+    equal(name "lost", v[p ".compiled.lost"], v[p ".compiled.decorated"] == "true" ? v[p ".compiled.operations"] - v[p ".compiled.kept"] + v[p ".compiled.open"] : 0)
+    equal(name "bits", cell[column["bits"]], v[p ".compiled.bits_free"] == "true" ? v[p ".compiled.moved"] "-free" : v[p ".bit_differences"] == 0 ? "equal" : v[p ".bit_differences"])
+    equal(name "WRONG", cell[column["WRONG"]], v[p ".counts.wrong"])
+    raw = row_like(compiled_row - 1, v[p ".compiled.raw"])
+    if (raw == "") equal(name "speed of none", cell[column["speed"]], "-")
+    else same(name "speed", cell[column["speed"]], "%.2f", rate(compiled_row - 1) / rate(raw))
+    next
+}
 /^what it means/ { rows = narrow = 0; next }
 /^  [a-z0-9_, ]+: traces? scenes, not worlds$/ {
     text = $0
@@ -107,7 +160,7 @@ narrow {
         next
     }
     wrongs_of = v[p ".counts.wrong"]
-    is["verdict"] = v[p ".judged"] != "true" ? "counted" : wrongs_of > 0 ? "WRONG" : v[p ".differences"] == 0 ? "agrees" : v[p ".bit_differences"] > 0 ? "BITS" : "LOST"
+    is["verdict"] = v[p ".judged"] != "true" ? "counted" : wrongs_of > 0 ? "WRONG" : v[p ".differences"] == 0 ? "agrees" : v[p ".bit_differences"] > 0 ? "BITS" : v[p ".compiled.lost"] > 0 && v[p ".compiled.translates"] == "false" ? "PRECISE" : "LOST"
     is["box"] = v[p ".box"] == "null" ? "-" : v[p ".box"]
     is["tri"] = v[p ".tri"]
     is["query"] = v[p ".query"]
@@ -218,11 +271,21 @@ rows && NF >= 7 {
 }
 /^  bit for bit against cpu: / {
     for (r = first; r < next_row; r++)
-        if (v["rows." r ".bit_differences"] != "null" && v["rows." r ".engine"] != "cpu" && v["rows." r ".engine"] != "brute") {
+        if (!(("rows." r ".compiled.raw") in v) && v["rows." r ".bit_differences"] != "null" && v["rows." r ".engine"] != "cpu" && v["rows." r ".engine"] != "brute") {
             rays += v["rows." r ".rays"]
             differ += v["rows." r ".bit_differences"]
         }
     equal("answers that differ", $6, differ + 0)
+    rays = differ = 0
+    next
+}
+/^  bit for bit against the shaders as built: / {
+    for (r = first; r < next_row; r++)
+        if (v["rows." r ".compiled.bits_free"] == "false") {
+            rays += v["rows." r ".rays"]
+            differ += v["rows." r ".bit_differences"]
+        }
+    equal("answers that differ from the shaders as built", $9 " of " $11, differ + 0 " of " rays)
     rays = differ = 0
     next
 }

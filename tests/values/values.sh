@@ -45,6 +45,10 @@ both 40 check soup:n=100 --engine "cpu,pipe:$dir/unknown" --layout f32 --count 2
 both 40 check soup:n=100 --engine "cpu,pipe:$dir/unknown" --layout f32 --count 500 --repeat 1 --displacement 64
 grep -q '; allowed are 64 uM, not 32' "$dir/whole" || bad "$ran: another bound than the usual one is not told"
 both 30 check soup:n=100 --engine cpu --layout f32 --query all --count 200 --repeat 1
+# Shaders compiled anew: bits that must be equal, and bits that are free.
+both 150 check sphere:n=4 soup:n=100 --engine cpu,vulkan,vulkan_brute --compiler raw,opt,size:none --layout f32,rf16 --count 400 \
+    --repeat 1 --threads 1
+both 60 check sphere:n=4 --engine vulkan --compiler raw,opt:final --layout f32 --query any,closest --count 400 --repeat 1
 # Worlds; engines that trace none are told, not played.
 both 100 check crowd:n=12 sphere:n=4 mixed:count=20 --layout f32,rf16 --engine cpu,brute $small
 both 60 check mixed:count=20 --layout f32 --engine cpu,brute --query closest,any,all --count 200 --repeat 1
