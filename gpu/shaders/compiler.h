@@ -57,7 +57,8 @@ void compiler_name(const struct compiler *compiler, char text[COMPILER_NAME_MOST
 bool compiler_translates(const struct compiler *compiler);
 
 /* Checks that its tools are here and that spirv-opt knows its passes. Errors: STATUS_UNSUPPORTED no
- * such tool (the reason names it and its package); STATUS_INPUT no such pass or program; as compiler_run. */
+ * such tool (the reason names it and its package); STATUS_INPUT no such pass or program; as
+ * compiler_run. */
 enum status compiler_check(const struct compiler *compiler, struct reason *reason) MUST_USE;
 
 /* Compiles a module and validates the result with spirv-val. Keeps what it made: the same module

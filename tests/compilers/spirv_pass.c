@@ -34,7 +34,8 @@ static void put(const uint32_t *word, size_t count)
     out_count += count;
 }
 
-/* The first instruction `op` whose word `at` is `value`; `at` 0: whatever it is. 0: there is none. */
+/* The first instruction `op` whose word `at` is `value`; `at` 0: whatever it is. 0: there is none.
+ */
 static size_t find(uint32_t op, size_t at, uint32_t value)
 {
     for (size_t i = 5; i < in_count; i += length_at(i))

@@ -1,5 +1,5 @@
-/* Compilers of shaders (gpu/shaders/compiler.h): their names, and laws of what they make, counted by
- * another walk through the words. */
+/* Compilers of shaders (gpu/shaders/compiler.h): their names, and laws of what they make, counted
+ * by another walk through the words. */
 #define _POSIX_C_SOURCE 200809L
 #include "gpu/shaders/compiler.h"
 #include "gpu/shaders/shaders.h"
@@ -14,11 +14,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum { OP_EXT = 12, OP_SPEC_CONSTANT = 50, OP_DECORATE = 71, NO_CONTRACTION = 42, FMA = 50 };
 
-/* OpFNegate, FAdd, FSub, FMul, FDiv, FRem, FMod, VectorTimesScalar, the products of matrices, Dot. */
+/* OpFNegate, FAdd, FSub, FMul, FDiv, FRem, FMod, VectorTimesScalar, the products of matrices, Dot.
+ */
 static bool is_float_op(uint32_t op)
 {
     static const uint32_t ops[] = {127, 129, 131, 133, 136, 140, 141,
@@ -283,6 +285,38 @@ static void an_unknown_pass_is_no_name(void **state)
     assert_non_null(strstr(reason.text, "no-such-pass"));
 }
 
+/* A program among the passes has the module as the passes before it left it, and what it writes goes
+ * to those behind it. */
+static void programs_and_passes_take_turns(void **state)
+{
+    (void)state;
+    (void)made("opt", "trace_f32");
+    char folder[] = "/tmp/raydiff-XXXXXX", path[64], seen[64], name[256];
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/pass", folder);
+    snprintf(seen, sizeof seen, "%s/seen", folder);
+    FILE *script = fopen(path, "w");
+    assert_non_null(script);
+    fprintf(script, "#!/bin/sh\nexec tee '%s'\n", seen);
+    assert_int_equal(fclose(script), 0);
+    assert_int_equal(chmod(path, 0700), 0);
+    snprintf(name, sizeof name, "passes:merge-return+inline-entry-points-exhaustive+%s", path);
+    static uint32_t word[1 << 20];
+    for (int behind = 0; behind < 2; behind++) {
+        strcat(name, behind ? "+eliminate-dead-functions" : "");
+        const struct compiled out = made(name, "trace_f32");
+        FILE *file = fopen(seen, "rb");
+        assert_non_null(file);
+        const size_t count = fread(word, 4, sizeof word / 4, file);
+        assert_int_equal(fclose(file), 0);
+        assert_int_equal(count == out.count, !behind);
+        if (!behind)
+            assert_memory_equal(word, out.word, 4 * count);
+        assert_true(count > shader_of("trace_f32").word_count); /* inlined, and nothing removed */
+    }
+    assert_int_equal(unlink(seen) | unlink(path) | rmdir(folder), 0);
+}
+
 /* --- missing tools, and programs that fail ---------------------------------------------------- */
 
 static void a_missing_tool_is_named(void **state)
@@ -382,6 +416,7 @@ int main(void)
         cmocka_unit_test(decorations_come_when_they_are_asked_for),
         cmocka_unit_test(a_module_is_compiled_once),
         cmocka_unit_test(an_unknown_pass_is_no_name),
+        cmocka_unit_test(programs_and_passes_take_turns),
         cmocka_unit_test(a_missing_tool_is_named),
         cmocka_unit_test(a_tool_has_its_input_and_output),
         cmocka_unit_test(a_tool_that_fails_is_told_of),
