@@ -61,7 +61,7 @@ plain)
     suite readers sh tests/scripts/readers.sh "$build"
     suite cli sh tests/scripts/cli.sh "$build/raydiff"
     suite guest sh tests/guest/guest.sh "$build/raydiff"
-    suite compilers sh tests/compilers/compilers.sh "$build/raydiff"
+    suite recompiled sh tests/compilers/recompiled.sh "$build/raydiff"
     suite guest_shader sh tests/guest/shader.sh "$build/raydiff"
     suite values sh tests/values/values.sh "$build/raydiff"
     suite values_bench sh tests/values/values_bench.sh "$build/raydiff" layouts error spawn

@@ -1,15 +1,15 @@
 #!/bin/sh
 # Shaders compiled anew, from the command line: what is asked for is in names, tables and JSON; a pass that drops a
 # decoration, one that reassociates and one that contracts are found by check and conform; a missing tool is named.
-#   sh tests/compilers/compilers.sh BUILD/raydiff
+#   sh tests/compilers/recompiled.sh BUILD/raydiff
 set -u
 raydiff=$1
 for tool in spirv-opt spirv-val; do
-    command -v $tool >/dev/null || { echo "SKIP compilers: $tool is needed (Debian: spirv-tools)"; exit 77; }
+    command -v $tool >/dev/null || { echo "SKIP recompiled: $tool is needed (Debian: spirv-tools)"; exit 77; }
 done
 . tests/scripts/expect.sh
 "$raydiff" check soup:n=9 --count 9 --engine vulkan >"$dir/out" 2>"$dir/err"
-[ $? -ne 77 ] || { echo "SKIP compilers: no Vulkan driver"; exit 77; }
+[ $? -ne 77 ] || { echo "SKIP recompiled: no Vulkan driver"; exit 77; }
 
 ${CC:-cc} -std=c17 -O1 -o "$dir/spirv_pass" tests/compilers/spirv_pass.c || { echo "FAILED  spirv_pass.c"; exit 1; }
 for what in copy drop reassociate contract text invalid fails; do
