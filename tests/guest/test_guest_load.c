@@ -142,7 +142,9 @@ static void names_of_engines(void **state)
     assert_false(pipe_is_peer("inside:x.so") || pipe_is_peer("cpu") || pipe_is_peer(".so"));
     assert_int_equal(guest_engine("inside:2.so", &engine, &reason), STATUS_OK);
     assert_int_equal(guest_engine("inside:3.so", &engine, &reason), STATUS_OK);
-    assert_int_equal(guest_engine("inside:4.so", &engine, &reason), STATUS_LIMIT);
+    assert_int_equal(guest_engine("inside:4.so", &engine, &reason), STATUS_OK);
+    assert_int_equal(guest_engine("inside:5.so", &engine, &reason), STATUS_LIMIT);
+    assert_int_equal(pipe_engine("5.so", &engine, &reason), STATUS_OK); /* each kind has its own */
 }
 
 int main(int argc, char **argv)
