@@ -142,7 +142,7 @@ plain)
     suite faults sh tests/scripts/faults.sh "$build/raydiff"
     suite heap_checked sh tests/house/heap_checked.sh "$logs"
     suite fetch sh tests/house/fetch.sh
-    suite drivers sh tests/house/drivers.sh
+    suite drivers sh tests/house/drivers.sh "$build/raydiff"
     suite warnings sh tests/house/warnings.sh
     suite libs sh tests/house/libs.sh
     suite fresh sh tests/house/fresh.sh

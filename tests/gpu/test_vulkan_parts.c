@@ -1,5 +1,5 @@
 /* How many rays or tiles are dispatched at once, by value: limits of the device, and dispatches
- * that are quick or slow (tests/gpu/fake_vulkan.h). */
+ * that are quick or slow (tests/gpu/fake_vulkan.h); and how a ray of any part is named. */
 #define _POSIX_C_SOURCE 200809L /* setenv */
 #include "tests/gpu/fake_engines.h"
 
@@ -224,6 +224,124 @@ static void list_that_no_buffer_holds_is_refused(void **state)
     stage_free(&s);
 }
 
+/* --- rays that are not done ------------------------------------------------------------------- */
+
+#define NAMED 300u /* rays, 64 a dispatch */
+
+enum way { CLOSEST, LISTS, WORLD_CLOSEST, WORLD_LISTS, TASKS, WAYS };
+static float lost; /* what the ray that is not done begins at */
+static uint64_t ray_bytes;
+
+/* Every ray is done but one, which is known by its origin, wherever it stands. */
+static void lose_one(const struct fake_dispatch *dispatch)
+{
+    const struct fake_part *rays = &dispatch->part[ABI_BIND_RAYS];
+    const struct fake_part *flags = &dispatch->part[ABI_BIND_FLAGS];
+    all_done(dispatch);
+    for (uint64_t i = 0; (i + 1) * ray_bytes <= rays->bytes && 4 * (i + 1) <= flags->bytes; i++) {
+        struct ray ray;
+        memcpy(&ray, rays->byte + rays->offset + i * ray_bytes, sizeof ray);
+        if (ray.org[0] == lost)
+            memcpy(flags->byte + flags->offset + 4 * i, &(uint32_t){ABI_FLAG_LOOP}, 4);
+    }
+}
+
+static enum status trace_world_in(const struct engine *engine, void *self,
+                                  const struct world *world, bool lists, const struct ray *ray,
+                                  struct reason *reason)
+{
+    static struct hit hit[NAMED];
+    static uint32_t tag[NAMED], found[NAMED];
+    struct trace_report report;
+    const struct world_job job = {.world = world,
+                                  .box = box_test_find("robust"),
+                                  .tri = tri_test_find("mt"),
+                                  .query = lists ? QUERY_ALL : QUERY_CLOSEST};
+    gpu_must(engine->worlds->prepare_world(self, &job, reason), reason);
+    return lists
+               ? engine->worlds->trace_world_all(self, ray, NULL, NAMED, 1, hit, tag, found, reason)
+               : engine->worlds->trace_world(self, ray, NULL, NAMED, hit, tag, &report, reason);
+}
+
+static enum status trace_in(const struct engine *engine, void *self, const struct fake_stage *s,
+                            enum way way, const struct ray *ray, struct reason *reason)
+{
+    static struct hit hit[NAMED];
+    static uint32_t found[NAMED];
+    struct trace_report report;
+    const struct job job = {.scene = &s->scene,
+                            .packed = engine->needs_packed ? &s->packed : NULL,
+                            .box = box_test_find("robust"),
+                            .tri = tri_test_find("mt"),
+                            .query = way == LISTS ? QUERY_ALL : QUERY_CLOSEST};
+    if (way == TASKS) {
+        struct engine_task task = {
+            .job = job, .ray = ray, .ray_count = NAMED, .hit = hit, .flag = found};
+        gpu_must(engine->trace_tasks(self, &task, 1, reason), reason);
+        *reason = task.reason;
+        return task.status;
+    }
+    gpu_must(engine->prepare(self, &job, reason), reason);
+    return way == LISTS ? engine->trace_all(self, ray, NAMED, 1, hit, found, reason)
+                        : engine->trace(self, ray, NAMED, hit, &report, reason);
+}
+
+/* Returns false where the engine has no such way. */
+static bool must_name(const struct engine *engine, const struct fake_stage *s,
+                      const struct world *world, enum way way, uint32_t number)
+{
+    const struct engine_options options = {.device = -1};
+    const bool in_world = way == WORLD_CLOSEST || way == WORLD_LISTS;
+    static struct ray ray[NAMED];
+    char text[64];
+    struct reason reason = {""};
+    void *self;
+    if ((in_world && (!engine->worlds || engine->needs_packed)) ||
+        (way == LISTS && !engine->trace_all) || (way == TASKS && !engine->trace_tasks))
+        return false;
+    for (uint32_t i = 0; i < NAMED; i++)
+        ray[i] = (struct ray){{(float)(7 * i), 0, 0}, 0, {1, 0, 0}, 1};
+    lost = (float)(7 * number);
+    ray_bytes = in_world ? ABI_WORLD_RAY * ABI_WORLD_QUAD_BYTES : sizeof(struct ray);
+    fake_reset();
+    fake.run = lose_one;
+    if (way != TASKS)
+        fake.device[0].base.limits.maxComputeWorkGroupCount[0] = 1;
+    gpu_must(engine->open(&options, &self, &reason), &reason);
+    enum status status = in_world
+                             ? trace_world_in(engine, self, world, way == WORLD_LISTS, ray, &reason)
+                             : trace_in(engine, self, s, way, ray, &reason);
+    engine->close(self);
+    must_be_clean(engine->name);
+    assert_int_equal(status, STATUS_DEVICE);
+    (void)snprintf(text, sizeof text, ": ray %u was not finished: the driver ended", number);
+    if (!strstr(reason.text, text))
+        fail_msg("%s, way %d: '%s' is without '%s'", engine->name, (int)way, reason.text, text);
+    return true;
+}
+
+/* By its number among all that were given, whatever part it comes in. */
+static void ray_of_any_part_is_named_by_its_number(void **state)
+{
+    (void)state;
+    static const uint32_t number[] = {0, 63, 64, 127, 128, 255, 256, NAMED - 1};
+    struct fake_stage s = stage_make();
+    struct reason reason;
+    struct world world;
+    assert_int_equal(setenv("RAYDIFF_VULKAN_LIBRARY", "", 1), 0);
+    gpu_must(world_of_scene(&s.scene, &world, &reason), &reason);
+    for (enum way way = CLOSEST; way < WAYS; way++) {
+        size_t played = 0;
+        for (size_t e = 0; e < ARRAY_COUNT(engine_names); e++)
+            for (size_t i = 0; i < ARRAY_COUNT(number); i++)
+                played += must_name(engine_find(engine_names[e]), &s, &world, way, number[i]);
+        assert_true(played > 0);
+    }
+    assert_int_equal(unsetenv("RAYDIFF_VULKAN_LIBRARY"), 0);
+    world_free(&world);
+    stage_free(&s);
+}
+
 static void draw_part(const struct fake_dispatch *dispatch)
 {
     all_drawn(dispatch);
@@ -274,6 +392,7 @@ int main(void)
         cmocka_unit_test(rays_of_a_query_come_in_parts),
         cmocka_unit_test(rays_against_all_triangles_come_in_parts),
         cmocka_unit_test(list_that_no_buffer_holds_is_refused),
+        cmocka_unit_test(ray_of_any_part_is_named_by_its_number),
         cmocka_unit_test(tiles_of_a_picture_come_in_parts),
     };
     assert_int_equal(unsetenv("RAYDIFF_VALIDATE"), 0); /* the layer is for drivers */

@@ -1,6 +1,6 @@
 #!/bin/sh
-# .ci/drivers.sh without network: apt and dpkg-deb are played by scripts.
-#   sh tests/house/drivers.sh
+# .ci/drivers.sh without network: apt and dpkg-deb are played by scripts. And where a program looks for what it fetched.
+#   sh tests/house/drivers.sh RAYDIFF
 set -u
 export LC_ALL=C
 dir=$(mktemp -d) || exit 4
@@ -131,6 +131,32 @@ printf 'ID=fedora\n' >"$dir/os-release"
 rm -rf "$dir/to"
 run 77 'another system is skipped'
 says 'not a Debian release'
+
+# A folder "drivers" with a list of versions, beside the program or up to three folders above, the nearest first; else
+# build/drivers. The program is moved down a chain of folders, with one such folder at the top or one in the middle, too.
+unset RAYDIFF_DRIVERS
+mkdir -p "$dir/top/drivers" "$dir/top/1/2/3/4/5"
+: >"$dir/top/drivers/versions"
+cp "$1" "$dir/top/raydiff"
+at=$dir/top
+# WHERE WHAT: the program in $at looks there.
+looks() {
+    (cd "$dir" && "$at/raydiff" check soup:n=1 --engine vulkan --layout f32 --driver mesa25 --count 1) >"$dir/out" 2>&1
+    grep -q "^engine vulkan answered.* mesa25 is not in $1: run make drivers" "$dir/out" && echo "passed  $2" || bad "$2"
+}
+down() { mv "$at/raydiff" "$at/$1/" && at=$at/$1; }
+for deep in 0 1 2 3 4 5; do
+    [ $deep = 0 ] || down $deep
+    [ $deep -le 3 ] && there=$dir/top/drivers || there=build/drivers
+    looks "$there" "drivers $deep folders above the program"
+done
+mkdir "$dir/top/1/drivers" "$dir/top/1/2/3/drivers" # the second has no list
+: >"$dir/top/1/drivers/versions"
+looks build/drivers 'none of two is near'
+mv "$at/raydiff" "$dir/top/1/2/3/" && at=$dir/top/1/2/3
+looks "$dir/top/1/drivers" 'the nearer one of two, and one without a list is none'
+mv "$at/raydiff" "$dir/top/1/" && at=$dir/top/1
+looks "$dir/top/1/drivers" 'the one beside the program'
 
 echo "$failed failed"
 [ "$failed" -eq 0 ]

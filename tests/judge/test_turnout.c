@@ -114,18 +114,23 @@ static void rows_count_for_who_refused(void **state)
 
 static void a_campaign_counts_right_hits_and_not_misses_alone(void **state)
 {
-    struct campaign_view view = {.trials = 100};
+    struct campaign_view view = {.trials = 0};
     (void)state;
     view.turnout[0] = (struct campaign_turnout){.played = 100, .proved = 90};
     view.turnout[1] = (struct campaign_turnout){.declined = 100};
     view.turnout[2] = (struct campaign_turnout){.played = 3, .declined = 7};
     view.turnout[3] = (struct campaign_turnout){.played = 9, .declined = 91, .proved = 9};
-    assert_null(campaign_vacuous(&view, 0));
-    assert_string_equal(campaign_vacuous(&view, 1), "it answered none of the trials");
-    assert_string_equal(campaign_vacuous(&view, 2), "it gave no right hit in any trial");
-    assert_string_equal(campaign_vacuous(&view, 3), "it refused nearly all trials");
-    view.turnout_unknown = true; /* earlier runs did not count */
-    assert_null(campaign_vacuous(&view, 1));
+    for (uint32_t before = 0; before <= 100; before++) { /* of the 100; all: nothing was left */
+        view.before = before;
+        view.trials = 100 - before;
+        view.turnout_unknown = false;
+        assert_null(campaign_vacuous(&view, 0));
+        assert_string_equal(campaign_vacuous(&view, 1), "it answered none of the trials");
+        assert_string_equal(campaign_vacuous(&view, 2), "it gave no right hit in any trial");
+        assert_string_equal(campaign_vacuous(&view, 3), "it refused nearly all trials");
+        view.turnout_unknown = true; /* earlier runs did not count */
+        assert_null(campaign_vacuous(&view, 1));
+    }
     view = (struct campaign_view){.trials = 0};
     assert_null(campaign_vacuous(&view, 1)); /* the campaign is vacuous, no member is */
 }
