@@ -60,7 +60,8 @@ static bool is_nearer(const struct careful *way, const struct hit *hit)
 /* Returns true if the traversal is finished. */
 static bool visit_small(struct careful *way, uint32_t ref)
 {
-    const uint32_t *block = way->tree->block + (ref & ~FAST_LEAF), numbers = small_row(*block, 3);
+    const uint32_t *block = way->tree->block + (ref & ~FAST_LEAF);
+    const uint32_t numbers = small_row(*block, 3), width = small_prim_width(*block);
     tell(way, block, (numbers + 31) / 32 * sizeof *block);
     for (uint32_t i = 0; i < small_tris(*block); i++) {
         float v[3][3];
@@ -69,8 +70,9 @@ static bool visit_small(struct careful *way, uint32_t ref)
         if (!tri_test_run(ABI_TRI_WOOP, &way->tri, v, &hit) || !is_nearer(way, &hit))
             continue;
         hit.prim = small_prim(block, i);
-        if (way->query != QUERY_ALL)
-            tell(way, block + (numbers + small_prim_width(*block) * i) / 32, sizeof *block);
+        const uint32_t at = numbers + width * i, end = at + width;
+        if (way->query != QUERY_ALL && end > at)
+            tell(way, block + at / 32, ((end + 31) / 32 - at / 32) * sizeof *block);
         if (take(way, &hit, 0))
             return true;
     }

@@ -1,7 +1,8 @@
 /* The numbers of docs/verdicts.md, A8, are those at which ray_in_contract and the judge turn, found
  * by asking them. Run from the root of the sources. */
-#include "ref/judge/judge.h"
+#include "ref/judge/judge_world.h"
 #include "ref/primitives/primitives.h"
+#include "ref/world/world.h"
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -60,6 +61,81 @@ static bool coordinate_of(float x)
     return judgement.verdict != VERDICT_OUT_OF_CONTRACT;
 }
 
+/* How a coordinate of a world comes about, on which axis and side, and in which of two instances.
+ */
+enum far_by { MESH, MOVED, SCALED, TURNED, MOVED_AND_SCALED, CAUSES };
+static struct {
+    enum far_by cause;
+    uint32_t axis, instance;
+    float sign;
+} made;
+
+/* The triangle is flat on the axis that it is moved along, else one of its corners has a 1 there.
+ */
+static void place_at(float x, float vertex[9], float m[3][4])
+{
+    const uint32_t k = made.axis, from = made.cause == TURNED ? (k + 1) % 3 : k;
+    vertex[from] = made.cause == MOVED ? 0 : made.cause == MESH ? x * made.sign : 1;
+    for (uint32_t i = 0; i < 3; i++)
+        m[i][made.cause == TURNED ? (i + 1) % 3 : i] = 1;
+    if (made.cause == MOVED_AND_SCALED)
+        x /= 2;
+    if (made.cause != MESH)
+        m[k][made.cause == MOVED ? 3 : from] = x * made.sign;
+    if (made.cause == MOVED_AND_SCALED)
+        m[k][3] = x * made.sign;
+}
+
+/* Two instances of a mesh, one of them far away, and a third without a mesh that is farther. */
+static void far_world(float x, struct scene *scene, struct world *out)
+{
+    struct reason reason;
+    assert_int_equal(scene_make(3, 1, scene), STATUS_OK);
+    for (uint32_t c = 0; c < 3; c++)
+        scene->index[c] = c;
+    scene->vertex[3 + (made.axis + 1) % 3] = scene->vertex[6 + (made.axis + 2) % 3] = 0.5f;
+    assert_int_equal(world_of_scene(scene, out, &reason), STATUS_OK);
+    struct instance *instance = calloc(3, sizeof *instance);
+    assert_non_null(instance);
+    for (uint32_t i = 0; i < 3; i++) {
+        instance[i] = (struct instance){.mask = 0xFF, .mesh = i < 2 ? 0 : WORLD_NO_MESH};
+        for (int k = 0; k < 3 && i != made.instance; k++)
+            instance[i].m[k][k] = 1;
+    }
+    instance[2].m[made.axis][3] = 0x1p100f;
+    place_at(x, scene->vertex, instance[made.instance].m);
+    free(out->instance);
+    free(out->first);
+    out->instance = instance;
+    out->instance_count = 3;
+    out->first = NULL;
+    assert_int_equal(world_finish(out, &reason), STATUS_OK);
+}
+
+static bool placed_of(float x)
+{
+    const struct ray ray = {{5, 5, 5}, 0, {0, 0, 1}, INFINITY};
+    const struct model model = {.formula = TWIN_MT, .rounding = ROUNDING_IEEE};
+    const struct oracle_answer truth = {.prim = ABI_NO_PRIM};
+    const struct hit miss = {.prim = ABI_NO_PRIM};
+    struct scene scene;
+    struct world world;
+    struct oracle *oracle;
+    struct judge *judge;
+    struct judgement judgement;
+    struct reason reason;
+    far_world(x, &scene, &world);
+    assert_int_equal(oracle_make_world(&world, &oracle, &reason), STATUS_OK);
+    assert_int_equal(judge_make(oracle, &model, QUERY_CLOSEST, &judge, &reason), STATUS_OK);
+    assert_int_equal(judge_world_answer(judge, &ray, ray_mode_all(), &truth, &miss, 0, &judgement),
+                     STATUS_OK);
+    judge_free(judge);
+    oracle_free(oracle);
+    world_free(&world);
+    scene_free(&scene);
+    return judgement.verdict != VERDICT_OUT_OF_CONTRACT;
+}
+
 /* The exponent of the last power of two, from 1 downward or upward, with which it does; one more
  * ulp and it does not. */
 static int turns_at(probe_fn *probe, int step)
@@ -105,6 +181,23 @@ static void the_page_tells_where_the_contract_ends(void **state)
                      expected[i]);
 }
 
+/* Whatever moves it there, and whichever instance it is. */
+static void a_coordinate_of_a_world_is_that_where_it_is_placed(void **state)
+{
+    (void)state;
+    const int scene = turns_at(coordinate_of, 1);
+    for (made.cause = 0; made.cause < CAUSES; made.cause++)
+        for (made.axis = 0; made.axis < 3; made.axis++)
+            for (made.instance = 0; made.instance < 2; made.instance++)
+                for (made.sign = -1; made.sign <= 1; made.sign += 2) {
+                    const int world = turns_at(placed_of, 1);
+                    if (world != scene)
+                        fail_msg("cause %d, axis %u, instance %u, sign %g: 2^%d, in a scene 2^%d",
+                                 (int)made.cause, made.axis, made.instance, (double)made.sign,
+                                 world, scene);
+                }
+}
+
 /* What has no number: all of it is in the paragraph's words. */
 static void the_other_rules(void **state)
 {
@@ -136,6 +229,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_page_tells_where_the_contract_ends),
+        cmocka_unit_test(a_coordinate_of_a_world_is_that_where_it_is_placed),
         cmocka_unit_test(the_other_rules),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,4 +1,4 @@
-/* Laws of the trees of ref/fast/: blocks, bounds, what is decoded and what is refused. */
+/* Laws of the trees of ref/fast/: blocks, bounds, what is decoded, refused and read. */
 #include "tests/fast/fast_fixture.h"
 
 static void blocks_hold_their_triangles(void **state)
@@ -140,12 +140,130 @@ static void empty_and_too_deep_trees(void **state)
     empty_and_too_deep(fast_make, 1000);
 }
 
+/* --- what is read ----------------------------------------------------------------------------- */
+
+/* Which bytes of a tree were read. */
+struct bytes_seen {
+    const struct fast_tree *tree;
+    uint8_t *node, *block;
+    uint64_t bytes;
+    uint32_t last; /* word that was begun with last */
+};
+
+static void see(void *reader, const void *at, size_t bytes)
+{
+    struct bytes_seen *seen = reader;
+    const struct fast_tree *tree = seen->tree;
+    const uintptr_t node = tree->small ? (uintptr_t)tree->small : (uintptr_t)tree->node;
+    const uintptr_t from = (uintptr_t)at, block = (uintptr_t)tree->block;
+    seen->bytes += bytes;
+    memcpy(&seen->last, at, sizeof seen->last);
+    if (from >= node && from + bytes <= node + fast_node_bytes(tree) * tree->node_count) {
+        assert_int_equal((from - node) % fast_node_bytes(tree), 0);
+        assert_int_equal(bytes, fast_node_bytes(tree));
+        memset(seen->node + (from - node), 1, bytes);
+        return;
+    }
+    assert_true(from >= block && from + bytes <= block + 4 * tree->block_words);
+    memset(seen->block + (from - block), 1, bytes);
+}
+
+/* Through the middle of a triangle, in a range in which it is alone if `turn` is well chosen. */
+static struct ray middle_of(const struct scene *scene, uint32_t prim, uint32_t turn)
+{
+    struct rng rng = rng_make(prim, turn);
+    struct ray ray = {.tmin = 0.99f, .tmax = 1.01f};
+    float v[3][3];
+    scene_tri(scene, prim, v);
+    for (int k = 0; k < 3; k++) {
+        ray.dir[k] = rng_range(&rng, -1, 1);
+        ray.org[k] = (v[0][k] + v[1][k] + v[2][k]) / 3 - ray.dir[k];
+    }
+    return ray;
+}
+
+/* Where each triangle is hit once, each node and each word of each leaf is read. */
+static void a_tree_of_which_all_is_hit_is_read_to_its_last_word(void **state)
+{
+    (void)state;
+    static const char *const kinds[] = {"soup", "grid", "sphere"};
+    for (size_t form = 0; form < ARRAY_COUNT(fast_forms); form++)
+        for (size_t i = 0; i < 3 * ARRAY_COUNT(kinds); i++) {
+            struct scene scene = make_scene(kinds[i / 3], i / 3 ? 9 : 200);
+            tested = &fast_forms[form];
+            struct fast_tree tree = make_tree(&scene, 1 + (uint32_t)(i % 3) * 3);
+            const size_t nodes = fast_node_bytes(&tree) * tree.node_count;
+            struct bytes_seen seen = {.tree = &tree};
+            seen.node = calloc(nodes, 1);
+            seen.block = calloc(tree.block_words, 4);
+            assert_true(seen.node && seen.block);
+            for (uint32_t prim = 0; prim < scene.tri_count; prim++) {
+                struct hit hit = {.prim = ABI_NO_PRIM};
+                for (uint32_t turn = 0; turn < 200 && hit.prim != prim; turn++) {
+                    const struct ray ray = middle_of(&scene, prim, turn);
+                    fast_watched(&tree, &ray, false, see, &seen, &hit);
+                }
+                assert_int_equal(hit.prim, prim);
+            }
+            for (size_t k = 0; k < nodes; k++)
+                assert_true(seen.node[k]);
+            for (size_t k = 0; k < 4 * tree.block_words; k++)
+                if (!seen.block[k])
+                    fail_msg("%s, %s: byte %zu of %llu is never read", tested->name, kinds[i / 3],
+                             k, 4 * (unsigned long long)tree.block_words);
+            free(seen.node);
+            free(seen.block);
+            fast_free(&tree);
+            scene_free(&scene);
+        }
+}
+
+/* A fan of triangles in one leaf: a node, three words of corners, three for each vertex; where one
+ * is hit its number, which is read last. */
+static void a_leaf_is_read_once_and_one_number_of_it(void **state)
+{
+    (void)state;
+    tested = &fast_forms[0];
+    for (uint32_t count = 1; count <= BLOCK_TRIS; count++) {
+        struct scene scene;
+        assert_int_equal(scene_make(count + 2, count, &scene), STATUS_OK);
+        for (uint32_t v = 1; v < count + 2; v++) {
+            scene.vertex[3 * v] = (float)v;
+            scene.vertex[3 * v + 1] = (float)(v * v); /* below y = (count + 1) x */
+        }
+        for (uint32_t i = 0; i < 3 * count; i++)
+            scene.index[i] = i % 3 ? i / 3 + i % 3 : 0;
+        struct fast_tree tree = make_tree(&scene, BLOCK_TRIS);
+        assert_int_equal(tree.node_count, 1);
+        const uint64_t leaf = sizeof(struct fast_node) + 4 * (3 + 3 * (count + 2));
+        uint8_t node[sizeof(struct fast_node)], block[4 * 64];
+        for (uint32_t prim = 0; prim <= count; prim++) { /* the last time beside all of them */
+            struct bytes_seen seen = {.tree = &tree, .node = node, .block = block};
+            struct ray ray = middle_of(&scene, prim < count ? prim : 0, 0);
+            struct hit hit;
+            if (prim == count)
+                ray = (struct ray){{1, (float)count + 1.5f, -1}, 0, {0, 0, 1}, INFINITY};
+            fast_watched(&tree, &ray, false, see, &seen, &hit);
+            assert_int_equal(hit.prim, prim < count ? prim : ABI_NO_PRIM);
+            assert_int_equal(seen.bytes, leaf + (prim < count ? 4 : 0));
+            if (prim < count)
+                assert_int_equal(seen.last, prim);
+        }
+        fast_free(&tree);
+        scene_free(&scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(blocks_hold_their_triangles), cmocka_unit_test(bounds_are_conservative),
-        cmocka_unit_test(every_layout_is_decoded),     cmocka_unit_test(empty_parts_fall_away),
+        cmocka_unit_test(blocks_hold_their_triangles),
+        cmocka_unit_test(bounds_are_conservative),
+        cmocka_unit_test(every_layout_is_decoded),
+        cmocka_unit_test(empty_parts_fall_away),
         cmocka_unit_test(empty_and_too_deep_trees),
+        cmocka_unit_test(a_tree_of_which_all_is_hit_is_read_to_its_last_word),
+        cmocka_unit_test(a_leaf_is_read_once_and_one_number_of_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
