@@ -172,6 +172,14 @@ static void every_row_is_in_the_last_line_once(void **state)
     }
 }
 
+/* The word for it in the table. */
+static const char *word_of(enum turnout_end end)
+{
+    return end == TURNOUT_REFUSED                            ? "refused"
+           : end == TURNOUT_SKIPPED || end == TURNOUT_ABSENT ? "skipped"
+                                                             : "failed";
+}
+
 /* What an engine refuses is no refusal of its layout, which has no say in it. */
 static void who_refuses_is_told_apart(void **state)
 {
@@ -209,7 +217,10 @@ static void who_refuses_is_told_apart(void **state)
         if (i < ARRAY_COUNT(rows)) {
             assert_int_equal(engine->end[rows[i].engine], 2);
             assert_int_equal(layout->end[rows[i].layout], 2);
+            if (rows[i].status != STATUS_OK)
+                assert_string_equal(leak_row_ended(&row[0]), word_of(rows[i].engine));
         } else {
+            assert_string_equal(leak_row_ended(&row[0]), "refused");
             assert_int_equal(layout->end[TURNOUT_REFUSED], 2);
         }
     }

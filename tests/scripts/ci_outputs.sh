@@ -66,6 +66,12 @@ has out 'unplayed   trials are left'
 "$raydiff" fuzz $long --dir "$dir/cut" --jsonl "$dir/a.jsonl" >"$dir/out" 2>"$dir/err" || bad "gone on"
 has a.jsonl '"trials": 40000'
 grep -q '^unplayed' "$dir/out" && bad "all is played"
+# Where nothing is left to play, the outputs are still those of the whole.
+"$raydiff" fuzz $long --dir "$dir/cut" --jsonl "$dir/b.jsonl" --tap "$dir/a.tap" --junit "$dir/a.xml" >"$dir/out" 2>"$dir/err" ||
+    bad "once more"
+has b.jsonl '"trials": 40000'
+grep -q '^not ok' "$dir/a.tap" && bad "no trial counts as played: $(grep '^not ok' "$dir/a.tap")"
+has a.xml 'failures="0" errors="0"'
 
 # The readers of others, where they are.
 fuzz 1 --layout rtrs_rf --trials 128
