@@ -4,6 +4,7 @@
 
 #include "tests/support/drivers.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define NOWHERE "/nowhere/drivers"
@@ -55,6 +56,37 @@ static void driver_folder_is_the_environments_if_it_names_one(void **state)
     assert_int_equal(unsetenv("RAYDIFF_DRIVERS"), 0);
     assert_int_equal(driver_find("mesa25", &driver, &other), empty);
     assert_string_equal(reason.text, other.text);
+}
+
+/* Of both names; or by a path as long as fits, which is no fetched one. */
+static void driver_that_was_fetched_is_found_in_its_folder(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/raydiff-driver-XXXXXX", place[64], icd[80], path[DRIVER_PATH_BYTES + 1];
+    struct driver driver;
+    struct reason reason = {""};
+    assert_non_null(mkdtemp(folder));
+    assert_int_equal(setenv("RAYDIFF_DRIVERS", folder, 1), 0);
+    for (size_t i = 1; i < ARRAY_COUNT(cpu_drivers); i++) {
+        assert_int_equal(driver_find(cpu_drivers[i], &driver, &reason), STATUS_UNSUPPORTED);
+        snprintf(place, sizeof place, "%s/%s", folder, cpu_drivers[i]);
+        snprintf(icd, sizeof icd, "%s/icd.json", place);
+        assert_int_equal(mkdir(place, 0700), 0);
+        assert_int_equal(driver_find(cpu_drivers[i], &driver, &reason), STATUS_UNSUPPORTED);
+        assert_int_equal(fclose(fopen(icd, "w")), 0);
+        gpu_must(driver_find(cpu_drivers[i], &driver, &reason), &reason);
+        assert_true(driver.kind == DRIVER_FILE && driver.fetched);
+        assert_string_equal(driver.icd, icd);
+        memset(path, '/', sizeof path);
+        strcpy(path + DRIVER_PATH_BYTES - 1 - strlen(icd), icd);
+        gpu_must(driver_find(path, &driver, &reason), &reason);
+        assert_true(driver.kind == DRIVER_FILE && !driver.fetched);
+        assert_string_equal(driver.icd, path);
+        strcpy(path + DRIVER_PATH_BYTES - strlen(icd), icd);
+        assert_int_equal(driver_find(path, &driver, &reason), STATUS_UNSUPPORTED);
+        assert_int_equal(unlink(icd) || rmdir(place), 0);
+    }
+    assert_int_equal(unsetenv("RAYDIFF_DRIVERS") || rmdir(folder), 0);
 }
 
 /* Package and version of each line of the file beside the driver that has both, as many as fit. */
@@ -352,6 +384,7 @@ int main(void)
         cmocka_unit_test(driver_names_and_parts_are_told_apart),
         cmocka_unit_test(driver_not_fetched_says_what_to_do),
         cmocka_unit_test(driver_folder_is_the_environments_if_it_names_one),
+        cmocka_unit_test(driver_that_was_fetched_is_found_in_its_folder),
         cmocka_unit_test(driver_version_is_read_beside_a_fetched_one),
         cmocka_unit_test(driver_scope_puts_the_environment_back),
         cmocka_unit_test(drivers_open_one_after_the_other),

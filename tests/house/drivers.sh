@@ -158,5 +158,38 @@ looks "$dir/top/1/drivers" 'the nearer one of two, and one without a list is non
 mv "$at/raydiff" "$dir/top/1/" && at=$dir/top/1
 looks "$dir/top/1/drivers" 'the one beside the program'
 
+# With a fetched driver the libraries beside it are loaded, one after what it needs, but for other drivers and what is
+# no library; with the same driver by its file none is. Each leaves a file when it is loaded.
+fetched=$dir/top/1/drivers/mesa25
+mkdir "$fetched" "$dir/loaded"
+echo '{"file_format_version": "1.0.0", "ICD": {"library_path": "/nowhere/lib.so", "api_version": "1.1.0"}}' >"$fetched/icd.json"
+# NAME NUMBER [NEEDED...]: such a library, with a function of that number.
+library() {
+    name=$1 number=$2
+    shift 2
+    printf '#include <stdio.h>\nint given%d(void) { return 1; }\n' "$number" >"$dir/library.c"
+    printf '__attribute__((constructor)) static void mark(void)\n{\n    FILE *out = fopen("%s/loaded/%s", "w");\n' "$dir" "$name" >>"$dir/library.c"
+    printf '    if (out)\n        fclose(out);\n}\n' >>"$dir/library.c"
+    cc -shared -fPIC -Wl,--no-as-needed -o "$fetched/$name" "$dir/library.c" "$@" >"$dir/out" 2>&1 || bad "$name is not compiled"
+}
+wanted=
+for pair in 1 2 3 4 5 6; do
+    library "libgiven$pair.so.2" $pair "-Wl,-soname,libgiven$pair.so.2"
+    library "libneeds$pair.so" 9 "-L$fetched" "-l:libgiven$pair.so.2"
+    wanted="$wanted libgiven$pair.so.2 libneeds$pair.so"
+done
+for other in libvulkan_other.so libvk_other.so other.so libother.txt; do library $other 9; done
+# DRIVER LIBRARIES: those that are loaded with it.
+loads() {
+    rm -f "$dir/loaded"/*
+    (cd "$dir" && "$at/raydiff" check soup:n=1 --engine vulkan --layout f32 --driver "$1" --count 1) >"$dir/out" 2>&1
+    grep -q 'no loader' "$dir/out" && return
+    now=$(ls "$dir/loaded" | sort | tr '\n' ' ')
+    [ "$now" = "$(echo $2 | tr ' ' '\n' | grep . | sort | tr '\n' ' ')" ] && echo "passed  libraries beside $3" ||
+        bad "with $1 these are loaded: $now"
+}
+loads mesa25 "$wanted" 'a fetched driver'
+loads "$fetched/icd.json" '' 'a driver by its file'
+
 echo "$failed failed"
 [ "$failed" -eq 0 ]
