@@ -254,6 +254,81 @@ static void a_leaf_is_read_once_and_one_number_of_it(void **state)
     }
 }
 
+/* `count` walls across z, one behind the other. */
+static struct scene make_walls(uint32_t count)
+{
+    struct scene scene;
+    assert_int_equal(scene_make(3 * count, count, &scene), STATUS_OK);
+    for (uint32_t i = 0; i < 3 * count; i++) {
+        scene.vertex[3 * i] = i % 3 == 1 ? 4 : 0;
+        scene.vertex[3 * i + 1] = i % 3 == 2 ? 4 : 0;
+        scene.vertex[3 * i + 2] = (float)(i / 3);
+        scene.index[i] = i;
+    }
+    return scene;
+}
+
+/* A ray that would go on reads the nodes that one which ends behind the first wall reads. */
+static void what_lies_behind_the_first_hit_is_not_read(void **state)
+{
+    (void)state;
+    enum { WALLS = 256 };
+    for (size_t form = 0; form < ARRAY_COUNT(fast_forms); form++)
+        for (uint32_t turn = 0; turn < 4; turn++) {
+            struct scene scene = make_walls(WALLS);
+            tested = &fast_forms[form];
+            struct fast_tree tree = make_tree(&scene, 1);
+            const size_t nodes = fast_node_bytes(&tree) * tree.node_count;
+            const bool up = turn & 1, any = turn & 2;
+            uint8_t *node[2], *block = calloc(tree.block_words, 4);
+            uint64_t bytes[2];
+            for (int ends = 0; ends < 2; ends++) {
+                const struct ray ray = {
+                    {1, 1, up ? -1 : WALLS}, 0, {0, 0, up ? 1 : -1}, ends ? 1.5f : INFINITY};
+                struct bytes_seen seen = {.tree = &tree, .block = block};
+                struct hit hit;
+                node[ends] = seen.node = calloc(nodes, 1);
+                assert_true(seen.node && block);
+                fast_watched(&tree, &ray, any, see, &seen, &hit);
+                bytes[ends] = seen.bytes;
+                assert_true(any && !ends ? hit.prim < WALLS
+                                         : hit.prim == (up ? 0 : WALLS - 1) && hit.t == 1);
+            }
+            assert_memory_equal(node[0], node[1], nodes);
+            assert_true(memchr(node[0], 0, nodes) && bytes[0] < fast_bytes(&tree) / 2);
+            free(node[0]);
+            free(node[1]);
+            free(block);
+            fast_free(&tree);
+            scene_free(&scene);
+        }
+}
+
+/* Two walls in a leaf, met from either side: once the second of them in the block is nearer, and
+ * its number is read as well; not where any hit is enough. */
+static void any_hit_reads_one_number(void **state)
+{
+    (void)state;
+    tested = &fast_forms[0];
+    struct scene scene = make_walls(2);
+    struct fast_tree tree = make_tree(&scene, BLOCK_TRIS);
+    const uint64_t leaf = sizeof(struct fast_node) + 4 * (3 + 3 * 6);
+    uint8_t node[sizeof(struct fast_node)], block[4 * 64];
+    assert_int_equal(tree.node_count, 1);
+    for (int any = 0; any < 2; any++) {
+        struct bytes_seen seen = {.tree = &tree, .node = node, .block = block};
+        for (int up = 0; up < 2; up++) {
+            const struct ray ray = {{1, 1, up ? -1 : 2}, 0, {0, 0, up ? 1 : -1}, INFINITY};
+            struct hit hit;
+            fast_watched(&tree, &ray, any, see, &seen, &hit);
+            assert_int_equal(seen.last, hit.prim);
+        }
+        assert_int_equal(seen.bytes, 2 * leaf + (any ? 8u : 12u));
+    }
+    fast_free(&tree);
+    scene_free(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -264,6 +339,8 @@ int main(void)
         cmocka_unit_test(empty_and_too_deep_trees),
         cmocka_unit_test(a_tree_of_which_all_is_hit_is_read_to_its_last_word),
         cmocka_unit_test(a_leaf_is_read_once_and_one_number_of_it),
+        cmocka_unit_test(what_lies_behind_the_first_hit_is_not_read),
+        cmocka_unit_test(any_hit_reads_one_number),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
