@@ -38,11 +38,11 @@ $(WORLDS:%=$(B)/gen/%.comp): $(B)/gen/world_%.comp: shaders/shaders.mk
 $(NODES:%=$(B)/gen/%.comp): $(B)/gen/nodes_%.comp: shaders/shaders.mk
 	$(call made,$*,,nodes)
 
-# -g0: names are not needed at run time. The depfile lists the includes and abi.h.
+# Of its names $(TOOL) keeps those of functions, for raydiff bisect. The depfile lists the includes and abi.h.
 # Ray queries need SPIR-V 1.4 and so Vulkan 1.2.
 $(B)/spv/plain/query_%.spv: TARGET := vulkan1.2
 TARGET := vulkan1.1
-compile = @mkdir -p $(@D); $(GLSLANG) --quiet -V --target-env $(TARGET) -g0 -I. \
+compile = @mkdir -p $(@D); $(GLSLANG) --quiet -V --target-env $(TARGET) -I. \
     -Ishaders -Ishaders/layouts --depfile $(@:.spv=.d) -o $@ $<
 $(B)/spv/plain/%.spv: shaders/%.comp
 	$(compile)

@@ -11,6 +11,9 @@
 #define RAY_SKIPS      4478u /* RayTraversalPrimitiveCullingKHR: devices with ray queries have it */
 
 enum {
+    OP_SOURCE_CONTINUED = 2,
+    OP_NAME = 5,
+    OP_LINE = 8,
     OP_EXTENSION = 10,
     OP_EXT_INST_IMPORT = 11,
     OP_EXT_INST = 12,
@@ -21,8 +24,10 @@ enum {
     OP_TYPE_INT = 21,
     OP_TYPE_FLOAT = 22,
     OP_SPEC_CONSTANT_OP = 52,
+    OP_FUNCTION = 54,
     OP_FUNCTION_END = 56,
     OP_DECORATE = 71,
+    OP_NO_LINE = 317,
     OP_MODULE_PROCESSED = 330,
     OP_EXECUTION_MODE_ID = 331,
 };
@@ -205,7 +210,29 @@ static void put_decorations(const struct module *m, struct sink *out)
     }
 }
 
-/* Copies the module, replacing its NoContraction decorations with those of put_decorations. */
+/* Whether an id is that of a function. */
+static bool is_function(const struct module *m, uint32_t id)
+{
+    struct instruction i;
+    bool ok = true;
+    for (size_t at = HEADER_WORDS; next(m, &at, &i, &ok);)
+        if (i.op == OP_FUNCTION && i.count > 2 && i.word[2] == id)
+            return true;
+    return false;
+}
+
+/* Whether an instruction is for people alone. Names of functions stay: they say where something is
+ * (raydiff bisect). */
+static bool is_debug(const struct module *m, const struct instruction *i)
+{
+    if (i->op == OP_NAME)
+        return i->count < 3 || !is_function(m, i->word[1]);
+    return (i->op >= OP_SOURCE_CONTINUED && i->op <= OP_LINE) || i->op == OP_NO_LINE ||
+           i->op == OP_MODULE_PROCESSED;
+}
+
+/* Copies the module without what is_debug, replacing its NoContraction decorations with those of
+ * put_decorations. */
 static void put_module(const struct module *m, struct sink *out)
 {
     struct instruction i;
@@ -218,7 +245,8 @@ static void put_module(const struct module *m, struct sink *out)
         }
         if (i.op == OP_DECORATE && i.count == 3 && i.word[2] == NO_CONTRACTION && !m->rules.free)
             continue;
-        put(out, i.word, i.count);
+        if (!is_debug(m, &i))
+            put(out, i.word, i.count);
     }
 }
 

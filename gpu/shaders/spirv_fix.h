@@ -16,7 +16,8 @@ struct spirv_rules {
     bool free;  /* not decorated: it measures the driver's freedom */
 };
 
-/* Checks a module of `count` words and makes a decorated copy, which the caller frees.
+/* Checks a module of `count` words and makes a decorated copy, which the caller frees. Of what a
+ * compiler adds for people it keeps the names of functions alone.
  * Errors: STATUS_INPUT "word N: what: rule"; STATUS_MEMORY. On error *out is NULL. */
 enum status spirv_fix(const uint32_t *word, size_t count, const struct spirv_rules *rules,
                       uint32_t **out, size_t *out_count, struct reason *reason) MUST_USE;

@@ -69,7 +69,7 @@ compile_shaders() {
         case $shader in query_*) target=vulkan1.2 ;; *) target=vulkan1.1 ;; esac # as in shaders/shaders.mk
         source=$shaders/$shader.comp
         [ -e "$source" ] || source=$build/gen/$shader.comp
-        ${GLSLANG:-glslangValidator} --quiet -V --target-env $target -g0 -I. "-I$shaders" -o "$dir/raw/$shader.spv" "$source" \
+        ${GLSLANG:-glslangValidator} --quiet -V --target-env $target -I. "-I$shaders" -o "$dir/raw/$shader.spv" "$source" \
             >>"$dir/compile.log" 2>&1 && "$build/spirv_tool" fix "$dir/raw/$shader.spv" "$dir/$shader.spv" || tell broken glslang
         cmp -s "$dir/$shader.spv" "$module" && continue
         changed="$changed $shader"

@@ -27,7 +27,7 @@ $(SELFTEST)/$(1).$(2)/tool: $(SELFTEST)/$(1).$(2)/planted $(TOOL_SRC)
 	    $$(foreach source,$(TOOL_SRC),$$(or $$(wildcard $$(@D)/tree/$$(source)),$$(source)))
 $(SELFTEST)/$(1).$(2)/raw/$(2).spv: $(SELFTEST)/$(1).$(2)/planted $(B)/gen/$(2).comp
 	@mkdir -p $$(@D)
-	$$(GLSLANG) --quiet -V --target-env vulkan1.1 -g0 -I. -I$$(<D)/shaders -o $$@ $(B)/gen/$(2).comp
+	$$(GLSLANG) --quiet -V --target-env vulkan1.1 -I. -I$$(<D)/shaders -o $$@ $(B)/gen/$(2).comp
 $(SELFTEST)/$(1).$(2)/$(2).spv: $(SELFTEST)/$(1).$(2)/raw/$(2).spv $(SELFTEST)/$(1).$(2)/tool
 	$(SELFTEST)/$(1).$(2)/tool fix $$< $$@
 $(SELFTEST)/$(1).$(2)/unit.c: $(SELFTEST)/$(1).$(2)/$(2).spv $(SPV) $(TOOL)

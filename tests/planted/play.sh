@@ -76,7 +76,7 @@ compile_shaders() {
         source=$shaders/$shader.comp
         [ -e "$source" ] || source=$build/gen/$shader.comp
         case $shader in query_*) target=vulkan1.2 ;; *) target=vulkan1.1 ;; esac
-        ${GLSLANG:-glslangValidator} --quiet -V --target-env $target -g0 -I. "-I$shaders" \
+        ${GLSLANG:-glslangValidator} --quiet -V --target-env $target -I. "-I$shaders" \
             -o "$dir/$shader.raw" "$source" && "$tool" fix "$dir/$shader.raw" "$dir/$shader.spv" || return
         cmp -s "$dir/$shader.spv" "$build/spv/$shader.spv" &&
             { echo "the bug changes nothing in $shader"; return 1; }

@@ -14,7 +14,7 @@ fault() {
     failed=1
 }
 cc=$(cat "$build/gen/flags")
-spirv="glslangValidator --quiet -V --target-env vulkan1.1 -g0 -I."
+spirv="glslangValidator --quiet -V --target-env vulkan1.1 -I."
 
 sh tests/planted/plant.sh --check || exit 1
 awk '!/^#/ && NF {print $1, $2}' fuzz/selftest.txt >"$work/table"
