@@ -109,40 +109,44 @@ static void replace(struct module_passed *module, uint32_t *word, size_t count)
     *module = (struct module_passed){word, count};
 }
 
-static enum status begin(const struct compiler *compiler, const struct vk_shader *shader,
-                         struct module_passed *out, struct reason *reason)
+enum status compiler_begin(const struct compiler *compiler, const struct vk_shader *shader,
+                           uint32_t **word, size_t *count, struct reason *reason)
 {
     if (compiler->decorate != DECORATE_SOURCE)
-        return spirv_strip(shader->word, shader->word_count, &out->word, &out->count, reason);
-    out->word = alloc_copy(shader->word, shader->word_count, sizeof *shader->word);
-    out->count = shader->word_count;
-    return out->word ? STATUS_OK : fail(reason, STATUS_MEMORY, "no memory for a shader");
+        return spirv_strip(shader->word, shader->word_count, word, count, reason);
+    *word = alloc_copy(shader->word, shader->word_count, sizeof *shader->word);
+    *count = shader->word_count;
+    return *word ? STATUS_OK : fail(reason, STATUS_MEMORY, "no memory for a shader");
 }
 
-static enum status decorate(struct module_passed *module, struct reason *reason)
+enum status compiler_finish(const struct compiler *compiler, uint32_t **word, size_t *count,
+                            struct reason *reason)
 {
     const struct spirv_rules rules = {.query = true}; /* its baseline: what the device has */
-    uint32_t *word;
-    size_t count;
-    enum status status = spirv_fix(module->word, module->count, &rules, &word, &count, reason);
-    if (status)
+    uint32_t *made;
+    size_t made_count;
+    if (compiler->decorate != DECORATE_FINAL)
+        return STATUS_OK;
+    if (spirv_fix(*word, *count, &rules, &made, &made_count, reason))
         return STATUS_DEVICE;
-    replace(module, word, count);
+    free(*word);
+    *word = made;
+    *count = made_count;
     return STATUS_OK;
 }
 
-static enum status look(const struct vk_shader *shader, const struct module_passed *module,
-                        struct compiled *out, struct reason *reason)
+enum status compiler_look(const struct vk_shader *shader, const uint32_t *word, size_t count,
+                          struct compiled *out, struct reason *reason)
 {
     struct spirv_found before, after;
     enum status status = spirv_look(shader->word, shader->word_count, &before, reason);
     if (!status)
-        status = spirv_look(module->word, (uint32_t)module->count, &after, reason);
+        status = spirv_look(word, (uint32_t)count, &after, reason);
     if (status)
         return status;
     const uint32_t open = before.sums + before.open_ext, now = after.sums + after.open_ext;
-    *out = (struct compiled){.word = module->word,
-                             .count = (uint32_t)module->count,
+    *out = (struct compiled){.word = word,
+                             .count = (uint32_t)count,
                              .source = before.float_ops,
                              .ops = after.float_ops,
                              .kept = after.float_ops - after.bare,
@@ -165,7 +169,7 @@ static enum status make(const struct compiler *compiler, const struct vk_shader 
                         struct compiled *out, struct reason *reason)
 {
     struct module_passed module = {0};
-    enum status status = begin(compiler, shader, &module, reason);
+    enum status status = compiler_begin(compiler, shader, &module.word, &module.count, reason);
     if (!status && compiler->kind != COMPILER_RAW) {
         uint32_t *word = NULL;
         size_t count = 0;
@@ -174,12 +178,12 @@ static enum status make(const struct compiler *compiler, const struct vk_shader 
         if (!status)
             replace(&module, word, count);
     }
-    if (!status && compiler->decorate == DECORATE_FINAL)
-        status = decorate(&module, reason);
+    if (!status)
+        status = compiler_finish(compiler, &module.word, &module.count, reason);
     if (!status && compiler->kind != COMPILER_RAW)
         status = compiler_validate(module.word, module.count, reason);
     if (!status)
-        status = look(shader, &module, out, reason);
+        status = compiler_look(shader, module.word, module.count, out, reason);
     if (status)
         free(module.word);
     return status;

@@ -8,7 +8,7 @@
 
 #define TOOL_MS     120000u
 #define MODULE_MOST ((size_t)64 << 20)
-#define ARGS_MOST   (COMPILER_PASSES_MOST + 8)
+#define ARGS_MOST   (COMPILER_LIST_MOST + 8)
 
 /* Programs by the compilers that run them: bit 1 << kind. */
 #define OF(kind) (1u << COMPILER_##kind)
@@ -87,10 +87,11 @@ static bool is_module(struct between *io)
 struct tool_line {
     const char *argv[ARGS_MOST];
     size_t count;
-    char text[2 * COMPILER_NAME_MOST + 4 * COMPILER_PASSES_MOST + 64];
+    char text[COMPILER_LIST_BYTES];
     size_t used;
 };
 
+/* The passes of a list take at most half of the bytes: see compiler_list. */
 static void add(struct tool_line *line, const char *prefix, const char *word, size_t length)
 {
     char *at = line->text + line->used;
@@ -119,34 +120,45 @@ static enum status optimize(struct tool_line *line, struct between *io, struct r
     return status;
 }
 
+static enum status run_program(const char *program, struct between *io, struct reason *reason)
+{
+    const char *const argv[] = {program, NULL};
+    enum status status = run(argv, io, reason);
+    if (!status && !is_module(io))
+        status = fail(reason, STATUS_DEVICE, "%.100s wrote no SPIR-V module", program);
+    return status;
+}
+
 /* Runs the passes in order; those between two programs in one go. */
-static enum status run_passes(const char *passes, struct between *io, struct reason *reason)
+static enum status run_list(const char *const *pass, size_t count, struct between *io,
+                            struct reason *reason)
 {
     const char *target = target_of(io->bytes);
     struct tool_line line;
     size_t waiting = 0;
     enum status status = STATUS_OK;
     optimizer(&line, target);
-    for (const char *at = passes; *at && !status;) {
-        const size_t length = strcspn(at, "+");
-        const bool program = memchr(at, '/', length) != NULL;
-        if (program && waiting > 0)
+    for (size_t i = 0; i < count && !status; i++) {
+        const bool program = strchr(pass[i], '/') != NULL;
+        if (program && waiting > 0) {
             status = optimize(&line, io, reason);
-        if (program && !status) {
-            line = (struct tool_line){.count = 0};
-            add(&line, "", at, length);
-            status = run(line.argv, io, reason);
-            if (!status && !is_module(io))
-                status = fail(reason, STATUS_DEVICE, "%.*s wrote no SPIR-V module",
-                              (int)(length < 100 ? length : 100), at);
             optimizer(&line, target);
-        } else if (!status) {
-            add(&line, "--", at, length);
         }
+        if (program && !status)
+            status = run_program(pass[i], io, reason);
+        else if (!program)
+            add(&line, "--", pass[i], strlen(pass[i]));
         waiting = program ? 0 : waiting + 1;
-        at += length + (at[length] == '+');
     }
     return !status && waiting > 0 ? optimize(&line, io, reason) : status;
+}
+
+static enum status run_passes(const char *passes, struct between *io, struct reason *reason)
+{
+    char text[COMPILER_NAME_MOST];
+    const char *pass[COMPILER_PASSES_MOST];
+    const size_t count = compiler_split(passes, text, pass);
+    return run_list(pass, count, io, reason);
 }
 
 static enum status run_level(const char *level, struct between *io, struct reason *reason)
@@ -262,6 +274,83 @@ static enum status run_tools(const struct compiler *compiler, const struct vk_sh
     return STATUS_OK;
 }
 
+size_t compiler_split(const char *passes, char text[COMPILER_NAME_MOST],
+                      const char *pass[COMPILER_PASSES_MOST])
+{
+    size_t count = 0;
+    snprintf(text, COMPILER_NAME_MOST, "%s", passes);
+    for (char *rest = text, *at; *rest && count < COMPILER_PASSES_MOST;) {
+        at = rest;
+        rest += strcspn(rest, "+");
+        if (*rest)
+            *rest++ = '\0';
+        pass[count++] = at;
+    }
+    return count;
+}
+
+/* Words of a tool's bytes, in memory of their own. */
+static enum status words_of(const struct between *io, uint32_t **out, size_t *count,
+                            struct reason *reason)
+{
+    *count = io->size / sizeof **out;
+    *out = alloc_copy(io->bytes, *count, sizeof **out);
+    return *out ? STATUS_OK : fail(reason, STATUS_MEMORY, "no memory for a shader");
+}
+
+enum status compiler_list(const char *const *pass, size_t count, const uint32_t *word,
+                          size_t word_count, uint32_t **out, size_t *out_count,
+                          struct reason *reason)
+{
+    size_t bytes = 0;
+    *out = NULL;
+    *out_count = 0;
+    for (size_t i = 0; i < count; i++)
+        bytes += strlen(pass[i]) + 3;
+    if (count > COMPILER_LIST_MOST || bytes > COMPILER_LIST_BYTES / 2)
+        return fail(reason, STATUS_LIMIT, "more than %d passes, or %d bytes of their names",
+                    COMPILER_LIST_MOST, COMPILER_LIST_BYTES / 2);
+    struct between io = {alloc_copy(word, word_count, sizeof *word), word_count * sizeof *word};
+    if (!io.bytes)
+        return fail(reason, STATUS_MEMORY, "no memory for a shader");
+    enum status status = run_list(pass, count, &io, reason);
+    if (!status)
+        status = words_of(&io, out, out_count, reason);
+    free(io.bytes);
+    return status;
+}
+
+enum status compiler_level_passes(const struct compiler *compiler, char **text,
+                                  struct reason *reason)
+{
+    static const char *const argv[] = {"spirv-opt", "--help", NULL};
+    const struct tool_order order = {.argv = argv, .most = MODULE_MOST, .ms = TOOL_MS};
+    const char *const head = compiler->kind == COMPILER_SIZE ? "\n  -Os\n" : "\n  -O\n";
+    struct tool_answer answer;
+    *text = NULL;
+    enum status status = tool_run(&order, &answer, reason);
+    const char *at = status ? NULL : strstr(answer.out, head);
+    char *out = at ? alloc_zeroed(strlen(at) + 1, 1) : NULL;
+    if (!status && !at)
+        status = fail(reason, STATUS_DEVICE, "spirv-opt --help does not say what %.4s stands for",
+                      head + 3);
+    else if (!status && !out)
+        status = fail(reason, STATUS_MEMORY, "no memory for a list of passes");
+    /* The names stand in lines of their own behind two tabs. */
+    for (bool begun = false; out && *at; at += strcspn(at, "\n"), at += *at == '\n') {
+        const bool name = strncmp(at, "\t\t", 2) == 0;
+        if (begun && !name)
+            break;
+        begun = name;
+        if (name)
+            snprintf(out + strlen(out), strlen(at) + 1, "%.*s\n", (int)strcspn(at + 2, "\n"),
+                     at + 2);
+    }
+    tool_free(&answer);
+    *text = out;
+    return status;
+}
+
 enum status compiler_tools(const struct compiler *compiler, const struct vk_shader *shader,
                            uint32_t **out, size_t *out_count, struct reason *reason)
 {
@@ -276,12 +365,8 @@ enum status compiler_tools(const struct compiler *compiler, const struct vk_shad
         status = run_tools(compiler, shader, &io, reason);
     if (!status && !is_module(&io))
         status = fail(reason, STATUS_DEVICE, "its last tool wrote no SPIR-V module");
-    if (!status) {
-        *out_count = io.size / sizeof **out;
-        *out = alloc_copy(io.bytes, *out_count, sizeof **out);
-        if (!*out)
-            status = fail(reason, STATUS_MEMORY, "no memory for a shader");
-    }
+    if (!status)
+        status = words_of(&io, out, out_count, reason);
     free(io.bytes);
     return status;
 }

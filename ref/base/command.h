@@ -40,6 +40,7 @@ struct command {
 };
 
 int cmd_bench(int argc, char **argv);
+int cmd_bisect(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_conform(int argc, char **argv);
 int cmd_construct(int argc, char **argv);
