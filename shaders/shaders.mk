@@ -44,9 +44,9 @@ $(B)/spv/plain/query_%.spv: TARGET := vulkan1.2
 TARGET := vulkan1.1
 compile = @mkdir -p $(@D); $(GLSLANG) --quiet -V --target-env $(TARGET) -I. \
     -Ishaders -Ishaders/layouts --depfile $(@:.spv=.d) -o $@ $<
-$(B)/spv/plain/%.spv: shaders/%.comp
+$(B)/spv/plain/%.spv: shaders/%.comp shaders/shaders.mk
 	$(compile)
-$(B)/spv/plain/%.spv: shaders/probes/%.comp
+$(B)/spv/plain/%.spv: shaders/probes/%.comp shaders/shaders.mk
 	$(compile)
 $(B)/spv/plain/%.spv: $(B)/gen/%.comp
 	$(compile)

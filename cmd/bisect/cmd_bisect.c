@@ -105,12 +105,14 @@ static enum status count_lost(const struct bisecting *b, struct shown *shown, st
 {
     const struct compiler *compiler[2] = {&b->subject.good, &b->subject.bad};
     const struct compiled *bad = &b->made[1];
-    bool loses[2] = {false, false};
+    unsigned loss[2] = {0, 0};
     enum status status = STATUS_OK;
     for (int i = 0; i < 2 && !status; i++)
         status = bisect_loses(compiler[i], &b->stage.shader, b->made[i].word, b->made[i].count,
-                              &loses[i], reason);
-    *shown = (struct shown){.is = loses[1] && !loses[0],
+                              &loss[i], reason);
+    loss[1] &= ~loss[0];
+    *shown = (struct shown){.is = loss[1] != 0,
+                            .loss = loss[1] & LOSS_OPEN ? LOSS_OPEN : loss[1],
                             .symptom = SYMPTOM_PRECISE,
                             .count = bad->ops - bad->kept,
                             .of = bad->ops,
@@ -207,14 +209,14 @@ static bool shows_under(struct bisecting *b, const struct compiler *compiler, bo
 {
     struct compiled made;
     struct reason reason = {""};
-    bool loses = false;
+    unsigned loss = 0;
     *known = !compiler_run(compiler, &b->stage.shader, &made, &reason);
     if (!*known)
         return false;
     if (b->result.shown.symptom != SYMPTOM_PRECISE)
         return play_one(b, made.word, made.count) == DELTA_SHOWS;
-    *known = !bisect_loses(compiler, &b->stage.shader, made.word, made.count, &loses, &reason);
-    return loses;
+    *known = !bisect_loses(compiler, &b->stage.shader, made.word, made.count, &loss, &reason);
+    return (loss & b->result.shown.loss) != 0;
 }
 
 /* A translator is two tools: the same GLSL through another front end says which it is. */
@@ -248,6 +250,7 @@ static enum status search(struct bisecting *b, struct reason *reason)
     const struct bisect_job job = {.compiler = b->subject.bad,
                                    .shader = b->stage.shader,
                                    .symptom = b->result.shown.symptom,
+                                   .loss = b->result.shown.loss,
                                    .play = play_one,
                                    .step = step,
                                    .user = b,

@@ -101,6 +101,8 @@ struct shown {
     size_t count;  /* answers that are wrong or have other bits; else operations */
     size_t of;     /* rays, or float operations */
     size_t first;  /* ray */
+    unsigned loss; /* SYMPTOM_PRECISE: one of enum bisect_loss, rounding that is open before a
+                      decoration that is lost */
     uint32_t open; /* SYMPTOM_PRECISE: instructions of open rounding */
 };
 

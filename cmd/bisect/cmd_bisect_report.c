@@ -75,8 +75,8 @@ static void print_change(const struct bisect_result *result, const struct screen
     screen_text(screen, "change   %s\n", bisect->what);
     for (size_t i = 0; i < bisect->line_count; i++)
         screen_text(screen, "  %c %s\n", bisect->line[i].sign, bisect->line[i].text);
-    if (bisect->edit_count > bisect->line_count)
-        screen_text(screen, "  and %zu more\n", bisect->edit_count - bisect->line_count);
+    if (bisect->line_count == BISECT_LINES_MOST)
+        screen_text(screen, "  ...\n");
     screen_text(screen, "         %zu of %s, %s (%zu tried)\n", bisect->edit_count,
                 COUNTED(bisect->edits, bisect->decorations ? "lost decoration" : "edit"),
                 bisect->least ? "none can be left out" : "fewer may do: --tries was reached",

@@ -161,9 +161,12 @@ static enum status take_signature(struct bisect_options *o, const struct subject
         return STATUS_OK;
     }
     struct reason why = {""};
+    const struct engine *made;
     if (raw && strlen(signature->engine) < SIGNATURE_ENGINE_MOST &&
-        !compiled_engine(signature->engine, &o->engine, &why))
+        !compiled_engine(signature->engine, &made, &why)) {
+        o->engine = made;
         return STATUS_OK;
+    }
     return fail(reason, STATUS_INPUT,
                 "%.100s: the compiler of engine '%s' is not known by that: name it with --compiler",
                 s->text, signature->engine);
@@ -224,7 +227,7 @@ enum status bisect_subject_open(struct bisect_options *o, const char *text, stru
                                          : take_scene(o, s, reason);
     if (!status)
         status = take_compilers(o, s, reason);
-    if (!o->engine->needs_packed)
+    if (!status && !o->engine->needs_packed)
         o->layout = NULL;
     return status;
 }

@@ -8,14 +8,19 @@
 const char *const symptom_names[SYMPTOM_COUNT + 1] = {"wrong", "bits", "precise", NULL};
 
 enum status bisect_loses(const struct compiler *compiler, const struct vk_shader *shader,
-                         const uint32_t *word, size_t count, bool *loses, struct reason *reason)
+                         const uint32_t *word, size_t count, unsigned *loss, struct reason *reason)
 {
     struct compiled found;
     enum status status = compiler_look(shader, word, count, &found, reason);
-    const bool bare = compiler->decorate == DECORATE_NONE;
+    *loss = 0;
+    if (status || compiler->decorate == DECORATE_NONE)
+        return status;
     const uint32_t signs = compiler_translates(compiler) ? found.signs : 0;
-    *loses = !status && !bare && found.ops - found.kept - signs + found.foreign > 0;
-    return status;
+    if (found.ops - found.kept > signs)
+        *loss |= LOSS_DECORATION;
+    if (found.foreign > 0)
+        *loss |= LOSS_OPEN;
+    return STATUS_OK;
 }
 
 enum delta_answer bisect_stop(struct bisect_search *search, enum status status,
@@ -75,12 +80,12 @@ static enum delta_answer ask_whole(struct bisect_search *search, const struct bi
         return bisect_stop(search, status, &reason);
     if (job->symptom != SYMPTOM_PRECISE)
         return job->play(job->user, module->word, module->count);
-    bool loses;
+    unsigned loss;
     status =
-        bisect_loses(&job->compiler, &job->shader, module->word, module->count, &loses, &reason);
+        bisect_loses(&job->compiler, &job->shader, module->word, module->count, &loss, &reason);
     if (status)
         return bisect_stop(search, status, &reason);
-    return loses ? DELTA_SHOWS : DELTA_SHOWS_NOT;
+    return loss & job->loss ? DELTA_SHOWS : DELTA_SHOWS_NOT;
 }
 
 enum delta_answer bisect_ask(struct bisect_search *search, struct bisect_module module)

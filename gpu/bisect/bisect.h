@@ -28,6 +28,7 @@ struct bisect_job {
     struct compiler compiler;
     struct vk_shader shader; /* as built, with the constants of the dispatch */
     enum symptom symptom;
+    unsigned loss; /* SYMPTOM_PRECISE: that which shows, of enum bisect_loss */
     /* Whether the symptom shows in the answers of a valid module. Not for SYMPTOM_PRECISE. */
     enum delta_answer (*play)(void *user, const uint32_t *word, size_t count);
     /* Told before a module is tried: what of, and which number it has there; or NULL. */
@@ -45,7 +46,7 @@ enum bisect_proof {
 
 #define BISECT_LINES_MOST 12
 
-/* Instructions that are removed (-) and added (+). */
+/* Instructions that are removed (-) and added (+), and between them those that decorations are of. */
 struct bisect_line {
     char sign;
     char text[SPIRV_SAY_MOST];
@@ -85,11 +86,14 @@ enum status bisect_run(const struct bisect_job *job, struct bisect *out,
 
 void bisect_free(struct bisect *bisect);
 
-/* Whether a module of the compiler lost decorations that were asked for, or opened rounding: of a
- * translator, which may have no word for a negation's, negations are left out. Errors: as
- * compiler_look. */
+/* What a module of the compiler lost: bits of the following. Of a translator, which may have no word
+ * for a negation's decoration, negations are left out. Errors: as compiler_look. */
+enum bisect_loss {
+    LOSS_DECORATION = 1, /* one that was asked for */
+    LOSS_OPEN = 2        /* an instruction of open rounding that the source lacks */
+};
 enum status bisect_loses(const struct compiler *compiler, const struct vk_shader *shader,
-                         const uint32_t *word, size_t count, bool *loses,
+                         const uint32_t *word, size_t count, unsigned *loss,
                          struct reason *reason) MUST_USE;
 
 #endif

@@ -105,11 +105,9 @@ static void say(const struct curing *c, const bool *in, struct bisect *out)
             snprintf(out->what, sizeof out->what, "%%%u (%.100s) is without NoContraction",
                      c->id[i], name);
         }
-        if (out->line_count < BISECT_LINES_MOST) {
-            struct bisect_line *line = &out->line[out->line_count++];
-            line->sign = '-';
-            snprintf(line->text, sizeof line->text, "OpDecorate %%%u NoContraction", c->id[i]);
-        }
+        const uint32_t lost[] = {3u << 16 | OP_DECORATE, c->id[i], NO_CONTRACTION};
+        bisect_put_line(out, '-', lost);
+        bisect_put_line(out, ' ', spirv_words(&c->code, maker));
     }
 }
 
@@ -143,7 +141,9 @@ void bisect_decorations(struct bisect_search *search, struct bisect_module modul
     enum status status = spirv_code_make(module.word, module.count, &c.code, &reason);
     if (!status)
         status = find_bare(&c, module.count, &reason);
-    if (status)
+    if (status == STATUS_INPUT) /* the build's tool would refuse it */
+        search->out->end = BISECT_NO_CURE;
+    else if (status)
         bisect_stop(search, status, &reason);
     else
         search_cure(&c);

@@ -49,6 +49,10 @@ void bisect_change(struct bisect_search *search);
 /* Finds the decorations that the module lacks and that cure it; takes the module. */
 void bisect_decorations(struct bisect_search *search, struct bisect_module module);
 
+/* Adds a line to out->line, if there is room. A blank sign: the instruction is what others are
+ * about. */
+void bisect_put_line(struct bisect *out, char sign, const uint32_t *word);
+
 /* Says the change of such edits of a diff: function, what and lines. */
 void bisect_say(const struct spirv_diff *diff, const bool *done, struct bisect *out);
 

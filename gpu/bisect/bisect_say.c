@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void put_line(struct bisect *out, char sign, const uint32_t *word)
+void bisect_put_line(struct bisect *out, char sign, const uint32_t *word)
 {
     if (out->line_count == BISECT_LINES_MOST)
         return;
@@ -126,7 +126,11 @@ void bisect_say(const struct spirv_diff *diff, const bool *done, struct bisect *
     for (size_t e = 0; e < diff->count; e++) {
         if (!done[e])
             continue;
-        put_line(out, diff->edit[e].added ? '+' : '-', edit_words(diff, e));
+        bisect_put_line(out, diff->edit[e].added ? '+' : '-', edit_words(diff, e));
+        const size_t maker =
+            is_loss(diff, e) ? spirv_maker(diff->before, edit_words(diff, e)[1]) : SIZE_MAX;
+        if (maker < diff->before->count)
+            bisect_put_line(out, ' ', spirv_words(diff->before, maker));
         if (most == diff->count || weight(diff, done, e) > weight(diff, done, most))
             most = e;
     }

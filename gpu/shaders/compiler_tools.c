@@ -185,7 +185,7 @@ static enum status glslang(const char *const *more, const char *target, struct b
 {
     /* --stdin is taken at the beginning alone. */
     const char *argv[ARGS_MOST] = {
-        "glslangValidator", "--stdin", "-S", "comp",       "--quiet", "-V", "-g0",
+        "glslangValidator", "--stdin", "-S", "comp",       "--quiet", "-V",
         "--target-env",     target,    "-o", "/dev/stdout"};
     size_t count = 0;
     while (argv[count])

@@ -4,6 +4,12 @@
  *   spirv_pass drop          NoContraction of the first multiplication is lost
  *   spirv_pass reassociate   (a + b) + c becomes a + (b + c), in each sum of three
  *   spirv_pass contract      a * b + c becomes fma(a, b, c), in the first such sum
+ *   spirv_pass swap          a - b becomes b - a, in each difference
+ *   spirv_pass mark          gives the first multiplication a name, "act"
+ *   spirv_pass act           NoContraction of what has that name is lost
+ *   spirv_pass odd           reassociates, names a multiplication "odd", and has a bound of ids that
+ *                            tells: on a module with that bound and without the name the driver of
+ *                            tests/compilers/odd_layer.c crashes or hangs
  *   spirv_pass text          writes words of a language
  *   spirv_pass invalid       a module without its last instruction
  *   spirv_pass fails         writes nothing and ends with 3 */
@@ -12,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { EXT_IMPORT = 11, EXT = 12, DECORATE = 71, FUNCTION = 54, FADD = 129, FMUL = 133 };
+enum { NAME = 5, EXT_IMPORT = 11, EXT = 12, DECORATE = 71, FUNCTION = 54, FADD = 129, FSUB = 131, FMUL = 133 };
 enum { NO_CONTRACTION = 42, FMA = 50, MOST = 1 << 20 };
 
 static uint32_t in[MOST], out[2 * MOST];
@@ -49,9 +55,31 @@ static size_t maker_of(uint32_t op, uint32_t id)
     return find(op, 2, id);
 }
 
-static void drop(void)
+/* "act" and "odd" with the zero behind them, as words. */
+enum { ACT = 0x00746361, ODD = 0x0064646F, ODD_BOUND = 4000037 };
+
+/* Names the instruction of an id, before all other names. */
+static void name(uint32_t id, uint32_t text)
 {
-    const uint32_t id = in[find(FMUL, 0, 0) + 2];
+    const size_t first = find(NAME, 0, 0);
+    for (size_t i = 5; i < in_count; i += length_at(i)) {
+        if (i == first)
+            put((const uint32_t[]){3u << 16 | NAME, id, text}, 3);
+        put(in + i, length_at(i));
+    }
+}
+
+/* What was put is read again. */
+static void again(void)
+{
+    in_count = out_count;
+    memcpy(in, out, in_count * sizeof *in);
+    out_count = 0;
+    put(in, 5);
+}
+
+static void drop(uint32_t id)
+{
     for (size_t i = 5; i < in_count; i += length_at(i))
         if (!(op_at(i) == DECORATE && in[i + 1] == id && in[i + 2] == NO_CONTRACTION))
             put(in + i, length_at(i));
@@ -83,6 +111,31 @@ static void reassociate(void)
     out[3] = bound;
 }
 
+static void act(void)
+{
+    const size_t named = find(NAME, 2, ACT);
+    drop(named ? in[named + 1] : 0);
+}
+
+static void odd(void)
+{
+    name(in[find(FMUL, 0, 0) + 2], ODD);
+    again();
+    reassociate();
+    out[3] = ODD_BOUND;
+}
+
+static void swap(void)
+{
+    for (size_t i = 5; i < in_count; i += length_at(i)) {
+        put(in + i, length_at(i));
+        if (op_at(i) == FSUB) {
+            out[out_count - 2] = in[i + 4];
+            out[out_count - 1] = in[i + 3];
+        }
+    }
+}
+
 static void contract(void)
 {
     size_t sum = 0, product = 0;
@@ -111,7 +164,15 @@ int main(int argc, char **argv)
         return puts("void main() {}") < 0;
     put(in, 5);
     if (strcmp(what, "drop") == 0)
-        drop();
+        drop(in[find(FMUL, 0, 0) + 2]);
+    else if (strcmp(what, "swap") == 0)
+        swap();
+    else if (strcmp(what, "mark") == 0)
+        name(in[find(FMUL, 0, 0) + 2], ACT);
+    else if (strcmp(what, "act") == 0)
+        act();
+    else if (strcmp(what, "odd") == 0)
+        odd();
     else if (strcmp(what, "reassociate") == 0)
         reassociate();
     else if (strcmp(what, "contract") == 0)
