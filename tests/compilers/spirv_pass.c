@@ -18,7 +18,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAME = 5, EXT_IMPORT = 11, EXT = 12, DECORATE = 71, FUNCTION = 54, FADD = 129, FSUB = 131, FMUL = 133 };
+enum {
+    NAME = 5,
+    EXT_IMPORT = 11,
+    EXT = 12,
+    DECORATE = 71,
+    FUNCTION = 54,
+    FADD = 129,
+    FSUB = 131,
+    FMUL = 133
+};
 enum { NO_CONTRACTION = 42, FMA = 50, MOST = 1 << 20 };
 
 static uint32_t in[MOST], out[2 * MOST];
