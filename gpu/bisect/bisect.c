@@ -154,7 +154,7 @@ static enum status split(const char *text, char between, struct bisect *out, str
 static enum status list_passes(const struct compiler *compiler, struct bisect *out,
                                struct reason *reason)
 {
-    if (compiler->kind == COMPILER_PASSES)
+    if (compiler->kind == COMPILER_PASSES || compiler->kind == COMPILER_RAW) /* raw has none */
         return split(compiler->passes, '+', out, reason);
     char *text;
     enum status status = compiler_level_passes(compiler, &text, reason);
@@ -174,10 +174,11 @@ static enum status whole_module(const struct bisect_search *search, struct bisec
     return compiler_tools(&search->job->compiler, &shader, &out->word, &out->count, reason);
 }
 
+/* Whether its work is a list of passes; else it is a translator's. */
 static bool is_list(const struct compiler *compiler)
 {
-    return compiler->kind == COMPILER_OPT || compiler->kind == COMPILER_SIZE ||
-           compiler->kind == COMPILER_PASSES;
+    return compiler->kind == COMPILER_RAW || compiler->kind == COMPILER_OPT ||
+           compiler->kind == COMPILER_SIZE || compiler->kind == COMPILER_PASSES;
 }
 
 enum status bisect_run(const struct bisect_job *job, struct bisect *out, struct reason *reason)

@@ -1,0 +1,160 @@
+#!/bin/sh
+# raydiff bisect: each planted pass, hidden among real ones, is found by conform and traced to itself, to the function
+# and to the instruction; passes that only show together are found together; a driver that crashes or hangs on the
+# modules between costs these; translators are named.
+#   sh tests/compilers/bisect.sh BUILD/raydiff
+set -u
+raydiff=$1
+for tool in spirv-opt spirv-val; do
+    command -v $tool >/dev/null || { echo "SKIP bisect: $tool is needed (Debian: spirv-tools)"; exit 77; }
+done
+. tests/scripts/expect.sh
+"$raydiff" check soup:n=9 --count 9 --engine vulkan >"$dir/out" 2>"$dir/err"
+[ $? -ne 77 ] || { echo "SKIP bisect: no Vulkan driver"; exit 77; }
+
+${CC:-cc} -std=c17 -O1 -o "$dir/spirv_pass" tests/compilers/spirv_pass.c || { echo "FAILED  spirv_pass.c"; exit 1; }
+for what in drop reassociate contract swap mark act odd invalid; do
+    printf '#!/bin/sh\nexec "%s/spirv_pass" %s\n' "$dir" $what >"$dir/$what"
+    chmod +x "$dir/$what"
+done
+scene='sphere:n=8 --seed 1'
+
+# Output of a run has such lines; spaces that break lines are one.
+has() { # what, pattern...
+    what=$1
+    shift
+    tr -s ' \n' ' ' <"$dir/out" >"$dir/line"
+    for pattern; do
+        grep -qE -- "$pattern" "$dir/line" || bad "$what: nothing like /$pattern/"
+    done
+}
+
+# The planted three: conform finds each, bisect says which pass, where and what. The first product is one of slab.glsl;
+# the first sums of three are those of tri.glsl's tri_sum.
+planted() { # pass, symptom, function, what
+    conform=$(date +%s)
+    expect 1 . conform 'closest.vulkan*.f32.median.robust.mt.sphere.random.1' --engine vulkan \
+        --compiler "passes:ccp+$dir/$1+merge-return"
+    grep -qE "^FAILED +closest.vulkan:passes:.*/$1" "$dir/out" || bad "conform $1"
+    [ $(($(date +%s) - conform)) -le 20 ] || bad "conform $1: late"
+    expect 1 . bisect $scene --compiler "passes:ccp+$dir/$1+merge-return" --json "$dir/$1.json"
+    has "bisect $1" "symptom $2: " "passes [^ ]*/$1: 1 of 3, no shorter list shows it" "function $3 " "change $4" \
+        'none can be left out'
+}
+planted drop precise slab_ray_make \
+    'NoContraction of %([0-9]+) \(OpFMul\) is gone - OpDecorate %\1 NoContraction %\1 = OpFMul .* 1 of 1 edit,'
+planted reassociate bits tri_sum \
+    'other operands of %([0-9]+) \(OpFAdd\) - %\1 = OpFAdd .* \+ %[0-9]+ = OpFAdd .* \+ %\1 = OpFAdd .* 3 of 36 edits,'
+planted contract precise tri_sum \
+    'OpFAdd of %([0-9]+) became Fma - %\1 = OpFAdd .* \+ %\1 = OpExtInst %[0-9]+ %[0-9]+ Fma .* 2 of 3 edits,'
+grep -q '"function": "tri_sum"' "$dir/contract.json" || bad 'JSON: no function'
+grep -q '"proof": "shortest"' "$dir/contract.json" || bad 'JSON: no proof'
+
+# Wrong answers, and operands in another order; any hits; a seed of its own; each symptom by name.
+expect 1 . bisect $scene --compiler "passes:ccp+$dir/swap"
+has swap 'symptom wrong: [1-9][0-9]* of 1000 answers are WRONG' \
+    'operands of %([0-9]+) \(OpFSub\) in another order - %\1 = OpFSub (%[0-9]+) (%[0-9]+) (%[0-9]+) \+ %\1 = OpFSub \2 \4 \3'
+expect 1 . bisect $scene --compiler "passes:$dir/swap" --symptom bits --query any --engine vulkan_stackless
+has 'swap, any' 'symptom bits: ' 'shader stackless_f32, function '
+expect 0 . bisect $scene --compiler "passes:$dir/drop" --symptom bits
+has 'drop has no bits' 'symptom none: nothing shows'
+expect 0 . bisect $scene --compiler "passes:$dir/reassociate" --symptom precise
+has 'reassociate loses nothing' 'symptom none'
+
+# Levels are lists, which spirv-opt tells.
+expect 1 . bisect $scene --compiler opt:final
+has opt:final 'symptom precise: 0 of [0-9]+ .* [1-9][0-9]* of open rounding' 'passes simplify-instructions: 1 of [0-9]+,' \
+    'of %([0-9]+) became Fma .* \+ %\1 = OpExtInst %[0-9]+ %[0-9]+ Fma'
+expect 0 . bisect $scene --compiler opt --layout rf16
+has opt 'symptom none: nothing shows'
+expect 0 . bisect $scene --compiler opt:final --good size:final --symptom precise
+has 'both of them' 'symptom none'
+expect 1 . bisect $scene --compiler raw --good "passes:$dir/reassociate"
+has 'as built' 'symptom bits: ' 'passes none: the shader as built shows it'
+
+# Two passes that only show together are a pair; a world; brute force.
+expect 1 . bisect $scene --compiler "passes:ccp+$dir/mark+merge-return+$dir/act+if-conversion"
+has 'a pair' 'passes [^ ]*/mark \+ [^ ]*/act: 2 of 5, no shorter list shows it' 'NoContraction of .* is gone'
+expect 0 . bisect $scene --compiler "passes:$dir/act+$dir/mark"
+has 'a pair, the other way round' 'symptom none'
+expect 1 . bisect crowd:n=6 --compiler "passes:ccp+$dir/reassociate" --count 400
+has 'a world' 'shader world_f32, function '
+expect 1 . bisect soup:n=30 --engine vulkan_brute --compiler "passes:ccp+$dir/contract"
+has brute 'engine vulkan_brute symptom' 'shader trace_brute, function tri_sum'
+
+# A name of conform, and a finding of fuzz, which does not say where a program was.
+expect 1 . bisect "closest.vulkan:passes:$dir/drop.f32.median.robust.mt.sphere.random.1"
+has 'a whole name' "passes [^ ]*/drop: 1 of 1"
+expect 1 . bisect closest.vulkan:opt:final.rf16.median.robust.mt.sphere.random.1 --count 100
+has 'a whole name' 'shader trace_rf16, function '
+"$raydiff" fuzz --compiler "passes:$dir/reassociate" --engine vulkan --layout f32 --trials 40 --corpus none \
+    --dir "$dir/found" --jobs 1 >/dev/null 2>&1
+finding=$(ls -d "$dir"/found/vulkan=passes* 2>/dev/null | head -n 1)/smallest.trial
+expect 1 . bisect "$finding" --compiler "passes:ccp+$dir/reassociate"
+has 'a finding' 'symptom bits: ' 'passes [^ ]*/reassociate: 1 of 2' 'function tri_sum'
+expect 1 . bisect "$finding" --engine "vulkan:passes:$dir/reassociate"
+has 'its engine' 'passes [^ ]*/reassociate: 1 of 1'
+expect 2 'name it with --compiler' bisect "$finding"
+sed 's/^expect vulkan:passes[^ ]*/expect vulkan:opt:final.f32.bits.shader/' "$finding" >"$dir/own.trial"
+expect 1 . bisect "$dir/own.trial"
+has 'a finding that knows its compiler' '^opt:final against raw: ' 'symptom precise'
+
+# A driver that cannot bear modules between; the search ends where it was told to.
+if ${CC:-cc} -D_GNU_SOURCE -shared -fPIC -O1 -o "$dir/libodd.so" tests/compilers/odd_layer.c 2>/dev/null; then
+    cat >"$dir/odd.json" <<END
+{"file_format_version": "1.1.0", "layer": {"name": "VK_LAYER_RAYDIFF_odd", "type": "GLOBAL",
+ "library_path": "$dir/libodd.so", "api_version": "1.3.0", "implementation_version": "1", "description": "odd"}}
+END
+    export VK_LAYER_PATH="$dir" VK_INSTANCE_LAYERS=VK_LAYER_RAYDIFF_odd
+    expect 1 . bisect $scene --compiler "passes:ccp+$dir/odd" --count 100
+    has 'a driver that crashes' 'change other operands of .* \+ OpName %[0-9]+ "odd" ' '4 of 37 edits, none can be left out' \
+        'modules [1-9][0-9]* of those tried crashed the engine, 0 hung'
+    ODD=hang
+    export ODD
+    expect 1 . bisect $scene --compiler "passes:$dir/odd" --count 100 --tries 2 --time 1
+    has 'a driver that hangs' 'fewer may do: --tries was reached' 'modules 0 of those tried crashed the engine, [12] hung'
+    unset ODD VK_LAYER_PATH VK_INSTANCE_LAYERS
+else
+    echo "SKIP a driver that crashes: vulkan/vk_layer.h is needed"
+fi
+
+# Translators: another spirv-cross that loses a word, and two front ends behind it.
+if command -v spirv-cross >/dev/null && command -v glslangValidator >/dev/null && command -v glslc >/dev/null; then
+    mkdir "$dir/fake"
+    cat >"$dir/fake/spirv-cross" <<END
+#!/bin/sh
+'$(command -v spirv-cross)' "\$@" | awk '!done && /precise/ && /\*/ { sub(/precise /, ""); done = 1 } { print }'
+END
+    cat >"$dir/fake/glslc" <<END
+#!/bin/sh
+awk '!done && /precise/ && /\*/ { sub(/precise /, ""); done = 1 } { print }' | '$(command -v glslc)' "\$@"
+END
+    chmod +x "$dir/fake"/*
+    path=$PATH
+    PATH=$dir/fake:$path
+    expect 1 . bisect $scene --compiler cross
+    has cross 'tool spirv-cross: glslc behind it shows it, too' 'function slab_ray_make change %([0-9]+) \(OpFMul\) is without NoContraction - OpDecorate %\1 NoContraction'
+    rm "$dir/fake/spirv-cross"
+    expect 1 . bisect $scene --compiler shaderc
+    has shaderc 'tool glslc: glslangValidator behind the same spirv-cross does not show it' 'is without NoContraction'
+    PATH=$path
+    expect 0 . bisect $scene --compiler cross
+else
+    echo "SKIP translators: spirv-cross, glslangValidator and glslc are needed"
+fi
+
+# What cannot be.
+expect 3 'spirv-val ended with exit code 1' bisect $scene --compiler "passes:$dir/invalid"
+expect 2 'no compiler' bisect $scene
+expect 2 'the same compiler, opt' bisect $scene --compiler opt --good opt
+expect 2 'has no shaders to compile' bisect $scene --engine cpu --compiler opt
+expect 2 '--compiler: the engine has one, opt' bisect $scene --engine vulkan:opt --compiler size
+expect 2 "'fast' is no compiler" bisect $scene --compiler fast
+expect 2 "Unknown flag '--no-such-pass'" bisect $scene --compiler passes:no-such-pass
+expect 2 '--query: closest or any can be bisected' bisect $scene --compiler opt --query all
+expect 2 "--layout: the trial's name says it" bisect closest.vulkan:opt.f32.median.robust.mt.sphere.random.1 --layout rf16
+expect 2 '--count: the file says it' bisect "$finding" --compiler opt --count 9
+expect 2 'one scene at a time' bisect sphere soup --compiler opt
+expect 2 'no scene given' bisect --compiler opt
+expect 77 'no-such-driver' bisect $scene --compiler opt --driver no-such-driver
+exit $((failed > 0))
