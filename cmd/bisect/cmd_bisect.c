@@ -66,9 +66,9 @@ static const struct option_set set = {
 /* A run: the subject's answers under the compiler that is good, and the search. */
 struct bisecting {
     struct bisect_options options;
-    struct subject subject;
+    struct bisect_subject subject;
     struct bisect_stage stage;
-    struct answers good;
+    struct bisect_answers good;
     struct compiled made[2]; /* good, bad */
     struct bisect_result result;
     struct progress progress;
@@ -78,18 +78,18 @@ struct bisecting {
 
 /* --- symptoms --------------------------------------------------------------------------------- */
 
-static bool same_bits(const struct bisecting *b, const struct answers *bad, size_t i)
+static bool same_bits(const struct bisecting *b, const struct bisect_answers *bad, size_t i)
 {
-    const struct answers *good = &b->good;
+    const struct bisect_answers *good = &b->good;
     return memcmp(&good->hit[i], &bad->hit[i], sizeof good->hit[i]) == 0 &&
            (!b->subject.is_world || good->tag[i] == bad->tag[i]);
 }
 
 /* Counts the rays whose answers show it. */
-static struct shown count_shown(const struct bisecting *b, enum symptom symptom,
-                                const struct answers *bad)
+static struct bisect_shown count_shown(const struct bisecting *b, enum symptom symptom,
+                                       const struct bisect_answers *bad)
 {
-    struct shown shown = {.symptom = symptom, .of = b->subject.ray_count};
+    struct bisect_shown shown = {.symptom = symptom, .of = b->subject.ray_count};
     for (size_t i = 0; i < shown.of; i++) {
         const bool is = symptom == SYMPTOM_WRONG
                             ? bad->wrong[i] && !b->good.wrong[i]
@@ -101,7 +101,8 @@ static struct shown count_shown(const struct bisecting *b, enum symptom symptom,
     return shown;
 }
 
-static enum status count_lost(const struct bisecting *b, struct shown *shown, struct reason *reason)
+static enum status count_lost(const struct bisecting *b, struct bisect_shown *shown,
+                              struct reason *reason)
 {
     const struct compiler *compiler[2] = {&b->subject.good, &b->subject.bad};
     const struct compiled *bad = &b->made[1];
@@ -111,19 +112,19 @@ static enum status count_lost(const struct bisecting *b, struct shown *shown, st
         status = bisect_loses(compiler[i], &b->stage.shader, b->made[i].word, b->made[i].count,
                               &loss[i], reason);
     loss[1] &= ~loss[0];
-    *shown = (struct shown){.is = loss[1] != 0,
-                            .loss = loss[1] & LOSS_OPEN ? LOSS_OPEN : loss[1],
-                            .symptom = SYMPTOM_PRECISE,
-                            .count = bad->ops - bad->kept,
-                            .of = bad->ops,
-                            .open = bad->foreign};
+    *shown = (struct bisect_shown){.is = loss[1] != 0,
+                                   .loss = loss[1] & LOSS_OPEN ? LOSS_OPEN : loss[1],
+                                   .symptom = SYMPTOM_PRECISE,
+                                   .count = bad->ops - bad->kept,
+                                   .of = bad->ops,
+                                   .open = bad->foreign};
     return status;
 }
 
-static enum status find_symptom(struct bisecting *b, const struct answers *bad,
+static enum status find_symptom(struct bisecting *b, const struct bisect_answers *bad,
                                 struct reason *reason)
 {
-    struct shown *shown = &b->result.shown;
+    struct bisect_shown *shown = &b->result.shown;
     const size_t wanted = b->options.symptom;
     enum status status = STATUS_OK;
     for (enum symptom symptom = 0; symptom < SYMPTOM_COUNT && !shown->is && !status; symptom++)
@@ -141,7 +142,7 @@ static enum status find_symptom(struct bisecting *b, const struct answers *bad,
 static enum delta_answer play_one(void *user, const uint32_t *word, size_t count)
 {
     struct bisecting *b = user;
-    struct answers answers;
+    struct bisect_answers answers;
     struct reason reason = {""};
     enum status status = bisect_stage_play(&b->stage, word, count, true, &answers, &reason);
     if (status == STATUS_MEMORY || status == STATUS_INTERNAL) {
@@ -163,7 +164,7 @@ static void step(void *user, const char *what, size_t tries)
 }
 
 /* Plays a compiler's module; the reason says whose. */
-static enum status play_compiled(struct bisecting *b, int which, struct answers *out,
+static enum status play_compiled(struct bisecting *b, int which, struct bisect_answers *out,
                                  struct reason *reason)
 {
     const char *name = which ? b->subject.bad_name : b->subject.good_name;
@@ -185,9 +186,9 @@ static bool promises(const struct bisecting *b)
 }
 
 /* Learns which shader it is, compiles it twice and plays both. */
-static enum status play_both(struct bisecting *b, struct answers *bad, struct reason *reason)
+static enum status play_both(struct bisecting *b, struct bisect_answers *bad, struct reason *reason)
 {
-    struct answers raw;
+    struct bisect_answers raw;
     enum status status = bisect_stage_play(&b->stage, NULL, 0, false, &raw, reason);
     if (status)
         return status;
@@ -270,7 +271,7 @@ static enum status search(struct bisecting *b, struct reason *reason)
 static enum status run(struct bisecting *b, int *code, struct reason *reason)
 {
     const struct screen screen = screen_make(&b->options.screen);
-    struct answers bad = {0};
+    struct bisect_answers bad = {0};
     enum status status = bisect_stage_open(&b->options, &b->subject, &b->stage, reason);
     if (!status)
         status = play_both(b, &bad, reason);

@@ -29,7 +29,7 @@ struct bisect_options {
 };
 
 /* What is bisected. Owns scenes, world and rays. */
-struct subject {
+struct bisect_subject {
     const char *text;
     struct finding_file file; /* if a finding's file is bisected */
     struct scene scene, rest; /* rest: its vertices before it moved */
@@ -48,25 +48,25 @@ struct subject {
  * Names and files decide members, and may bring the compiler. Errors: STATUS_INPUT; those of
  * compiled_make, finding_file_read, scene_open. */
 enum status bisect_subject_open(struct bisect_options *options, const char *text,
-                                struct subject *out, struct reason *reason) MUST_USE;
-void bisect_subject_free(struct subject *subject);
+                                struct bisect_subject *out, struct reason *reason) MUST_USE;
+void bisect_subject_free(struct bisect_subject *subject);
 
 /* --- answers ---------------------------------------------------------------------------------- */
 
 /* Answers to all rays. Owns its arrays. */
-struct answers {
+struct bisect_answers {
     struct hit *hit;
     uint32_t *tag;  /* of a world */
     uint8_t *wrong; /* of each ray: the judge calls the answer WRONG */
     size_t wrong_count;
     uint64_t ns; /* what all of it took */
 };
-void answers_free(struct answers *answers);
+void answers_free(struct bisect_answers *answers);
 
 /* Plays modules in child processes, one of which has the engine open until it fails. */
 struct bisect_stage {
     const struct bisect_options *options;
-    const struct subject *subject;
+    const struct bisect_subject *subject;
     struct match match; /* trees and truth */
     struct pool pool;   /* no engine is opened in this process */
     bool promised;      /* see struct play */
@@ -76,26 +76,28 @@ struct bisect_stage {
     /* Of the last play: the shader that the engine used, and its constants. */
     struct vk_shader shader;
     uint32_t constant[VK_CONSTANTS_MAX];
-    size_t crashed, hung; /* modules that were nobody's */
+    size_t crashed, hung; /* modules that were only tried */
 };
 
 /* Builds, packs, and decides every ray exactly. Errors: those of match_make and match_pack. */
-enum status bisect_stage_open(const struct bisect_options *options, const struct subject *subject,
-                              struct bisect_stage *out, struct reason *reason) MUST_USE;
+enum status bisect_stage_open(const struct bisect_options *options,
+                              const struct bisect_subject *subject, struct bisect_stage *out,
+                              struct reason *reason) MUST_USE;
 
 /* Plays the engine with a module in place of its shader (NULL: as built). A module that is `tried`
  * may crash or hang: the time that others took decides how long it may take. Errors:
  * STATUS_UNSUPPORTED the engine cannot run here; STATUS_DEVICE it fails, crashes (the reason has
  * how) or hangs; STATUS_MEMORY. */
 enum status bisect_stage_play(struct bisect_stage *stage, const uint32_t *word, size_t count,
-                              bool tried, struct answers *out, struct reason *reason) MUST_USE;
+                              bool tried, struct bisect_answers *out,
+                              struct reason *reason) MUST_USE;
 
 void bisect_stage_close(struct bisect_stage *stage);
 
 /* --- the result ------------------------------------------------------------------------------- */
 
 /* How much of it shows. */
-struct shown {
+struct bisect_shown {
     bool is; /* false: no symptom shows */
     enum symptom symptom;
     size_t count;  /* answers that are wrong or have other bits; else operations */
@@ -108,9 +110,9 @@ struct shown {
 
 struct bisect_result {
     const struct bisect_options *options;
-    const struct subject *subject;
+    const struct bisect_subject *subject;
     const char *shader;
-    struct shown shown;
+    struct bisect_shown shown;
     struct bisect bisect;
     size_t crashed, hung;
     char tool[160]; /* of a translator: which step it is */
@@ -123,6 +125,6 @@ enum status bisect_write_json(const char *path, const struct bisect_result *resu
                               struct reason *reason) MUST_USE;
 
 /* "wrong: 3 of 1000 answers are WRONG, that to ray 12 first" */
-void shown_text(const struct shown *shown, char *text, size_t bytes);
+void shown_text(const struct bisect_shown *shown, char *text, size_t bytes);
 
 #endif

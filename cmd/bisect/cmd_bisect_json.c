@@ -36,8 +36,8 @@ enum status bisect_write_json(const char *path, const struct bisect_result *resu
                               struct reason *reason)
 {
     const struct bisect_options *o = result->options;
-    const struct subject *subject = result->subject;
-    const struct shown *shown = &result->shown;
+    const struct bisect_subject *subject = result->subject;
+    const struct bisect_shown *shown = &result->shown;
     const struct bisect *bisect = &result->bisect;
     json_t *symptom = shown->is
                           ? json_record("name=%s count=%zu of=%zu first_ray=%p open=%u",

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-void shown_text(const struct shown *shown, char *text, size_t bytes)
+void shown_text(const struct bisect_shown *shown, char *text, size_t bytes)
 {
     snprintf(text, bytes, "none: nothing shows");
     if (!shown->is)
@@ -86,7 +86,7 @@ static void print_change(const struct bisect_result *result, const struct screen
 void bisect_print(const struct bisect_result *result, const struct screen *screen)
 {
     const struct bisect_options *o = result->options;
-    const struct subject *subject = result->subject;
+    const struct bisect_subject *subject = result->subject;
     char text[200];
     screen_text(screen, "%s against %s: %s, %s, engine %s%s%s\n", subject->bad_name,
                 subject->good_name, subject->text, COUNTED(subject->ray_count, "ray"),

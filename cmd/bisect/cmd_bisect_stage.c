@@ -1,4 +1,4 @@
-/* Modules are played in child processes: a driver may crash or hang on one that nobody wrote. */
+/* Modules are played in child processes: a driver may crash or hang on an odd one. */
 #define _POSIX_C_SOURCE 200809L
 #include "cmd/bisect/cmd_bisect.h"
 
@@ -20,13 +20,13 @@
 #define TRIED_MS     3000u
 
 /* A request, followed by the words of the module; none: as built. */
-struct request {
+struct bisect_request {
     bool promised; /* the compiler promises the bits and the bounds of the shaders as built */
     uint32_t count;
 };
 
 /* A reply, followed by hits, tags and WRONG, if status is STATUS_OK. */
-struct reply {
+struct bisect_reply {
     enum status status;
     struct reason reason;
     char shader[64];
@@ -35,21 +35,21 @@ struct reply {
     uint64_t ns;
 };
 
-void answers_free(struct answers *answers)
+void answers_free(struct bisect_answers *answers)
 {
     free(answers->hit);
     free(answers->tag);
     free(answers->wrong);
-    *answers = (struct answers){0};
+    *answers = (struct bisect_answers){0};
 }
 
-static enum status answers_make(const struct match *match, struct answers *out,
+static enum status answers_make(const struct match *match, struct bisect_answers *out,
                                 struct reason *reason)
 {
     const size_t count = match->ray_count;
-    *out = (struct answers){.hit = alloc_zeroed(count, sizeof *out->hit),
-                            .tag = alloc_zeroed(match->world ? count : 0, sizeof *out->tag),
-                            .wrong = alloc_zeroed(count, 1)};
+    *out = (struct bisect_answers){.hit = alloc_zeroed(count, sizeof *out->hit),
+                                   .tag = alloc_zeroed(match->world ? count : 0, sizeof *out->tag),
+                                   .wrong = alloc_zeroed(count, 1)};
     return out->hit && out->tag && out->wrong
                ? STATUS_OK
                : fail(reason, STATUS_MEMORY, "no memory for %zu rays", count);
@@ -62,7 +62,7 @@ struct player {
     struct bisect_stage *stage;
     struct vk_compiler hook;
     void *self; /* NULL: not open */
-    struct reply *reply;
+    struct bisect_reply *reply;
     const uint32_t *word;
     uint32_t count;
 };
@@ -70,7 +70,7 @@ struct player {
 static enum status put_module(void *user, struct vk_shader *shader, struct reason *reason)
 {
     struct player *p = user;
-    struct reply *reply = p->reply;
+    struct bisect_reply *reply = p->reply;
     (void)reason;
     reply->shaders++;
     snprintf(reply->shader, sizeof reply->shader, "%s", shader->name);
@@ -94,7 +94,7 @@ static struct model model_of(const struct player *p, bool promised)
     return model;
 }
 
-static enum status judge_all(const struct player *p, bool promised, struct answers *answers,
+static enum status judge_all(const struct player *p, bool promised, struct bisect_answers *answers,
                              struct reason *reason)
 {
     const struct match *match = &p->stage->match;
@@ -114,7 +114,7 @@ static enum status judge_all(const struct player *p, bool promised, struct answe
     return status;
 }
 
-static enum status play(struct player *p, bool promised, struct answers *answers,
+static enum status play(struct player *p, bool promised, struct bisect_answers *answers,
                         struct reason *reason)
 {
     struct bisect_stage *stage = p->stage;
@@ -135,7 +135,7 @@ static enum status play(struct player *p, bool promised, struct answers *answers
 
 /* Sends the reply and what follows it as one message. */
 static bool send_all(struct child *parent, const struct bisect_stage *stage,
-                     const struct reply *reply, const struct answers *answers)
+                     const struct bisect_reply *reply, const struct bisect_answers *answers)
 {
     const size_t count = reply->status ? 0 : stage->match.ray_count;
     const size_t hits = count * sizeof *answers->hit;
@@ -171,7 +171,7 @@ static void be_quiet(void)
 static void serve(struct child *parent, void *user)
 {
     struct player p = {.stage = user, .hook = {.compile = put_module}};
-    struct answers answers;
+    struct bisect_answers answers;
     struct reason reason;
     const void *bytes;
     size_t size;
@@ -180,8 +180,8 @@ static void serve(struct child *parent, void *user)
     if (answers_make(&p.stage->match, &answers, &reason))
         return;
     while (child_receive(parent, MODULE_MOST, CHILD_FOREVER, &bytes, &size) == CHILD_GOT) {
-        struct request request;
-        struct reply reply = {.status = STATUS_OK};
+        struct bisect_request request;
+        struct bisect_reply reply = {.status = STATUS_OK};
         memcpy(&request, bytes, sizeof request);
         p.reply = &reply;
         p.count = request.count;
@@ -198,7 +198,7 @@ static void serve(struct child *parent, void *user)
 
 /* --- the parent ------------------------------------------------------------------------------- */
 
-enum status bisect_stage_open(const struct bisect_options *o, const struct subject *s,
+enum status bisect_stage_open(const struct bisect_options *o, const struct bisect_subject *s,
                               struct bisect_stage *out, struct reason *reason)
 {
     *out = (struct bisect_stage){.options = o, .subject = s, .promised = true};
@@ -245,7 +245,7 @@ static uint32_t limit_ms(const struct bisect_stage *stage, bool tried)
 static enum status send_request(struct bisect_stage *stage, const uint32_t *word, size_t count,
                                 struct reason *reason)
 {
-    const struct request request = {stage->promised, (uint32_t)count};
+    const struct bisect_request request = {stage->promised, (uint32_t)count};
     const size_t size = sizeof request + count * sizeof *word;
     char *bytes = alloc_zeroed(size, 1);
     if (!bytes)
@@ -259,7 +259,7 @@ static enum status send_request(struct bisect_stage *stage, const uint32_t *word
 }
 
 /* Notes the shader that was used. */
-static enum status take_shader(struct bisect_stage *stage, const struct reply *reply,
+static enum status take_shader(struct bisect_stage *stage, const struct bisect_reply *reply,
                                struct reason *reason)
 {
     const struct shader *found = shader_find(reply->shader);
@@ -276,9 +276,9 @@ static enum status take_shader(struct bisect_stage *stage, const struct reply *r
 }
 
 static enum status take_reply(struct bisect_stage *stage, const void *bytes, size_t size,
-                              struct answers *out, struct reason *reason)
+                              struct bisect_answers *out, struct reason *reason)
 {
-    struct reply reply;
+    struct bisect_reply reply;
     const size_t count = stage->match.ray_count, hits = count * sizeof *out->hit;
     const size_t tags = stage->match.world ? count * sizeof *out->tag : 0;
     if (size < sizeof reply)
@@ -318,12 +318,12 @@ static enum status lost(struct bisect_stage *stage, enum child_got got, bool tri
 }
 
 enum status bisect_stage_play(struct bisect_stage *stage, const uint32_t *word, size_t count,
-                              bool tried, struct answers *out, struct reason *reason)
+                              bool tried, struct bisect_answers *out, struct reason *reason)
 {
     const void *bytes;
     size_t size;
     enum status status = STATUS_OK;
-    *out = (struct answers){0};
+    *out = (struct bisect_answers){0};
     if (stage->played == PLAYED_MOST)
         end_child(stage, 10000, NULL);
     if (!stage->child->pid)

@@ -69,7 +69,7 @@ static enum status parse_one(const char *flag, const char *text, const struct en
     return STATUS_OK;
 }
 
-static enum status take_compilers(struct bisect_options *o, struct subject *s,
+static enum status take_compilers(struct bisect_options *o, struct bisect_subject *s,
                                   struct reason *reason)
 {
     const char *brought = take_engine(o);
@@ -94,7 +94,8 @@ static enum status take_compilers(struct bisect_options *o, struct subject *s,
 
 /* --- scenes and worlds ------------------------------------------------------------------------ */
 
-static enum status take_scene(struct bisect_options *o, struct subject *s, struct reason *reason)
+static enum status take_scene(struct bisect_options *o, struct bisect_subject *s,
+                              struct reason *reason)
 {
     enum status status = world_open(s->text, o->seed, &s->world, reason);
     if (status)
@@ -110,7 +111,8 @@ static enum status take_scene(struct bisect_options *o, struct subject *s, struc
                   : ray_set_new(o->rays, &s->scene, o->seed, s->ray_count, &s->ray, reason);
 }
 
-static enum status take_trial(struct bisect_options *o, struct subject *s, struct reason *reason)
+static enum status take_trial(struct bisect_options *o, struct bisect_subject *s,
+                              struct reason *reason)
 {
     struct trial trial;
     enum status status = refuse("engine layout store builder box tri query rays seed leaf eps",
@@ -139,7 +141,7 @@ static enum status take_trial(struct bisect_options *o, struct subject *s, struc
 }
 
 /* The signature's engine, unless another is named. */
-static enum status take_signature(struct bisect_options *o, const struct subject *s,
+static enum status take_signature(struct bisect_options *o, const struct bisect_subject *s,
                                   struct reason *reason)
 {
     const struct fuzz_signature *signature = &s->file.signature;
@@ -172,7 +174,7 @@ static enum status take_signature(struct bisect_options *o, const struct subject
                 s->text, signature->engine);
 }
 
-static enum status set_at_rest(struct subject *s, struct reason *reason)
+static enum status set_at_rest(struct bisect_subject *s, struct reason *reason)
 {
     const struct fuzz_trial *trial = &s->file.trial;
     s->rest = s->scene;
@@ -185,7 +187,8 @@ static enum status set_at_rest(struct subject *s, struct reason *reason)
     return STATUS_OK;
 }
 
-static enum status take_file(struct bisect_options *o, struct subject *s, struct reason *reason)
+static enum status take_file(struct bisect_options *o, struct bisect_subject *s,
+                             struct reason *reason)
 {
     enum status status =
         refuse("store builder leaf eps box tri query rays count seed", "the file", reason);
@@ -218,10 +221,10 @@ static enum status take_file(struct bisect_options *o, struct subject *s, struct
     return !status && trial->move > 0 ? set_at_rest(s, reason) : status;
 }
 
-enum status bisect_subject_open(struct bisect_options *o, const char *text, struct subject *s,
-                                struct reason *reason)
+enum status bisect_subject_open(struct bisect_options *o, const char *text,
+                                struct bisect_subject *s, struct reason *reason)
 {
-    *s = (struct subject){.text = text};
+    *s = (struct bisect_subject){.text = text};
     enum status status = is_trial(text)  ? take_trial(o, s, reason)
                          : is_file(text) ? take_file(o, s, reason)
                                          : take_scene(o, s, reason);
@@ -232,7 +235,7 @@ enum status bisect_subject_open(struct bisect_options *o, const char *text, stru
     return status;
 }
 
-void bisect_subject_free(struct subject *s)
+void bisect_subject_free(struct bisect_subject *s)
 {
     if (s->moved)
         free(s->rest.vertex);
@@ -242,5 +245,5 @@ void bisect_subject_free(struct subject *s)
     free(s->ray);
     free(s->mode);
     finding_file_free(&s->file);
-    *s = (struct subject){0};
+    *s = (struct bisect_subject){0};
 }

@@ -3,8 +3,8 @@
  * does to the module the least part that brings it: instructions of one function, as a rule.
  *
  * Between the module before that pass and the one after stand modules with some of the edits. Most
- * are not valid, or nobody's, so that a driver may crash on them: the caller plays them where that
- * does no harm.
+ * are not valid, and a driver may crash on the others: the caller plays them where that does no
+ * harm.
  *
  * A translator through another language cannot be taken apart so, since all of its ids are new:
  * there the least set of decorations is looked for that, put back, cures the symptom. */
@@ -46,7 +46,7 @@ enum bisect_proof {
 
 #define BISECT_LINES_MOST 12
 
-/* Instructions that are removed (-) and added (+), and between them those that decorations are of. */
+/* Instructions that are removed (-) and added (+); between them those that decorations are of. */
 struct bisect_line {
     char sign;
     char text[SPIRV_SAY_MOST];
@@ -79,15 +79,15 @@ struct bisect {
     size_t line_count;
 };
 
-/* Looks for it; the compiler's module of the shader must show the symptom. *out is to be freed, also
- * on an error. Errors: as compiler_run; STATUS_DEVICE `play` said DELTA_STOP (it has the reason). */
+/* Looks for it; the compiler's module of the shader must show the symptom. *out is to be freed, on
+ * an error, too. Errors: as compiler_run; STATUS_DEVICE `play` said DELTA_STOP: no reason. */
 enum status bisect_run(const struct bisect_job *job, struct bisect *out,
                        struct reason *reason) MUST_USE;
 
 void bisect_free(struct bisect *bisect);
 
-/* What a module of the compiler lost: bits of the following. Of a translator, which may have no word
- * for a negation's decoration, negations are left out. Errors: as compiler_look. */
+/* What a module of the compiler lost: bits of the following. Of a translator, which may have no
+ * word for a negation's decoration, negations are left out. Errors: as compiler_look. */
 enum bisect_loss {
     LOSS_DECORATION = 1, /* one that was asked for */
     LOSS_OPEN = 2        /* an instruction of open rounding that the source lacks */

@@ -27,8 +27,8 @@ static size_t count_of(const bool *in, size_t count)
     return found;
 }
 
-/* Looks for a list of one pass, or of two, in their order, each once. `in` has room for all of them,
- * and is that list if one is found. *whole: all were tried. */
+/* Looks for a list of one pass, or of two, in their order. `in` has room for all of them, and is
+ * that list if one is found. *whole: all were tried. */
 static bool find_shorter(struct bisect_search *search, size_t passes, size_t *left, bool *in,
                          bool *whole)
 {

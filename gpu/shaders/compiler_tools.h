@@ -27,8 +27,8 @@ enum status compiler_list(const char *const *pass, size_t count, const uint32_t 
                           size_t word_count, uint32_t **out, size_t *out_count,
                           struct reason *reason) MUST_USE;
 
-/* The passes that spirv-opt says opt or size stand for, a line each; the caller frees *text. Errors:
- * STATUS_DEVICE it does not say; STATUS_UNSUPPORTED there is no spirv-opt; STATUS_MEMORY. */
+/* The passes that spirv-opt says opt or size stand for, a line each; the caller frees *text.
+ * Errors: STATUS_DEVICE it does not say; STATUS_UNSUPPORTED it is not here; STATUS_MEMORY. */
 enum status compiler_level_passes(const struct compiler *compiler, char **text,
                                   struct reason *reason) MUST_USE;
 

@@ -56,6 +56,8 @@ has swap 'symptom wrong: [1-9][0-9]* of 1000 answers are WRONG' \
     'operands of %([0-9]+) \(OpFSub\) in another order - %\1 = OpFSub (%[0-9]+) (%[0-9]+) (%[0-9]+) \+ %\1 = OpFSub \2 \4 \3'
 expect 1 . bisect $scene --compiler "passes:$dir/swap" --symptom bits --query any --engine vulkan_stackless
 has 'swap, any' 'symptom bits: ' 'shader stackless_f32, function '
+expect 0 . bisect $scene --compiler "passes:$dir/swap+ccp" --good "passes:$dir/swap" --symptom wrong
+has 'wrong under both' 'symptom none'
 expect 0 . bisect $scene --compiler "passes:$dir/drop" --symptom bits
 has 'drop has no bits' 'symptom none: nothing shows'
 expect 0 . bisect $scene --compiler "passes:$dir/reassociate" --symptom precise
@@ -75,6 +77,8 @@ has 'as built' 'symptom bits: ' 'passes none: the shader as built shows it'
 # Two passes that only show together are a pair; a world; brute force.
 expect 1 . bisect $scene --compiler "passes:ccp+$dir/mark+merge-return+$dir/act+if-conversion"
 has 'a pair' 'passes [^ ]*/mark \+ [^ ]*/act: 2 of 5, no shorter list shows it' 'NoContraction of .* is gone'
+expect 1 . bisect $scene --compiler "passes:$dir/mark+$dir/act+ccp+$dir/drop"
+has 'a pair before one that does alone' 'passes [^ ]*/drop: 1 of 4, no shorter list shows it'
 expect 0 . bisect $scene --compiler "passes:$dir/act+$dir/mark"
 has 'a pair, the other way round' 'symptom none'
 expect 1 . bisect crowd:n=6 --compiler "passes:ccp+$dir/reassociate" --count 400

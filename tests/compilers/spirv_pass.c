@@ -7,8 +7,8 @@
  *   spirv_pass swap          a - b becomes b - a, in each difference
  *   spirv_pass mark          gives the first multiplication a name, "act"
  *   spirv_pass act           NoContraction of what has that name is lost
- *   spirv_pass odd           reassociates, names a multiplication "odd", and has a bound of ids that
- *                            tells: on a module with that bound and without the name the driver of
+ *   spirv_pass odd           reassociates, names a multiplication "odd", and has a bound of ids
+ *                            that tells: with that bound and without the name the driver of
  *                            tests/compilers/odd_layer.c crashes or hangs
  *   spirv_pass text          writes words of a language
  *   spirv_pass invalid       a module without its last instruction

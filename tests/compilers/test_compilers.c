@@ -1,7 +1,7 @@
 /* Compilers of shaders (gpu/shaders/compiler.h): their names, and laws of what they make, counted
  * by another walk through the words. */
 #define _POSIX_C_SOURCE 200809L
-#include "gpu/shaders/compiler.h"
+#include "gpu/shaders/compiler_tools.h"
 #include "gpu/shaders/shaders.h"
 
 #include <stdarg.h>
@@ -316,6 +316,33 @@ static void programs_and_passes_take_turns(void **state)
     assert_int_equal(unlink(seen) | unlink(path) | rmdir(folder), 0);
 }
 
+/* What spirv-opt says opt and size stand for makes the same modules, word by word. */
+static void levels_are_lists_of_passes(void **state)
+{
+    static const char *const level[] = {"opt", "size"};
+    (void)state;
+    for (size_t k = 0; k < 2; k++) {
+        const struct compiled whole = made(level[k], "trace_f32");
+        const struct compiler compiler = named(level[k]);
+        const struct vk_shader source = shader_of("trace_f32");
+        const char *pass[COMPILER_LIST_MOST];
+        char *text;
+        uint32_t *word;
+        size_t passes = 0, count;
+        struct reason reason = {""};
+        assert_int_equal(compiler_level_passes(&compiler, &text, &reason), STATUS_OK);
+        for (char *at = strtok(text, "\n"); at; at = strtok(NULL, "\n"))
+            pass[passes++] = at;
+        assert_true(passes > 10);
+        if (compiler_list(pass, passes, source.word, source.word_count, &word, &count, &reason))
+            fail_msg("%s", reason.text);
+        assert_int_equal(count, whole.count);
+        assert_memory_equal(word, whole.word, 4 * count);
+        free(word);
+        free(text);
+    }
+}
+
 static void a_missing_tool_is_named(void **state)
 {
     static const char *const wants[][3] = {{"opt", "spirv-opt", "spirv-tools"},
@@ -357,6 +384,7 @@ int main(void)
         cmocka_unit_test(a_module_is_compiled_once),
         cmocka_unit_test(an_unknown_pass_is_no_name),
         cmocka_unit_test(programs_and_passes_take_turns),
+        cmocka_unit_test(levels_are_lists_of_passes),
         cmocka_unit_test(a_missing_tool_is_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -12,7 +12,7 @@
 #define MOST 40
 
 /* What shows: a rule over sets of elements. */
-struct rule {
+struct delta_rule {
     enum { NEEDS, PAIRED, HASHED } kind;
     size_t count;
     bool needs[MOST];     /* NEEDS, PAIRED: all of these */
@@ -29,7 +29,7 @@ static uint64_t next(void)
     return state >> 33;
 }
 
-static enum delta_answer answer(const struct rule *rule, const bool *in)
+static enum delta_answer answer(const struct delta_rule *rule, const bool *in)
 {
     uint64_t hash = rule->seed;
     bool whole = true;
@@ -51,7 +51,7 @@ static enum delta_answer answer(const struct rule *rule, const bool *in)
 
 static enum delta_answer ask(void *user, const bool *in)
 {
-    struct rule *rule = user;
+    struct delta_rule *rule = user;
     bool any = false;
     for (size_t i = 0; i < rule->count; i++)
         any = any || in[i];
@@ -60,9 +60,9 @@ static enum delta_answer ask(void *user, const bool *in)
     return rule->stop && rule->asked == rule->stop ? DELTA_STOP : answer(rule, in);
 }
 
-static struct rule draw(int kind)
+static struct delta_rule draw(int kind)
 {
-    struct rule rule = {.kind = kind, .count = 1 + next() % MOST, .seed = next()};
+    struct delta_rule rule = {.kind = kind, .count = 1 + next() % MOST, .seed = next()};
     for (size_t i = 0; i < rule.count; i++) {
         rule.needs[i] = next() % 6 == 0;
         rule.partner[i] = i;
@@ -76,7 +76,7 @@ static struct rule draw(int kind)
 }
 
 /* Reduces the whole set; returns what delta_reduce does. */
-static bool reduce(struct rule *rule, size_t most, bool *in, struct delta *delta)
+static bool reduce(struct delta_rule *rule, size_t most, bool *in, struct delta *delta)
 {
     enum status status;
     *delta = (struct delta){.ask = ask, .user = rule, .count = rule->count, .most = most};
@@ -89,7 +89,7 @@ static bool reduce(struct rule *rule, size_t most, bool *in, struct delta *delta
     return least;
 }
 
-static size_t size_of(const struct rule *rule, const bool *in)
+static size_t size_of(const struct delta_rule *rule, const bool *in)
 {
     size_t size = 0;
     for (size_t i = 0; i < rule->count; i++)
@@ -101,7 +101,7 @@ static void no_element_can_be_left_out(void **state_)
 {
     (void)state_;
     for (int round = 0; round < 3000; round++) {
-        struct rule rule = draw(round % 3);
+        struct delta_rule rule = draw(round % 3);
         struct delta delta;
         bool in[MOST], again[MOST];
         assert_true(reduce(&rule, 100000, in, &delta));
@@ -122,7 +122,7 @@ static void what_is_needed_is_what_is_found(void **state_)
 {
     (void)state_;
     for (int round = 0; round < 1000; round++) {
-        struct rule rule = draw(NEEDS);
+        struct delta_rule rule = draw(NEEDS);
         struct delta delta;
         bool in[MOST];
         assert_true(reduce(&rule, 100000, in, &delta));
@@ -134,7 +134,7 @@ static void one_of_many_takes_few_questions(void **state_)
 {
     (void)state_;
     for (size_t one = 0; one < MOST; one++) {
-        struct rule rule = {.kind = NEEDS, .count = MOST};
+        struct delta_rule rule = {.kind = NEEDS, .count = MOST};
         struct delta delta;
         bool in[MOST];
         rule.needs[one] = true;
@@ -147,7 +147,7 @@ static void what_is_ended_early_still_shows(void **state_)
 {
     (void)state_;
     for (int round = 0; round < 1000; round++) {
-        struct rule rule = draw(round % 3);
+        struct delta_rule rule = draw(round % 3);
         struct delta delta;
         bool in[MOST];
         const size_t most = next() % 6;

@@ -25,15 +25,15 @@ static uint32_t next(void)
     return (uint32_t)(state >> 33);
 }
 
-struct module {
+struct drawn_module {
     uint32_t word[WORDS];
     size_t words;
 };
 
 /* Instructions of one to three words out of a few, so that many are alike. */
-static void draw(struct module *out)
+static void draw(struct drawn_module *out)
 {
-    *out = (struct module){{0x07230203u, 0x00010300u, 11, 10 + next() % 90, 0}, 5};
+    *out = (struct drawn_module){{0x07230203u, 0x00010300u, 11, 10 + next() % 90, 0}, 5};
     for (uint32_t i = 0, count = next() % INSTRUCTIONS; i < count; i++) {
         const uint32_t length = 1 + next() % 3;
         out->word[out->words++] = length << 16 | (240 + next() % 3);
@@ -43,7 +43,7 @@ static void draw(struct module *out)
 }
 
 /* Another one: instructions of a drawn one are left out, doubled or replaced here and there. */
-static void change(const struct module *from, struct module *out)
+static void change(const struct drawn_module *from, struct drawn_module *out)
 {
     memcpy(out->word, from->word, 5 * sizeof out->word[0]);
     out->word[3] = 10 + next() % 90;
@@ -79,13 +79,13 @@ static size_t longest(const struct spirv_code *a, const struct spirv_code *b)
     return length[a->count][b->count];
 }
 
-struct pair {
-    struct module from, to;
+struct drawn_pair {
+    struct drawn_module from, to;
     struct spirv_code a, b;
     struct spirv_diff diff;
 };
 
-static void pair_make(struct pair *p, int round)
+static void pair_make(struct drawn_pair *p, int round)
 {
     struct reason reason = {""};
     draw(&p->from);
@@ -99,14 +99,14 @@ static void pair_make(struct pair *p, int round)
         fail_msg("%s", reason.text);
 }
 
-static void pair_free(struct pair *p)
+static void pair_free(struct drawn_pair *p)
 {
     spirv_diff_free(&p->diff);
     spirv_code_free(&p->a);
     spirv_code_free(&p->b);
 }
 
-static uint32_t *apply(const struct pair *p, const bool *done, size_t *count)
+static uint32_t *apply(const struct drawn_pair *p, const bool *done, size_t *count)
 {
     uint32_t *out;
     struct reason reason;
@@ -116,7 +116,7 @@ static uint32_t *apply(const struct pair *p, const bool *done, size_t *count)
 
 static void none_gives_one_and_all_the_other(void **state_)
 {
-    static struct pair p;
+    static struct drawn_pair p;
     (void)state_;
     for (int round = 0; round < 2000; round++) {
         bool done[2 * WORDS] = {false};
@@ -140,7 +140,7 @@ static void none_gives_one_and_all_the_other(void **state_)
 
 static void no_shorter_list_of_edits_does(void **state_)
 {
-    static struct pair p;
+    static struct drawn_pair p;
     (void)state_;
     for (int round = 0; round < 1000; round++) {
         pair_make(&p, round);
@@ -157,7 +157,7 @@ static void no_shorter_list_of_edits_does(void **state_)
 /* Each edit alone changes the words by its own instruction. */
 static void edits_are_independent(void **state_)
 {
-    static struct pair p;
+    static struct drawn_pair p;
     (void)state_;
     for (int round = 0; round < 300; round++) {
         pair_make(&p, round);
@@ -273,7 +273,7 @@ static void functions_have_their_names(void **state_)
     struct spirv_code code;
     struct reason reason;
     char text[SPIRV_SAY_MOST];
-    unsigned functions = 0, tri_sums = 0;
+    unsigned functions = 0, tri_sums = 0, names = 0;
     (void)state_;
     assert_int_equal(spirv_code_make(shader->word, shader->word_count, &code, &reason), 0);
     spirv_function(&code, 0, text);
@@ -282,6 +282,7 @@ static void functions_have_their_names(void **state_)
     for (size_t i = 0; i < code.count; i++) {
         inside = inside || spirv_op(&code, i) == OP_FUNCTION;
         functions += spirv_op(&code, i) == OP_FUNCTION;
+        names += spirv_op(&code, i) == OP_NAME;
         spirv_function(&code, i, text);
         assert_int_equal(text[0] != '\0', inside);
         assert_int_not_equal(text[0], '%');
@@ -290,6 +291,7 @@ static void functions_have_their_names(void **state_)
         inside = inside && spirv_op(&code, i) != OP_FUNCTION_END;
     }
     assert_true(functions > 20);
+    assert_int_equal(names, functions); /* of nothing else */
     assert_int_equal(tri_sums, 1);
     spirv_code_free(&code);
 }
