@@ -51,19 +51,20 @@ static void take(struct reducing *r)
 /* Looks for a smaller set that shows it: a part, or all but a part. *parts: as many next time. */
 static bool reduce_once(struct reducing *r, size_t *parts)
 {
-    for (size_t i = 0; i < *parts && !r->stopped; i++) {
-        choose(r, i, *parts, false);
+    const size_t of = *parts;
+    for (size_t i = 0; i < of && !r->stopped; i++) {
+        choose(r, i, of, false);
         if (shows(r)) {
             take(r);
             *parts = 2;
             return true;
         }
     }
-    for (size_t i = 0; i<*parts && * parts> 2 && !r->stopped; i++) {
-        choose(r, i, *parts, true);
+    for (size_t i = 0; i < of && of > 2 && !r->stopped; i++) {
+        choose(r, i, of, true);
         if (shows(r)) {
             take(r);
-            *parts -= 1;
+            *parts = of - 1;
             return true;
         }
     }
