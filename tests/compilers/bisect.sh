@@ -29,6 +29,45 @@ has() { # what, pattern...
     done
 }
 
+# What the JSON of the last run says the text says, too; each of its fields is in the table of fields and in the schema.
+v() { sed -n "s/^$1=//p" "$dir/flat"; }
+told() { # exit code
+    perl tests/docs/schema.pl docs/schemas/bisect.json "$dir/j.json" || bad 'JSON: not as its schema'
+    awk -f tests/values/flat.awk "$dir/j.json" >"$dir/flat"
+    sh tests/values/fields.sh bisect "$dir/flat" "$dir/seen" || bad 'JSON: fields'
+    [ "$(v exit)" = "$1" ] || bad 'JSON: exit'
+    tr -s ' \n' ' ' <"$dir/out" >"$dir/line"
+    {
+        echo "$(v compiler) against $(v good): $(v subject), $(v rays) ray"
+        echo " engine $(v engine)$([ "$(v layout)" = null ] || echo ", layout $(v layout)") symptom "
+        [ "$(v symptom)" = null ] || echo "symptom $(v symptom.name): $(v symptom.count) of $(v symptom.of) "
+        [ -z "$(v symptom.first_ray)" ] || case $(v symptom.name) in
+            precise) echo ", $(v symptom.open) of open rounding" ;;
+            *) echo ", to ray $(v symptom.first_ray) first" ;;
+        esac
+        [ "$(v tool)" = null ] || echo " tool $(v tool) "
+        [ "$(v passes)" = null ] || {
+            case $(v passes.proof) in
+            shortest) proof='no shorter list shows it' ;;
+            minimal) proof='none of them can be left out' ;;
+            *) proof='a smaller one may do: --tries was reached' ;;
+            esac
+            echo ": $(v passes.found.count) of $(v passes.all.count), $proof ($(v passes.tried) tried)"
+            echo " passes $(sed -n 's/^passes\.found\.[0-9]*=//p' "$dir/flat" | paste -sd+ | sed 's/+/ + /g'): "
+        }
+        [ -z "$(v change.what)" ] || {
+            echo " shader $(v shader)$([ -z "$(v change.function)" ] || echo ", function $(v change.function)") "
+            echo " change $(v change.what) "
+            echo " $(v change.found) of $(v change.edits) $([ "$(v change.decorations)" = true ] && echo 'lost decoration' || echo edit)"
+            [ "$(v change.least)" = true ] && echo ', none can be left out (' || echo ', fewer may do: --tries was reached ('
+            echo " ($(v change.tried) tried)"
+            sed -n 's/^change\.lines\.[0-9]*\.text=/ /p' "$dir/flat"
+        }
+        [ "$(v crashed)$(v hung)" = 00 ] || echo "modules $(v crashed) of those tried crashed the engine, $(v hung) hung"
+    } | while IFS= read -r text; do grep -qF -- "$text" "$dir/line" || echo "$text"; done >"$dir/untold"
+    [ ! -s "$dir/untold" ] || bad "JSON, but not in the text: $(head -n 1 "$dir/untold")"
+}
+
 # The planted three: conform finds each, bisect says which pass, where and what. The first product is one of slab.glsl;
 # the first sums of three are those of tri.glsl's tri_sum.
 planted() { # pass, symptom, function, what
@@ -37,7 +76,8 @@ planted() { # pass, symptom, function, what
         --compiler "passes:ccp+$dir/$1+merge-return"
     grep -qE "^FAILED +closest.vulkan:passes:.*/$1" "$dir/out" || bad "conform $1"
     [ $(($(date +%s) - conform)) -le 20 ] || bad "conform $1: late"
-    expect 1 . bisect $scene --compiler "passes:ccp+$dir/$1+merge-return" --json "$dir/$1.json"
+    expect 1 . bisect $scene --compiler "passes:ccp+$dir/$1+merge-return" --json "$dir/j.json"
+    told 1
     has "bisect $1" "symptom $2: " "passes [^ ]*/$1: 1 of 3, no shorter list shows it" "function $3 " "change $4" \
         'none can be left out'
 }
@@ -47,8 +87,6 @@ planted reassociate bits tri_sum \
     'other operands of %([0-9]+) \(OpFAdd\) - %\1 = OpFAdd .* \+ %[0-9]+ = OpFAdd .* \+ %\1 = OpFAdd .* 3 of 36 edits,'
 planted contract precise tri_sum \
     'OpFAdd of %([0-9]+) became Fma - %\1 = OpFAdd .* \+ %\1 = OpExtInst %[0-9]+ %[0-9]+ Fma .* 2 of 3 edits,'
-grep -q '"function": "tri_sum"' "$dir/contract.json" || bad 'JSON: no function'
-grep -q '"proof": "shortest"' "$dir/contract.json" || bad 'JSON: no proof'
 
 # Wrong answers, and operands in another order; any hits; a seed of its own; each symptom by name.
 expect 1 . bisect $scene --compiler "passes:ccp+$dir/swap"
@@ -64,17 +102,24 @@ expect 0 . bisect $scene --compiler "passes:$dir/reassociate" --symptom precise
 has 'reassociate loses nothing' 'symptom none'
 
 # Levels are lists, which spirv-opt tells.
-expect 1 . bisect $scene --compiler opt:final
+expect 1 . bisect $scene --compiler opt:final --json "$dir/fault.json"
 has opt:final 'symptom precise: 0 of [0-9]+ .* [1-9][0-9]* of open rounding' 'passes simplify-instructions: 1 of [0-9]+,' \
     'of %([0-9]+) became Fma .* \+ %\1 = OpExtInst %[0-9]+ %[0-9]+ Fma'
-expect 0 . bisect $scene --compiler opt --layout rf16
+expect 0 . bisect $scene --compiler opt --layout rf16 --json "$dir/j.json"
+told 0
 has opt 'symptom none: nothing shows'
 expect 0 . bisect $scene --compiler opt:final --good size:final --symptom precise
 has 'both of them' 'symptom none'
-expect 1 . bisect $scene --compiler raw --good "passes:$dir/reassociate"
+expect 1 . bisect $scene --compiler raw --good "passes:$dir/reassociate" --json "$dir/j.json"
+told 1
 has 'as built' 'symptom bits: ' 'passes none: the shader as built shows it'
 
 # Two passes that only show together are a pair; a world; brute force.
+for fault in 's/"tried"/"tries"/' 's/"least": *true/"least": 1/' 's/"sign": "-"/"sign": "x"/' 's/"exit": *1/"exit": "1"/'; do
+    sed "$fault" "$dir/fault.json" >"$dir/planted.json"
+    cmp -s "$dir/fault.json" "$dir/planted.json" && bad "schema: nothing planted by $fault"
+    perl tests/docs/schema.pl docs/schemas/bisect.json "$dir/planted.json" >/dev/null && bad "schema: not noticed: $fault"
+done
 expect 1 . bisect $scene --compiler "passes:ccp+$dir/mark+merge-return+$dir/act+if-conversion"
 has 'a pair' 'passes [^ ]*/mark \+ [^ ]*/act: 2 of 5, no shorter list shows it' 'NoContraction of .* is gone'
 expect 1 . bisect $scene --compiler "passes:$dir/mark+$dir/act+ccp+$dir/drop"
@@ -83,7 +128,8 @@ expect 0 . bisect $scene --compiler "passes:$dir/act+$dir/mark"
 has 'a pair, the other way round' 'symptom none'
 expect 1 . bisect crowd:n=6 --compiler "passes:ccp+$dir/reassociate" --count 400
 has 'a world' 'shader world_f32, function '
-expect 1 . bisect soup:n=30 --engine vulkan_brute --compiler "passes:ccp+$dir/contract"
+expect 1 . bisect soup:n=30 --engine vulkan_brute --compiler "passes:ccp+$dir/contract" --json "$dir/j.json"
+told 1
 has brute 'engine vulkan_brute symptom' 'shader trace_brute, function tri_sum'
 
 # A name of conform, and a finding of fuzz, which does not say where a program was.
@@ -110,12 +156,14 @@ if ${CC:-cc} -D_GNU_SOURCE -shared -fPIC -O1 -o "$dir/libodd.so" tests/compilers
  "library_path": "$dir/libodd.so", "api_version": "1.3.0", "implementation_version": "1", "description": "odd"}}
 END
     export VK_LAYER_PATH="$dir" VK_INSTANCE_LAYERS=VK_LAYER_RAYDIFF_odd
-    expect 1 . bisect $scene --compiler "passes:ccp+$dir/odd" --count 100
+    expect 1 . bisect $scene --compiler "passes:ccp+$dir/odd" --count 100 --json "$dir/j.json"
+    told 1
     has 'a driver that crashes' 'change other operands of .* \+ OpName %[0-9]+ "odd" ' '4 of 37 edits, none can be left out' \
         'modules [1-9][0-9]* of those tried crashed the engine, 0 hung'
     ODD=hang
     export ODD
-    expect 1 . bisect $scene --compiler "passes:$dir/odd" --count 100 --tries 2 --time 1
+    expect 1 . bisect $scene --compiler "passes:$dir/odd" --count 100 --tries 2 --time 1 --json "$dir/j.json"
+    told 1
     has 'a driver that hangs' 'fewer may do: --tries was reached' 'modules 0 of those tried crashed the engine, [12] hung'
     unset ODD VK_LAYER_PATH VK_INSTANCE_LAYERS
 else
@@ -136,7 +184,8 @@ END
     chmod +x "$dir/fake"/*
     path=$PATH
     PATH=$dir/fake:$path
-    expect 1 . bisect $scene --compiler cross
+    expect 1 . bisect $scene --compiler cross --json "$dir/j.json"
+    told 1
     has cross 'tool spirv-cross: glslc behind it shows it, too' 'function slab_ray_make change %([0-9]+) \(OpFMul\) is without NoContraction - OpDecorate %\1 NoContraction'
     rm "$dir/fake/spirv-cross"
     expect 1 . bisect $scene --compiler shaderc
@@ -161,4 +210,5 @@ expect 2 '--count: the file says it' bisect "$finding" --compiler opt --count 9
 expect 2 'one scene at a time' bisect sphere soup --compiler opt
 expect 2 'no scene given' bisect --compiler opt
 expect 77 'no-such-driver' bisect $scene --compiler opt --driver no-such-driver
+sh tests/values/fields.sh --unseen bisect "$dir/seen" >"$dir/unseen" || bad "fields: $(head -n 1 "$dir/unseen")"
 exit $((failed > 0))

@@ -37,7 +37,7 @@ sub uncovered {
         my $help = `'$program' $command --help`;
         $help .= `'$program' diff a.png --help` if $command eq 'diff';
         for my $option ($help =~ /^  (?:-\w, )?(--[a-z][a-z-]*[a-z])/mg) {
-            next if $option =~ $elsewhere || $left_out{"$command $option"} || $command eq 'doctor';
+            next if $option =~ $elsewhere || $left_out{"$command $option"} || $command =~ /^(doctor|bisect)$/;
             push @missing, "raydiff $command $option" if !$has{"$command $option"};
         }
     }

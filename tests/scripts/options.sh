@@ -10,7 +10,7 @@ files=$dir/files
 mkdir "$files"
 runs=0 pairs=0 done= input=/dev/null
 
-commands='check explain fuzz merge min replay export conform judge gen verify bench construct report precompute diff
+commands='check explain bisect fuzz merge min replay export conform judge gen verify bench construct report precompute diff
     render scene leaks list doctor'
 for command in $commands; do
     "$raydiff" $command --help >"$dir/help"
@@ -153,6 +153,9 @@ walk 'check crowd:n=6,seed=2 --count 64 --repeat 1 --engine cpu --layout f32 --r
 walk 'explain soup:n=40 --index 3 --engine cpu --builder ploc --layout f32' \
     'rays=random count=70 index=4 seed=3 engine=fast layout=rf16 store=compact builder=lbvh leaf=1 ~radius=1
     optimize=reinsert box=watertight tri=woop query=any json=@ html=@ svg=@ ~threads=1 ~wide ~color=always'
+walk 'bisect soup:n=40,seed=2 --count 64 --rays primary --compiler opt:final' 'compiler=size:final ~good=size symptom=bits
+    ~tries=3 ~time=9 layout=rf16 ~store=compact engine=vulkan_stackless ~builder=sah_sweep ~leaf=1 ~box=watertight ~tri=woop
+    ~query=any ~rays=random count=70 json=@ ~driver=stock ~device=0 ~workgroup=32 ~wide ~color=always'
 # A finding brings its own.
 walk 'explain fuzz/corpus/rounded-inward.trial --index 0 --engine cpu' \
     '~index=0 ~cause=rounded_inward engine=fast layout=f32 json=@ html=@ svg=@ ~threads=1 ~wide ~color=always'
