@@ -81,7 +81,7 @@ static struct compiled made(const char *name, const char *of)
 {
     const struct compiler compiler = named(name);
     const struct vk_shader shader = shader_of(of);
-    struct compiled out;
+    struct compiled out = {0};
     struct reason reason;
     enum status status = compiler_check(&compiler, &reason);
     if (status == STATUS_UNSUPPORTED) {

@@ -11,9 +11,11 @@
 
 #define MOST 40
 
+enum rule_kind { NEEDS, PAIRED, HASHED, RULE_KINDS };
+
 /* What shows: a rule over sets of elements. */
 struct delta_rule {
-    enum { NEEDS, PAIRED, HASHED } kind;
+    enum rule_kind kind;
     size_t count;
     bool needs[MOST];     /* NEEDS, PAIRED: all of these */
     size_t partner[MOST]; /* PAIRED: nothing can be said of one without the other */
@@ -60,7 +62,7 @@ static enum delta_answer ask(void *user, const bool *in)
     return rule->stop && rule->asked == rule->stop ? DELTA_STOP : answer(rule, in);
 }
 
-static struct delta_rule draw(int kind)
+static struct delta_rule draw(enum rule_kind kind)
 {
     struct delta_rule rule = {.kind = kind, .count = 1 + next() % MOST, .seed = next()};
     for (size_t i = 0; i < rule.count; i++) {
@@ -101,7 +103,7 @@ static void no_element_can_be_left_out(void **state_)
 {
     (void)state_;
     for (int round = 0; round < 3000; round++) {
-        struct delta_rule rule = draw(round % 3);
+        struct delta_rule rule = draw((enum rule_kind)(round % RULE_KINDS));
         struct delta delta;
         bool in[MOST], again[MOST];
         assert_true(reduce(&rule, 100000, in, &delta));
@@ -147,7 +149,7 @@ static void what_is_ended_early_still_shows(void **state_)
 {
     (void)state_;
     for (int round = 0; round < 1000; round++) {
-        struct delta_rule rule = draw(round % 3);
+        struct delta_rule rule = draw((enum rule_kind)(round % RULE_KINDS));
         struct delta delta;
         bool in[MOST];
         const size_t most = next() % 6;
