@@ -287,13 +287,9 @@ static void say_function(const struct spirv_code *code, uint32_t id, char text[S
 void spirv_function(const struct spirv_code *code, size_t i, char text[SPIRV_SAY_MOST])
 {
     text[0] = '\0';
-    for (size_t k = i + 1; k-- > 0;) {
-        const uint32_t op = spirv_op(code, k);
-        if (op == OP_FUNCTION_END && k < i)
-            return;
-        if (op == OP_FUNCTION) {
-            say_function(code, spirv_words(code, k)[2], text);
-            return;
-        }
-    }
+    size_t k = i + 1; /* nothing stands behind the functions */
+    while (k > 0 && spirv_op(code, k - 1) != OP_FUNCTION)
+        k--;
+    if (k > 0)
+        say_function(code, spirv_words(code, k - 1)[2], text);
 }
