@@ -207,7 +207,7 @@ findings() {
     ends 3 explain soup:n=50 --index 0 --engine "$dies"
     ends 3 explain soup:n=50 --index 0 --engine "$ender"
     ends 77 explain soup:n=50 --index 0 $none --layout f32
-    for command in fuzz merge min replay export explain; do ends 2 $command --frobnicate; done
+    for command in fuzz merge min replay export explain bisect; do ends 2 $command --frobnicate; done
     # What was read before an option turns out to be of no use is given back.
     for subject in "min $f" "min $trial" "explain $trial" "export $trial --engine cpu --to $dir/unused" "fuzz --dir $f"; do
         for option in '--driver no-such-driver' '--peer-time 3' '--engine fast' '--layout f32'; do
