@@ -84,7 +84,7 @@ planted() { # pass, symptom, function, what
 planted drop precise slab_ray_make \
     'NoContraction of %([0-9]+) \(OpFMul\) is gone - OpDecorate %\1 NoContraction %\1 = OpFMul .* 1 of 1 edit,'
 planted reassociate bits tri_sum \
-    'other operands of %([0-9]+) \(OpFAdd\) - %\1 = OpFAdd .* \+ %[0-9]+ = OpFAdd .* \+ %\1 = OpFAdd .* 3 of 36 edits,'
+    'other operands of %([0-9]+) \(OpFAdd\) - %\1 = OpFAdd .* \+ %[0-9]+ = OpFAdd .* \+ %\1 = OpFAdd .* 3 of [0-9]+ edits,'
 planted contract precise tri_sum \
     'OpFAdd of %([0-9]+) became Fma - %\1 = OpFAdd .* \+ %\1 = OpExtInst %[0-9]+ %[0-9]+ Fma .* 2 of 3 edits,'
 
@@ -158,7 +158,7 @@ END
     export VK_LAYER_PATH="$dir" VK_INSTANCE_LAYERS=VK_LAYER_RAYDIFF_odd
     expect 1 . bisect $scene --compiler "passes:ccp+$dir/odd" --count 100 --json "$dir/j.json"
     told 1
-    has 'a driver that crashes' 'change other operands of .* \+ OpName %[0-9]+ "odd" ' '4 of 37 edits, none can be left out' \
+    has 'a driver that crashes' 'change other operands of .* \+ OpName %[0-9]+ "odd" ' '4 of [0-9]+ edits, none can be left out' \
         'modules [1-9][0-9]* of those tried crashed the engine, 0 hung'
     ODD=hang
     export ODD
