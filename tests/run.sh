@@ -62,6 +62,7 @@ plain)
     suite cli sh tests/scripts/cli.sh "$build/raydiff"
     suite guest sh tests/guest/guest.sh "$build/raydiff"
     suite recompiled sh tests/compilers/recompiled.sh "$build/raydiff"
+    suite ways sh tests/compilers/ways.sh "$build/raydiff"
     suite bisect sh tests/compilers/bisect.sh "$build/raydiff"
     suite guest_shader sh tests/guest/shader.sh "$build/raydiff"
     suite values sh tests/values/values.sh "$build/raydiff"

@@ -93,8 +93,9 @@ $(MEMORY_TESTS): TEST_LIBS += \
 $(B)/tests/test_judge_many: TEST_LIBS += -Wl,--wrap=twin_eval_many
 
 # A Vulkan within the program, which the loader of the library finds in it.
-FAKE_VULKAN_TESTS := $(addprefix $(B)/tests/,test_card $(addprefix test_vulkan_,faults answers refusals frame_faults memory parts))
-$(FAKE_VULKAN_TESTS): $(addprefix $(B)/obj/tests/gpu/,fake_vulkan.o fake_vulkan_device.o fake_vulkan_command.o)
+FAKE_VULKAN_TESTS := $(addprefix $(B)/tests/,test_card test_ways $(addprefix test_vulkan_,faults answers refusals frame_faults memory parts))
+$(FAKE_VULKAN_TESTS): $(addprefix $(B)/obj/tests/gpu/,fake_vulkan.o fake_vulkan_device.o fake_vulkan_command.o \
+        fake_vulkan_sets.o)
 $(FAKE_VULKAN_TESTS): TEST_LIBS += -rdynamic
 
 # Time of the library's judging beside the command's, and from Python. It measures: nothing else may run.

@@ -23,7 +23,7 @@
  * layouts. */
 #define BENCH_MACHINE   " threads driver device workgroup"
 #define BENCH_SCREEN    " wide color"
-#define BENCH_COMPILERS " compiler decorate"
+#define BENCH_COMPILERS " compiler decorate buffers"
 #define BENCH_OUTSIDE   " peer-time peer-memory shader"
 
 /* Settings of a run, and its outputs. */

@@ -179,7 +179,8 @@ const struct benchmark bench_fuzz = {
     .name = "fuzz",
     .shown = "times; answers at fault are counted, not judged",
     .summary = "trials and judged rays a second, and where the time goes",
-    .takes = "count rounds csv json seed engine layout driver device workgroup" BENCH_OUTSIDE,
+    .takes = "count rounds csv json seed engine layout driver device workgroup" BENCH_OUTSIDE
+        BENCH_COMPILERS,
     .about = about,
     .run = run,
 };

@@ -61,6 +61,8 @@ static enum status parse_one(const char *flag, const char *text, const struct en
     struct reason why = {""};
     const struct engine *made;
     enum status status = compiler_parse(text, out, &why);
+    if (!status && out->memory != MEMORY_STORAGE)
+        status = fail(&why, STATUS_INPUT, "'%.60s': a way to read memory has no passes", text);
     if (!status) /* looks for its tools and passes */
         status = compiled_make(engine, out, &made, &why);
     if (status)

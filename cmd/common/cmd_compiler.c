@@ -21,13 +21,49 @@ const struct option_row compiler_rows[] = {
      "NoContraction is put on every float operation before the compilers (source), after them "
      "(final) or never (none)",
      OF_CHOICE(decorate, decorate_names), .value = "source"},
+    {"buffers", "W,..",
+     "the same engines: how shaders read rays, nodes and triangles, compared with storage bit for "
+     "bit: storage (storage buffers), texel (texel buffers), reference (buffer references)",
+     OF_TEXT(memory), .shown = "storage"},
     {0},
 };
 
-/* Adds an engine under the compiler of that name. */
-static enum status add(const struct compiler_options *options, const struct engine *engine,
-                       const char *text, size_t length, struct list *out, struct reason *reason)
+/* A word of a list that is separated by commas. */
+struct word {
+    const char *text;
+    size_t length;
+};
+
+/* Takes the next word off *at; returns false at the end. */
+static bool next_word(const char **at, struct word *out)
 {
+    if (!*at)
+        return false;
+    *out = (struct word){*at, strcspn(*at, ",")};
+    *at = (*at)[out->length] ? *at + out->length + 1 : NULL;
+    return true;
+}
+
+static enum status find_memory(const struct word *word, enum memory *out, struct reason *reason)
+{
+    for (enum memory m = 0; m < MEMORY_COUNT; m++)
+        if (strlen(memory_names[m]) == word->length &&
+            memcmp(memory_names[m], word->text, word->length) == 0) {
+            *out = m;
+            return STATUS_OK;
+        }
+    return fail(reason, STATUS_INPUT, "--buffers: '%.*s' is no way: storage, texel or reference",
+                (int)(word->length < 60 ? word->length : 60), word->text);
+}
+
+/* Adds an engine under the compiler of that name, its inputs read in that way. */
+static enum status add(const struct compiler_options *options, const struct engine *engine,
+                       const struct word *word, enum memory memory, struct list *out,
+                       struct reason *reason)
+{
+    const char *text = word->text;
+    const size_t length = word->length;
+    const char *option = options->list ? "compiler" : "buffers";
     char name[COMPILER_NAME_MOST + 32];
     struct compiler compiler;
     const struct engine *made;
@@ -38,18 +74,39 @@ static enum status add(const struct compiler_options *options, const struct engi
                              : fail(&why, STATUS_INPUT, "'%.60s...' is too long", name);
     if (!status && compiler.decorated && option_was_given("decorate"))
         return fail(reason, STATUS_INPUT, "--decorate: '%.60s' has its own", name);
+    if (!status && compiler.memory != MEMORY_STORAGE && options->memory)
+        return fail(reason, STATUS_INPUT, "--buffers: '%.60s' has its own", name);
     if (!status && !compiler.decorated)
         compiler.decorate = (enum decorate)options->decorate;
+    if (!status && memory != MEMORY_STORAGE)
+        compiler.memory = memory;
     if (!status)
         status = compiled_make(engine, &compiler, &made, &why);
     if (status)
-        return fail(reason, status, "--compiler: %s", why.text);
+        return fail(reason, status, "--%s: %s", option, why.text);
     if (list_names(out, made))
-        return fail(reason, STATUS_INPUT, "--compiler: %s is named twice", made->name);
+        return fail(reason, STATUS_INPUT, "--%s: %s is named twice", option, made->name);
     if (out->count == LIST_MOST)
-        return fail(reason, STATUS_INPUT, "--compiler: more than %d engines", LIST_MOST);
+        return fail(reason, STATUS_INPUT, "--%s: more than %d engines", option, LIST_MOST);
     list_add(out, TABLE_ENGINES, made);
     return STATUS_OK;
+}
+
+/* Adds the engine in each way under each compiler. */
+static enum status add_all(const struct compiler_options *options, const struct engine *engine,
+                           struct list *out, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    struct word way, compiler;
+    for (const char *m = options->memory ? options->memory : memory_names[MEMORY_STORAGE];
+         !status && next_word(&m, &way);) {
+        enum memory memory = MEMORY_STORAGE;
+        status = find_memory(&way, &memory, reason);
+        for (const char *c = options->list ? options->list : "raw";
+             !status && next_word(&c, &compiler);)
+            status = add(options, engine, &compiler, memory, out, reason);
+    }
+    return status;
 }
 
 static enum status replace(const struct compiler_options *options, bool named, struct list *list,
@@ -66,18 +123,13 @@ static enum status replace(const struct compiler_options *options, bool named, s
             continue;
         }
         any = true;
-        for (const char *at = options->list; !status;) {
-            const size_t length = strcspn(at, ",");
-            status = add(options, engine, at, length, &out, reason);
-            if (!at[length])
-                break;
-            at += length + 1;
-        }
+        status = add_all(options, engine, &out, reason);
     }
     if (!status && !any)
         return fail(reason, STATUS_INPUT,
-                    "--compiler: not used here: it needs an engine vulkan, vulkan_brute, "
-                    "vulkan_stackless or rayquery");
+                    "--%s: not used here: it needs an engine vulkan, vulkan_brute, "
+                    "vulkan_stackless or rayquery",
+                    options->list ? "compiler" : "buffers");
     if (!status)
         *list = out;
     return status;
@@ -88,10 +140,10 @@ int compilers_apply(const char *command, const struct compiler_options *options,
 {
     struct reason reason = {""};
     struct list list = engines_of->count > 0 ? *engines_of : table_all(TABLE_ENGINES);
-    if (!options->list)
-        return option_was_given("decorate")
-                   ? usage_error(command, "--decorate: not used here: it needs --compiler")
-                   : -1;
+    if (!options->list && option_was_given("decorate"))
+        return usage_error(command, "--decorate: not used here: it needs --compiler");
+    if (!options->list && !options->memory)
+        return -1;
     enum status status = replace(options, named, &list, &reason);
     if (!status) {
         *engines_of = list;

@@ -270,13 +270,14 @@ static int check_name(const struct conform_options *o)
     struct list engine, layout = {.count = 0};
     struct trial trial;
     struct reason why;
-    char never[160];
+    char never[180];
     if (trial_parse(o->pattern, &trial, &why))
         return -1; /* not a valid name: suite_make reports that */
     engine = list_of_one(TABLE_ENGINES, trial.engine);
     const bool outside = trial.layout && trial.layout->outside;
     snprintf(never, sizeof never,
-             "%s%s store builder box tri hard worlds quick summary markdown html compiler decorate",
+             "%s%s store builder box tri hard worlds quick summary markdown html compiler decorate "
+             "buffers",
              engine_is_peer(trial.engine) ? "" : "engine ", outside ? "" : "layout");
     const struct option_use use = {.by = "a trial's whole name",
                                    .never = never,

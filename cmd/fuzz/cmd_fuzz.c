@@ -242,7 +242,7 @@ static int apply_compilers(struct fuzz_command *c)
 {
     struct reason reason;
     const bool named = option_was_given("engine");
-    if (c->compilers.list && !named &&
+    if ((c->compilers.list || c->compilers.memory) && !named &&
         table_parse(TABLE_ENGINES, "--engine", FUZZ_ENGINES, &c->engine, &reason))
         return usage_error("fuzz", "%s", reason.text);
     return compilers_apply("fuzz", &c->compilers, named, &c->engine);

@@ -161,10 +161,11 @@ enum status fuzz_default_engines(struct fuzz_command *c, struct reason *reason)
 
 /* --- the folder's campaign ------------------------------------------------------------------- */
 
-/* --compiler makes a list of engines, too. */
+/* --compiler and --buffers make a list of engines, too. */
 static bool was_given(const struct fuzz_command *c, enum fuzz_key key)
 {
-    return option_was_given(fuzz_key_name(key)) || (key == KEY_ENGINE && c->compilers.list);
+    return option_was_given(fuzz_key_name(key)) ||
+           (key == KEY_ENGINE && (c->compilers.list || c->compilers.memory));
 }
 
 /* Options may still differ if nothing was played yet, so that a mistyped command can be

@@ -34,6 +34,8 @@ static enum status compile(void *user, struct vk_shader *shader, struct reason *
     place->facts.kept = made.kept;
     place->facts.signs = made.signs;
     place->facts.foreign = made.foreign;
+    shader->ways = place->hook.ways;
+    shader->words = made.words_of;
     shader->word = made.word;
     shader->word_count = made.count;
     return STATUS_OK;
@@ -133,7 +135,7 @@ static enum status add(const struct engine *raw, const struct compiler *compiler
     snprintf(place->name, sizeof place->name, "%s", name);
     place->compiler = *compiler;
     compiler_name(compiler, place->compiler_text);
-    place->hook = (struct vk_compiler){compile, place};
+    place->hook = (struct vk_compiler){compile, place, compiler_ways(compiler)};
     place->facts = (struct engine_compiled){.compiler = place->compiler_text,
                                             .raw = raw,
                                             .translates = compiler_translates(compiler),
@@ -160,9 +162,7 @@ enum status compiled_make(const struct engine *raw, const struct compiler *compi
     struct reason why = {""};
     compiler_name(compiler, text);
     snprintf(name, sizeof name, "%.30s:%s", raw->name, text);
-    *out = compiler->kind == COMPILER_RAW && compiler->decorate != DECORATE_NONE
-               ? raw
-               : engine_find(name);
+    *out = compiler_changes_nothing(compiler) ? raw : engine_find(name);
     if (*out)
         return STATUS_OK;
     enum status status = compiler_check(compiler, &why);

@@ -4,12 +4,19 @@
 #include "gpu/shaders/shaders.h"
 #include "gpu/shaders/spirv_fix.h"
 #include "gpu/shaders/spirv_look.h"
+#include "gpu/shaders/spirv_memory.h"
+#include "ref/abi_world.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 const char *const decorate_names[DECORATE_COUNT + 1] = {"source", "final", "none", NULL};
+const char *const memory_names[MEMORY_COUNT + 1] = {"storage", "texel", "reference", NULL};
+
+#define INPUTS                                                                                     \
+    (1u << ABI_BIND_RAYS | 1u << ABI_BIND_NODES | 1u << ABI_BIND_ITEMS | 1u << ABI_BIND_TRIS |     \
+     1u << ABI_BIND_WORLD)
 
 static const char *const kind_names[COMPILER_KINDS] = {
     [COMPILER_RAW] = "raw",        [COMPILER_OPT] = "opt",     [COMPILER_SIZE] = "size",
@@ -58,11 +65,27 @@ static enum status parse_passes(const char *text, size_t length, struct compiler
     return STATUS_OK;
 }
 
+/* Takes "texel", "reference" or either with a colon off the beginning of a name; returns what is
+ * left. */
+static const char *parse_memory(const char *text, enum memory *out)
+{
+    const size_t length = strcspn(text, ":");
+    *out = MEMORY_STORAGE;
+    for (enum memory m = MEMORY_STORAGE + 1; m < MEMORY_COUNT; m++)
+        if (is_word(text, length, memory_names[m])) {
+            *out = m;
+            return text[length] ? text + length + 1 : "raw";
+        }
+    return text;
+}
+
 enum status compiler_parse(const char *text, struct compiler *out, struct reason *reason)
 {
+    enum memory memory;
+    text = parse_memory(text, &memory);
     const char *last = strrchr(text, ':'), *colon = strchr(text, ':');
     size_t length = strlen(text);
-    *out = (struct compiler){.decorate = DECORATE_SOURCE};
+    *out = (struct compiler){.memory = memory, .decorate = DECORATE_SOURCE};
     for (enum decorate d = 0; last && d < DECORATE_COUNT; d++)
         if (strcmp(last + 1, decorate_names[d]) == 0) {
             out->decorate = d;
@@ -85,9 +108,27 @@ enum status compiler_parse(const char *text, struct compiler *out, struct reason
 void compiler_name(const struct compiler *compiler, char text[COMPILER_NAME_MOST + 32])
 {
     const bool source = compiler->decorate == DECORATE_SOURCE;
-    snprintf(text, COMPILER_NAME_MOST + 32, "%s%s%s%s%s", kind_names[compiler->kind],
-             compiler->kind == COMPILER_PASSES ? ":" : "", compiler->passes, source ? "" : ":",
-             source ? "" : decorate_names[compiler->decorate]);
+    const bool storage = compiler->memory == MEMORY_STORAGE;
+    if (!storage && compiler->kind == COMPILER_RAW && source) {
+        snprintf(text, COMPILER_NAME_MOST + 32, "%s", memory_names[compiler->memory]);
+        return;
+    }
+    snprintf(text, COMPILER_NAME_MOST + 32, "%s%s%s%s%s%s%s",
+             storage ? "" : memory_names[compiler->memory], storage ? "" : ":",
+             kind_names[compiler->kind], compiler->kind == COMPILER_PASSES ? ":" : "",
+             compiler->passes, source ? "" : ":", source ? "" : decorate_names[compiler->decorate]);
+}
+
+struct vk_ways compiler_ways(const struct compiler *compiler)
+{
+    return (struct vk_ways){compiler->memory == MEMORY_TEXEL ? INPUTS : 0,
+                            compiler->memory == MEMORY_REFERENCE ? INPUTS : 0};
+}
+
+bool compiler_changes_nothing(const struct compiler *compiler)
+{
+    return compiler->kind == COMPILER_RAW && compiler->memory == MEMORY_STORAGE &&
+           compiler->decorate != DECORATE_NONE;
 }
 
 bool compiler_translates(const struct compiler *compiler)
@@ -164,12 +205,35 @@ static struct vk_shader with_words(const struct vk_shader *shader,
     return out;
 }
 
+/* Makes the shader's module one that reads its inputs in the compiler's way; *made is to be freed
+ * once the shader was used. */
+static enum status read_otherwise(const struct compiler *compiler, struct vk_shader *shader,
+                                  struct module_passed *made, uint32_t *words_of,
+                                  struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    if (compiler->memory == MEMORY_TEXEL)
+        status = spirv_texels(shader->word, shader->word_count, INPUTS, &made->word, &made->count,
+                              words_of, reason);
+    else if (compiler->memory == MEMORY_REFERENCE)
+        status = spirv_references(shader->word, shader->word_count, INPUTS, &made->word,
+                                  &made->count, reason);
+    if (!status && made->word)
+        *shader = with_words(shader, made);
+    return status;
+}
+
 /* Everything that a compiler does to a module; on success its words are the caller's. */
 static enum status make(const struct compiler *compiler, const struct vk_shader *shader,
                         struct compiled *out, struct reason *reason)
 {
-    struct module_passed module = {0};
-    enum status status = compiler_begin(compiler, shader, &module.word, &module.count, reason);
+    struct module_passed module = {0}, read = {0};
+    struct vk_shader begun = *shader;
+    uint32_t words_of = 0;
+    enum status status = read_otherwise(compiler, &begun, &read, &words_of, reason);
+    if (!status)
+        status = compiler_begin(compiler, &begun, &module.word, &module.count, reason);
+    free(read.word);
     if (!status && compiler->kind != COMPILER_RAW) {
         uint32_t *word = NULL;
         size_t count = 0;
@@ -184,6 +248,7 @@ static enum status make(const struct compiler *compiler, const struct vk_shader 
         status = compiler_validate(module.word, module.count, reason);
     if (!status)
         status = compiler_look(shader, module.word, module.count, out, reason);
+    out->words_of = words_of;
     if (status)
         free(module.word);
     return status;

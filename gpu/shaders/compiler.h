@@ -8,7 +8,8 @@
  *   hlsl              SPIRV-Cross to HLSL, and glslang's front end for that back; specialization
  *                     constants have their values by then
  *   shaderc           SPIRV-Cross to GLSL, and glslc -O back
- * A name may end in :source, :final or :none, see enum decorate. */
+ * A name may end in :source, :final or :none, see enum decorate, and begin with texel: or
+ * reference: (texel alone is texel:raw), see enum memory. */
 #ifndef COMPILER_H
 #define COMPILER_H
 
@@ -21,6 +22,11 @@
  * it; after it; or never. */
 enum decorate { DECORATE_SOURCE, DECORATE_FINAL, DECORATE_NONE, DECORATE_COUNT };
 extern const char *const decorate_names[DECORATE_COUNT + 1]; /* NULL-terminated */
+
+/* How a shader reads its rays, nodes, items, triangles and instances: as storage buffers, as
+ * uniform texel buffers, or by addresses (buffer references), see gpu/shaders/spirv_memory.h. */
+enum memory { MEMORY_STORAGE, MEMORY_TEXEL, MEMORY_REFERENCE, MEMORY_COUNT };
+extern const char *const memory_names[MEMORY_COUNT + 1]; /* NULL-terminated */
 
 enum compiler_kind {
     COMPILER_RAW,
@@ -35,6 +41,7 @@ enum compiler_kind {
 
 struct compiler {
     enum compiler_kind kind;
+    enum memory memory;
     enum decorate decorate;
     bool decorated;                  /* its name says so */
     char passes[COMPILER_NAME_MOST]; /* of passes: "A+B" */
@@ -44,6 +51,7 @@ struct compiler {
 struct compiled {
     const uint32_t *word; /* lives until the program ends */
     uint32_t count;
+    uint32_t words_of; /* of MEMORY_TEXEL: bindings that are read as words, see vk_shader.words */
     uint32_t source, ops, kept, signs, foreign; /* as in struct engine_compiled (ref/engine.h) */
 };
 
@@ -52,6 +60,12 @@ enum status compiler_parse(const char *text, struct compiler *out, struct reason
 
 /* Writes the name: what compiler_parse reads; :source is left out. */
 void compiler_name(const struct compiler *compiler, char text[COMPILER_NAME_MOST + 32]);
+
+/* The bindings that its modules read otherwise than those of the build. */
+struct vk_ways compiler_ways(const struct compiler *compiler);
+
+/* Whether its modules are those of the build. */
+bool compiler_changes_nothing(const struct compiler *compiler);
 
 /* Whether its way leads through another language. */
 bool compiler_translates(const struct compiler *compiler);

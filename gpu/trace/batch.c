@@ -19,7 +19,7 @@ static uint64_t rays_at_once(const struct batch *batch)
     if (batch->lists)
         most = least_of(most, LIST_MOST / hits ? LIST_MOST / hits : 1);
     most = least_of(most, limits->buffer_bytes / (hits * sizeof(struct hit)));
-    return least_of(most, limits->buffer_bytes / sizeof(struct ray));
+    return least_of(most, vk_quad_bytes(batch->vk) / sizeof(struct ray));
 }
 
 static enum status make_answers(struct batch *batch, bool two, struct reason *reason)

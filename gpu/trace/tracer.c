@@ -159,7 +159,7 @@ static enum status reserve_rays(struct tracer *tracer, size_t count, uint32_t ca
 {
     const struct vk_limits *limits = vk_limits(tracer->vk);
     const uint64_t hit_bytes = (uint64_t)(capacity ? capacity : 1) * sizeof(struct hit);
-    uint64_t most = least_of(limits->buffer_bytes / sizeof(struct ray),
+    uint64_t most = least_of(vk_quad_bytes(tracer->vk) / sizeof(struct ray),
                              (uint64_t)limits->groups * tracer->workgroup);
     most = least_of(most, TRACER_RAYS_MOST);
     if (tracer->lists) {

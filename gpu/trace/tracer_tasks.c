@@ -59,8 +59,8 @@ static enum status need_tasks(struct tracer *tracer, struct reason *reason)
     tracer->tasks = alloc_zeroed(1, sizeof *tracer->tasks);
     if (!tracer->tasks)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for many jobs");
-    return vk_sets_make(tracer->vk, DISPATCH_BINDINGS, false, GROUP_MOST, &tracer->tasks->sets,
-                        reason);
+    return vk_sets_make(tracer->vk, DISPATCH_BINDINGS, vk_ways(tracer->vk), false, GROUP_MOST,
+                        &tracer->tasks->sets, reason);
 }
 
 /* Allocates `bytes` of the arena, at least one quad, zeroed and aligned for a part of a buffer.
@@ -167,6 +167,9 @@ static enum status add(struct tracer *tracer, struct engine_task *task, struct r
         !put(tracer, work, ABI_BIND_ITEMS, packed->item, packed_item_bytes(packed)) ||
         !put_triangles(tracer, work, &task->job) || !take(tracer, work, ABI_BIND_FOUND, 0))
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for many jobs");
+    task->status = vk_work_check(tracer->vk, tasks->sets, work, &task->reason);
+    if (task->status)
+        return STATUS_OK;
     entry->push = dispatch.push;
     entry->push.ray_count = (uint32_t)rays;
     work->push = &entry->push;

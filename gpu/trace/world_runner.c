@@ -230,8 +230,8 @@ static enum status reserve(struct world_runner *runner, size_t count, uint32_t c
 {
     const struct vk_limits *limits = vk_limits(runner->vk);
     const uint64_t hits = capacity ? capacity : 1, word = sizeof *runner->flag;
-    uint64_t most =
-        least_of(limits->buffer_bytes / RAY_BYTES, (uint64_t)limits->groups * runner->workgroup);
+    uint64_t most = least_of(vk_quad_bytes(runner->vk) / RAY_BYTES,
+                             (uint64_t)limits->groups * runner->workgroup);
     most = least_of(most, WORLD_BATCH_MOST);
     if (runner->lists)
         most = least_of(most, WORLD_LIST_MOST / hits ? WORLD_LIST_MOST / hits : 1);

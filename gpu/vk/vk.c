@@ -58,9 +58,15 @@ static enum status make_device(struct vk *vk, struct reason *reason)
         .pQueuePriorities = (const float[]){1.0f},
     };
     struct vk_ray_features ray;
+    VkPhysicalDeviceBufferDeviceAddressFeatures address = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES,
+        .bufferDeviceAddress = VK_TRUE};
+    void *more = vk_has_addresses(vk) ? &address : NULL;
+    if (vk->options.ray_query)
+        more = vk_ray_chain(&ray, true);
     VkDeviceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-        .pNext = vk->options.ray_query ? vk_ray_chain(&ray, true) : NULL,
+        .pNext = more,
         .queueCreateInfoCount = 1,
         .pQueueCreateInfos = &queue,
         .enabledExtensionCount = vk->options.ray_query ? VK_RAY_EXTENSIONS : 0,
@@ -161,6 +167,7 @@ static void close_device(struct vk *vk)
     if (!vk->device || !vk->fn.DestroyDevice)
         return;
     vk_buffer_free(vk, vk->staging);
+    vk_bind_free(vk);
     if (vk->query)
         vk->fn.DestroyQueryPool(vk->device, vk->query, NULL);
     if (vk->fence)

@@ -14,6 +14,12 @@
 
 struct vk_shader;
 
+/* Bindings (bit 1 << binding) that are no storage buffers. */
+struct vk_ways {
+    uint32_t texels;     /* uniform texel buffers */
+    uint32_t references; /* storage buffers of 8 bytes: the address of what the caller binds */
+};
+
 /* Makes another module of a shader's before a pipeline is made of it. */
 struct vk_compiler {
     /* Replaces shader->word and word_count by words that live until the program ends, the same
@@ -21,6 +27,7 @@ struct vk_compiler {
      * STATUS_MEMORY. */
     enum status (*compile)(void *user, struct vk_shader *shader, struct reason *reason);
     void *user;
+    struct vk_ways ways; /* of all its modules */
 };
 
 struct vk_options {
@@ -46,6 +53,7 @@ struct vk_limits {
     uint32_t group_size;        /* most invocations of a workgroup */
     uint32_t bindings;          /* most storage buffers of a shader */
     uint64_t alignment;         /* of the offset of a part of a buffer, see vk_work */
+    uint32_t texels;            /* most elements of a texel buffer */
     uint32_t timestamp_bits;    /* 0: no timestamps */
     float timestamp_ns;         /* nanoseconds per tick */
     bool software;              /* runs on a CPU */
@@ -113,6 +121,8 @@ struct vk_shader {
     uint32_t binding_count; /* storage buffers 0 .. binding_count - 1 of set 0 */
     uint32_t push_bytes;    /* a multiple of 4, at most 128 */
     bool accel; /* binding `binding_count` is an acceleration structure, see vk_pipeline_use */
+    struct vk_ways ways;      /* of these bindings */
+    uint32_t words;           /* texel buffers of words; the others are of quads */
     const uint32_t *constant; /* specialization constant i is constant[i]; borrowed for the call */
     uint32_t constant_count;  /* at most VK_CONSTANTS_MAX */
 };
@@ -137,7 +147,8 @@ struct vk_time {
 /* Runs `groups` workgroups and waits. buffer[i] is bound to binding i, for all bindings of the
  * shader.
  * Errors: STATUS_DEVICE lost, or not done within the wait (later calls then fail, too);
- * STATUS_MEMORY; STATUS_LIMIT more groups than the device allows. */
+ * STATUS_MEMORY; STATUS_LIMIT more groups, or elements of a texel buffer, than the device
+ * allows. */
 enum status vk_dispatch(struct vk *vk, struct vk_pipeline *pipeline,
                         struct vk_buffer *const *buffer, const void *push, uint32_t groups,
                         struct vk_time *time, struct reason *reason) MUST_USE;
@@ -163,10 +174,16 @@ enum status vk_dispatch_series(struct vk *vk, struct vk_buffer *const *buffer,
 /* Descriptor sets for many dispatches in one submission. */
 struct vk_sets;
 
-/* Makes `count` sets of `bindings` storage buffers; with `accel` binding `bindings` is an
- * acceleration structure. Errors: STATUS_DEVICE; STATUS_MEMORY. */
-enum status vk_sets_make(struct vk *vk, uint32_t bindings, bool accel, uint32_t count,
-                         struct vk_sets **out, struct reason *reason) MUST_USE;
+/* vk_shader.ways of shaders that the device's compiler has been at. */
+struct vk_ways vk_ways(const struct vk *vk);
+
+/* The most bytes of a buffer of which shaders of these ways read quads. */
+uint64_t vk_quad_bytes(const struct vk *vk);
+
+/* Makes `count` sets of `bindings` buffers of these ways, storage buffers by default; with `accel`
+ * binding `bindings` is an acceleration structure. Errors: STATUS_DEVICE; STATUS_MEMORY. */
+enum status vk_sets_make(struct vk *vk, uint32_t bindings, struct vk_ways ways, bool accel,
+                         uint32_t count, struct vk_sets **out, struct reason *reason) MUST_USE;
 void vk_sets_free(struct vk *vk, struct vk_sets *sets); /* NULL is fine */
 
 /* One dispatch of many. Its shader sees only part[i] of buffer i: robust accesses beyond a part are
@@ -179,6 +196,11 @@ struct vk_work {
     const void *push;
     uint32_t groups;
 };
+
+/* Checks that the parts of one dispatch fit what the device allows. Errors: STATUS_LIMIT a texel
+ * buffer of more elements. */
+enum status vk_work_check(const struct vk *vk, const struct vk_sets *sets,
+                          const struct vk_work *work, struct reason *reason) MUST_USE;
 
 /* Runs `count` dispatches, at most the number of sets, in one submission and waits. Parts of
  * buffer[i] are bound to binding i of all. They may run in any order, also at once. Errors: as

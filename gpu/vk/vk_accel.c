@@ -52,15 +52,6 @@ bool vk_can_query_rays(struct vk *vk, VkPhysicalDevice device, uint32_t version)
            features.query.rayQuery;
 }
 
-static VkDeviceAddress address_of(struct vk *vk, const struct vk_buffer *buffer)
-{
-    const VkBufferDeviceAddressInfo info = {
-        .sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO,
-        .buffer = buffer->buffer,
-    };
-    return vk->fn.GetBufferDeviceAddress(vk->device, &info);
-}
-
 static VkPhysicalDeviceAccelerationStructurePropertiesKHR limits_of(struct vk *vk)
 {
     VkPhysicalDeviceAccelerationStructurePropertiesKHR limits = {
@@ -122,7 +113,7 @@ static enum status build_level(struct vk *vk, VkAccelerationStructureTypeKHR typ
         status = vk_begin(vk, reason);
     if (!status) {
         info.dstAccelerationStructure = out->structure;
-        info.scratchData.deviceAddress = (address_of(vk, scratch) + align - 1) / align * align;
+        info.scratchData.deviceAddress = (vk_address(vk, scratch) + align - 1) / align * align;
         vk->fn.CmdBuildAccelerationStructuresKHR(vk->command, 1, &info, &input->range);
         /* It is read by the next build and by shaders. Both are later submissions, which wait for
          * this one's fence. */
@@ -147,11 +138,11 @@ triangles_of(struct vk *vk, const struct vk_accel_mesh *mesh, bool opaque)
             {
                 .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_TRIANGLES_DATA_KHR,
                 .vertexFormat = VK_FORMAT_R32G32B32_SFLOAT,
-                .vertexData.deviceAddress = address_of(vk, mesh->vertices),
+                .vertexData.deviceAddress = vk_address(vk, mesh->vertices),
                 .vertexStride = 3 * sizeof(float),
                 .maxVertex = mesh->vertex_count ? mesh->vertex_count - 1 : 0,
                 .indexType = VK_INDEX_TYPE_UINT32,
-                .indexData.deviceAddress = address_of(vk, mesh->indices),
+                .indexData.deviceAddress = vk_address(vk, mesh->indices),
             },
         /* So that queries which list candidates get each triangle once. */
         .flags = VK_GEOMETRY_NO_DUPLICATE_ANY_HIT_INVOCATION_BIT_KHR |
@@ -222,7 +213,7 @@ static enum status build_top(struct vk *vk, const struct vk_accel_world *world,
             .geometry.instances =
                 {
                     .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_INSTANCES_DATA_KHR,
-                    .data.deviceAddress = address_of(vk, buffer),
+                    .data.deviceAddress = vk_address(vk, buffer),
                 },
         };
         const VkAccelerationStructureBuildRangeInfoKHR range = {.primitiveCount = count};

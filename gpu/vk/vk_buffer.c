@@ -49,7 +49,7 @@ static enum status bind_memory(struct vk *vk, struct vk_buffer *buffer, bool hos
     };
     VkMemoryAllocateInfo info = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-        .pNext = vk->options.ray_query ? &address : NULL,
+        .pNext = vk_has_addresses(vk) ? &address : NULL,
         .allocationSize = need.size,
     };
     if (!choose_type(vk, need.memoryTypeBits, host, &info.memoryTypeIndex))
@@ -84,12 +84,16 @@ static enum status make_buffer(struct vk *vk, uint64_t bytes, bool host, struct 
     (*out)->bytes = bytes < BUFFER_LEAST ? BUFFER_LEAST : bytes;
     VkBufferCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-        .size = (*out)->bytes,
+        .size = vk_buffer_size(vk, (*out)->bytes),
         .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                  VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT,
     };
     if (vk->options.ray_query)
         info.usage |= RAY_USAGE;
+    if (vk_ways(vk).texels)
+        info.usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
+    if (vk_ways(vk).references)
+        info.usage |= VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
     enum status status = vk_check(vk, vk->fn.CreateBuffer(vk->device, &info, NULL, &(*out)->buffer),
                                   "vkCreateBuffer", reason);
     if (!status)
@@ -180,6 +184,12 @@ static enum status copy(struct vk *vk, struct vk_buffer *from, uint64_t from_off
                VK_PIPELINE_STAGE_HOST_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
                VK_ACCESS_HOST_READ_BIT | VK_ACCESS_SHADER_READ_BIT);
     return vk_submit(vk, "copying a buffer", reason);
+}
+
+enum status vk_buffer_make_mapped(struct vk *vk, uint64_t bytes, struct vk_buffer **out,
+                                  struct reason *reason)
+{
+    return make_buffer(vk, bytes, true, out, reason);
 }
 
 static enum status need_staging(struct vk *vk, struct reason *reason)

@@ -97,6 +97,7 @@ static struct vk_limits limits_of(const struct choose_answers *answers, uint32_t
         .group_size = base->limits.maxComputeWorkGroupInvocations,
         .bindings = base->limits.maxPerStageDescriptorStorageBuffers,
         .alignment = base->limits.minStorageBufferOffsetAlignment,
+        .texels = base->limits.maxTexelBufferElements,
         .timestamp_bits = timestamp_bits,
         .timestamp_ns = base->limits.timestampPeriod,
         .software = base->deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU,
@@ -105,6 +106,8 @@ static struct vk_limits limits_of(const struct choose_answers *answers, uint32_t
         .keeps_denormals = answers->floats.shaderDenormPreserveFloat32,
         .keeps_inf_nan = answers->floats.shaderSignedZeroInfNanPreserveFloat32,
     };
+    if (base->limits.minTexelBufferOffsetAlignment > limits.alignment)
+        limits.alignment = base->limits.minTexelBufferOffsetAlignment;
     if (base->limits.maxComputeWorkGroupSize[0] < limits.group_size)
         limits.group_size = base->limits.maxComputeWorkGroupSize[0];
     if (answers->allocation.maxMemoryAllocationSize &&
@@ -181,7 +184,8 @@ enum status vk_choose(struct vk *vk, struct reason *reason)
             can && vk->limits.api_version >= VK_API_VERSION_1_1 &&
             (vk->options.device < 0 || (uint32_t)vk->options.device == i) &&
             is_wanted(vk, &vk->limits) &&
-            (!vk->options.ray_query || vk_can_query_rays(vk, device[i], vk->limits.api_version));
+            (!vk->options.ray_query || vk_can_query_rays(vk, device[i], vk->limits.api_version)) &&
+            (!vk_ways(vk).references || vk_can_refer(vk, device[i], vk->limits.api_version));
         if (found && answers.allocation.maxMemoryAllocationSize)
             vk->allocation_bytes = answers.allocation.maxMemoryAllocationSize;
         vk->physical = device[i];
@@ -201,7 +205,9 @@ enum status vk_choose(struct vk *vk, struct reason *reason)
         snprintf(index, sizeof index, "%d", vk->options.device);
     return fail(reason, STATUS_UNSUPPORTED,
                 "vulkan: no device with Vulkan %s matches driver '%.40s', index %s; there is: %s",
-                vk->options.ray_query ? "ray queries (VK_KHR_ray_query)" : "1.1 compute",
+                vk->options.ray_query    ? "ray queries (VK_KHR_ray_query)"
+                : vk_ways(vk).references ? "1.2 buffer addresses"
+                                         : "1.1 compute",
                 driver ? driver : "any", index, count ? there : "none");
 }
 

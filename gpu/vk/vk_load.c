@@ -93,14 +93,17 @@ static const struct entry device_entry[] = {
     ENTRY(CmdDispatch),
     ENTRY(CmdDispatchIndirect),
     ENTRY(CmdUpdateBuffer),
+    ENTRY(CreateBufferView),
+    ENTRY(DestroyBufferView),
+};
+
+static const struct entry address_entry[] = {
+    ENTRY(GetBufferDeviceAddress),
 };
 
 static const struct entry ray_entry[] = {
-    ENTRY(GetBufferDeviceAddress),
-    ENTRY(CreateAccelerationStructureKHR),
-    ENTRY(DestroyAccelerationStructureKHR),
-    ENTRY(GetAccelerationStructureBuildSizesKHR),
-    ENTRY(GetAccelerationStructureDeviceAddressKHR),
+    ENTRY(CreateAccelerationStructureKHR),        ENTRY(DestroyAccelerationStructureKHR),
+    ENTRY(GetAccelerationStructureBuildSizesKHR), ENTRY(GetAccelerationStructureDeviceAddressKHR),
     ENTRY(CmdBuildAccelerationStructuresKHR),
 };
 
@@ -187,6 +190,8 @@ enum status vk_load_instance(struct vk *vk, struct reason *reason)
 enum status vk_load_device(struct vk *vk, struct reason *reason)
 {
     enum status status = load(vk, device_entry, ARRAY_COUNT(device_entry), reason);
+    if (!status && vk_has_addresses(vk))
+        status = load(vk, address_entry, ARRAY_COUNT(address_entry), reason);
     if (!status && vk->options.ray_query)
         status = load(vk, ray_entry, ARRAY_COUNT(ray_entry), reason);
     return status;

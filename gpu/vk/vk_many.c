@@ -20,14 +20,18 @@ enum status vk_dispatch_many(struct vk *vk, struct vk_sets *sets, struct vk_buff
     enum status status = vk_begin(vk, reason);
     if (status)
         return status;
-    for (uint32_t i = 0; i < count; i++) {
+    status = vk_bind_begin(vk, sets, reason);
+    for (uint32_t i = 0; i < count && !status; i++) {
         VkDescriptorBufferInfo info[VK_BINDINGS_MAX];
         for (uint32_t b = 0; b < sets->bindings; b++)
             info[b] = (VkDescriptorBufferInfo){buffer[b]->buffer, work[i].part[b].offset,
                                                work[i].part[b].bytes};
-        vk_set_write(vk, sets, i, info);
-        record(vk, sets->set[i], &work[i], i == 0 || work[i].pipeline != work[i - 1].pipeline);
+        status = vk_set_write(vk, sets, i, work[i].pipeline->words, info, reason);
+        if (!status)
+            record(vk, sets->set[i], &work[i], i == 0 || work[i].pipeline != work[i - 1].pipeline);
     }
+    if (status)
+        return status;
     vk_barrier_for_reading(vk);
     return vk_submit(vk, "many dispatches", reason);
 }

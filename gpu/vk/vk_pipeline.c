@@ -74,8 +74,9 @@ enum status vk_pipeline_make(struct vk *vk, const struct vk_shader *shader,
     if (!pipeline)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for a pipeline");
     pipeline->push_bytes = shader->push_bytes;
-    enum status status =
-        vk_sets_make(vk, shader->binding_count, shader->accel, 1, &pipeline->sets, reason);
+    pipeline->words = shader->words;
+    enum status status = vk_sets_make(vk, shader->binding_count, shader->ways, shader->accel, 1,
+                                      &pipeline->sets, reason);
     if (!status)
         status = make_layout(vk, pipeline, reason);
     if (!status)
@@ -196,8 +197,13 @@ enum status vk_dispatch_series(struct vk *vk, struct vk_buffer *const *buffer,
     const struct vk_sets *sets = step->pipeline->sets;
     VkDescriptorBufferInfo info[VK_BINDINGS_MAX];
     for (uint32_t i = 0; i < sets->bindings; i++)
-        info[i] = (VkDescriptorBufferInfo){buffer[i]->buffer, 0, VK_WHOLE_SIZE};
-    vk_set_write(vk, sets, 0, info);
+        info[i] =
+            (VkDescriptorBufferInfo){buffer[i]->buffer, 0, vk_buffer_size(vk, buffer[i]->bytes)};
+    status = vk_bind_begin(vk, sets, reason);
+    if (!status)
+        status = vk_set_write(vk, sets, 0, step->pipeline->words, info, reason);
+    if (status)
+        return status;
     record(vk, sets->set[0], step, count);
     uint64_t start = time_ns();
     status = vk_submit(vk, count == 1 ? "a dispatch" : "a series of dispatches", reason);

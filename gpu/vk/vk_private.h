@@ -77,6 +77,8 @@ struct vk_fn {
     PFN_vkCmdDispatch CmdDispatch;
     PFN_vkCmdDispatchIndirect CmdDispatchIndirect;
     PFN_vkCmdUpdateBuffer CmdUpdateBuffer;
+    PFN_vkCreateBufferView CreateBufferView;
+    PFN_vkDestroyBufferView DestroyBufferView;
 
     /* With ray queries: */
     PFN_vkGetBufferDeviceAddress GetBufferDeviceAddress;
@@ -114,9 +116,12 @@ struct vk {
     VkFence fence;
     VkQueryPool query; /* two timestamps, or null */
     struct vk_buffer *staging;
-    bool given_up; /* lost or hung; the fence may still be pending */
-    bool pending;  /* submitted and not known to have finished */
-    bool stuck;    /* still pending after the grace time */
+    VkBufferView *view; /* of the texel buffers of the last submission */
+    size_t view_count, view_capacity;
+    struct vk_buffer *table; /* addresses of the buffers of the last submission, or NULL */
+    bool given_up;           /* lost or hung; the fence may still be pending */
+    bool pending;            /* submitted and not known to have finished */
+    bool stuck;              /* still pending after the grace time */
 };
 
 struct vk_buffer {
@@ -129,8 +134,9 @@ struct vk_buffer {
 struct vk_sets {
     VkDescriptorSetLayout layout; /* same as that of every pipeline with these bindings */
     VkDescriptorPool pool;
-    uint32_t bindings; /* storage buffers of a set */
-    bool accel;        /* followed by an acceleration structure */
+    uint32_t bindings;           /* storage buffers of a set */
+    bool accel;                  /* followed by an acceleration structure */
+    uint32_t texels, references; /* as of vk_ways */
     uint32_t count;
     VkDescriptorSet set[];
 };
@@ -140,6 +146,7 @@ struct vk_pipeline {
     VkPipelineLayout layout;
     VkPipeline pipeline;
     uint32_t push_bytes;
+    uint32_t words; /* as of its shader */
 };
 
 /* Returns STATUS_OK if `result`, of the call `what`, is VK_SUCCESS, and marks a lost device.
@@ -161,6 +168,31 @@ enum status vk_choose(struct vk *vk, struct reason *reason) MUST_USE;
 
 /* Lists the devices in one line, or in several if `details`. */
 void vk_list(struct vk *vk, bool details, char *text, size_t text_bytes);
+
+/* The size that a buffer of so many bytes is made with: texel buffers have whole elements. */
+static inline uint64_t vk_buffer_size(const struct vk *vk, uint64_t bytes)
+{
+    return vk_ways(vk).texels ? (bytes + 15) / 16 * 16 : bytes;
+}
+
+/* The kind of a binding's descriptor. */
+VkDescriptorType vk_set_type(const struct vk_sets *sets, uint32_t binding);
+
+/* Makes a buffer that is mapped, whatever memory the others are in. Errors: as vk_buffer_make. */
+enum status vk_buffer_make_mapped(struct vk *vk, uint64_t bytes, struct vk_buffer **out,
+                                  struct reason *reason) MUST_USE;
+
+/* Whether buffers of this device have addresses. */
+static inline bool vk_has_addresses(const struct vk *vk)
+{
+    return vk->options.ray_query || vk_ways(vk).references != 0;
+}
+
+/* The address of a buffer of a device that has addresses. */
+VkDeviceAddress vk_address(struct vk *vk, const struct vk_buffer *buffer);
+
+/* Returns true if the device, of Vulkan `version`, gives buffers addresses. */
+bool vk_can_refer(struct vk *vk, VkPhysicalDevice device, uint32_t version);
 
 /* Returns true if the device has the extension. */
 bool vk_has_extension(struct vk *vk, VkPhysicalDevice device, const char *name);
@@ -187,9 +219,20 @@ enum status vk_buffer_make_unbound(struct vk *vk, uint64_t bytes, struct vk_buff
  * object that a shader can use may be destroyed. */
 bool vk_idle(struct vk *vk);
 
-/* Writes the buffers of set `i`; info[b] is that of binding b. */
-void vk_set_write(struct vk *vk, const struct vk_sets *sets, uint32_t i,
-                  const VkDescriptorBufferInfo *info);
+/* Binds buffers to set `i`; info[b] is that of binding b, whose elements are words in texel buffers
+ * of `words`, else quads. Views of these are made, and addresses are written to the device's table:
+ * both are of one submission, see vk_bind_begin. Errors: STATUS_LIMIT more elements than the device
+ * allows; STATUS_DEVICE; STATUS_MEMORY. */
+enum status vk_set_write(struct vk *vk, const struct vk_sets *sets, uint32_t i, uint32_t words,
+                         const VkDescriptorBufferInfo *info, struct reason *reason) MUST_USE;
+
+/* To be called before the sets of a submission are written: frees what those of the last one had,
+ * and makes the table of addresses large enough. Errors: as vk_buffer_make. */
+enum status vk_bind_begin(struct vk *vk, const struct vk_sets *sets,
+                          struct reason *reason) MUST_USE;
+
+/* Frees all that vk_set_write made. No work may be running. */
+void vk_bind_free(struct vk *vk);
 
 /* Record in vk->command: a pipeline's descriptor set and push constants; a barrier that makes what
  * was written in stage `from` visible in stage `to`; a barrier before copies or the host read what

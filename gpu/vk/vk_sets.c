@@ -3,6 +3,12 @@
 
 #include <stdlib.h>
 
+VkDescriptorType vk_set_type(const struct vk_sets *sets, uint32_t binding)
+{
+    return sets->texels >> binding & 1 ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
+                                       : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
+
 static enum status make_layout(struct vk *vk, struct vk_sets *sets, struct reason *reason)
 {
     VkDescriptorSetLayoutBinding binding[VK_BINDINGS_MAX + 1];
@@ -10,7 +16,7 @@ static enum status make_layout(struct vk *vk, struct vk_sets *sets, struct reaso
     for (uint32_t i = 0; i < count; i++)
         binding[i] = (VkDescriptorSetLayoutBinding){
             .binding = i,
-            .descriptorType = i < sets->bindings ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
+            .descriptorType = i < sets->bindings ? vk_set_type(sets, i)
                                                  : VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR,
             .descriptorCount = 1,
             .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
@@ -26,14 +32,23 @@ static enum status make_layout(struct vk *vk, struct vk_sets *sets, struct reaso
 
 static enum status make_sets(struct vk *vk, struct vk_sets *sets, struct reason *reason)
 {
-    const VkDescriptorPoolSize size[] = {
-        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, sets->bindings * sets->count},
-        {VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR, sets->count},
-    };
+    uint32_t texels = 0, kinds = 0;
+    VkDescriptorPoolSize size[3];
+    for (uint32_t i = 0; i < sets->bindings; i++)
+        texels += sets->texels >> i & 1;
+    if (sets->bindings > texels)
+        size[kinds++] = (VkDescriptorPoolSize){VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                               (sets->bindings - texels) * sets->count};
+    if (texels)
+        size[kinds++] =
+            (VkDescriptorPoolSize){VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, texels * sets->count};
+    if (sets->accel)
+        size[kinds++] =
+            (VkDescriptorPoolSize){VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR, sets->count};
     const VkDescriptorPoolCreateInfo pool = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
         .maxSets = sets->count,
-        .poolSizeCount = sets->accel ? 2 : 1,
+        .poolSizeCount = kinds,
         .pPoolSizes = size,
     };
     enum status status =
@@ -51,8 +66,13 @@ static enum status make_sets(struct vk *vk, struct vk_sets *sets, struct reason 
     return status;
 }
 
-enum status vk_sets_make(struct vk *vk, uint32_t bindings, bool accel, uint32_t count,
-                         struct vk_sets **out, struct reason *reason)
+struct vk_ways vk_ways(const struct vk *vk)
+{
+    return vk->options.compiler ? vk->options.compiler->ways : (struct vk_ways){0, 0};
+}
+
+enum status vk_sets_make(struct vk *vk, uint32_t bindings, struct vk_ways ways, bool accel,
+                         uint32_t count, struct vk_sets **out, struct reason *reason)
 {
     struct vk_sets *sets = alloc_zeroed(1, sizeof *sets + count * sizeof sets->set[0]);
     *out = NULL;
@@ -60,6 +80,8 @@ enum status vk_sets_make(struct vk *vk, uint32_t bindings, bool accel, uint32_t 
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for descriptor sets");
     sets->bindings = bindings;
     sets->accel = accel;
+    sets->texels = ways.texels;
+    sets->references = ways.references;
     sets->count = count;
     enum status status = make_layout(vk, sets, reason);
     if (!status)
@@ -78,17 +100,4 @@ void vk_sets_free(struct vk *vk, struct vk_sets *sets)
     vk->fn.DestroyDescriptorPool(vk->device, sets->pool, NULL);
     vk->fn.DestroyDescriptorSetLayout(vk->device, sets->layout, NULL);
     free(sets);
-}
-
-void vk_set_write(struct vk *vk, const struct vk_sets *sets, uint32_t i,
-                  const VkDescriptorBufferInfo *info)
-{
-    const VkWriteDescriptorSet write = {
-        .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-        .dstSet = sets->set[i],
-        .descriptorCount = sets->bindings, /* also writes the following bindings */
-        .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-        .pBufferInfo = info,
-    };
-    vk->fn.UpdateDescriptorSets(vk->device, 1, &write, 0, NULL);
 }

@@ -144,6 +144,7 @@ expect 1 . bisect "$finding" --compiler "passes:ccp+$dir/reassociate"
 has 'a finding' 'symptom bits: ' 'passes [^ ]*/reassociate: 1 of 2' 'function tri_sum'
 expect 1 . bisect "$finding" --engine "vulkan:passes:$dir/reassociate"
 has 'its engine' 'passes [^ ]*/reassociate: 1 of 1'
+expect 2 "'texel:opt': a way to read memory has no passes" bisect sphere:n=4 --compiler texel:opt
 expect 2 'name it with --compiler' bisect "$finding"
 sed 's/^expect vulkan:passes[^ ]*/expect vulkan:opt:final.f32.bits.shader/' "$finding" >"$dir/own.trial"
 expect 1 . bisect "$dir/own.trial"

@@ -4,7 +4,7 @@ use warnings;
 
 # Options without which a run is not the same everywhere, or ends by a clock: of a Vulkan device and its compilers, a
 # window, a benchmark.
-my $elsewhere = qr/^--(driver|device|workgroup|compiler|decorate|shader|window|seconds|pictures|log|fps|benchmark\S*|peer-\S+|help|self-test)$/;
+my $elsewhere = qr/^--(driver|device|workgroup|compiler|decorate|buffers|shader|window|seconds|pictures|log|fps|benchmark\S*|peer-\S+|help|self-test)$/;
 
 # Those of one command that no case can have: what they measure is times, or an engine that is not here.
 my %left_out = map { $_ => 1 } 'bench --instances', 'bench --warm-up', 'bench --frames', 'bench --turns', 'bench --size', 'bench --out',

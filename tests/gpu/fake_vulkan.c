@@ -17,7 +17,8 @@ void fake_reset(void)
         .base = {.apiVersion = VK_API_VERSION_1_3,
                  .deviceType = VK_PHYSICAL_DEVICE_TYPE_CPU,
                  .deviceName = "fake device",
-                 .limits = {.maxStorageBufferRange = 1u << 26,
+                 .limits = {.maxTexelBufferElements = 65536,
+                            .maxStorageBufferRange = 1u << 26,
                             .maxComputeWorkGroupCount = {65535, 65535, 65535},
                             .maxComputeWorkGroupInvocations = 1024,
                             .maxComputeWorkGroupSize = {1024, 1024, 64},
@@ -272,7 +273,7 @@ static VkResult vkEnumerateDeviceExtensionProperties(VkPhysicalDevice which, con
     return list_call(__func__, out != NULL);
 }
 
-/* The features that were enabled must be those of ray queries, or none. */
+/* The features that were enabled must be those of ray queries, that of addresses, or none. */
 static VkResult vkCreateDevice(VkPhysicalDevice which, const VkDeviceCreateInfo *info,
                                const VkAllocationCallbacks *a, VkDevice *out)
 {
@@ -283,10 +284,14 @@ static VkResult vkCreateDevice(VkPhysicalDevice which, const VkDeviceCreateInfo 
     fake.robust = info->pEnabledFeatures->robustBufferAccess;
     fake.extensions = info->enabledExtensionCount;
     uint32_t features = 0;
+    bool address = false;
     for (const VkBaseInStructure *s = info->pNext; s; s = s->pNext)
         features += ((const VkPhysicalDeviceRayQueryFeaturesKHR *)s)->rayQuery; /* their first */
+    if (features == 1)
+        address = ((const VkBaseInStructure *)info->pNext)->sType ==
+                  VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES;
     if (info->queueCreateInfoCount != 1 || info->pQueueCreateInfos->queueCount != 1 ||
-        fake.family >= device->family_count || (features != 0 && features != 3))
+        fake.family >= device->family_count || (features != 0 && features != 3 && !address))
         fake_wrong("queues and features of the device");
     VkResult result = fake_call(__func__);
     if (!result)
@@ -330,7 +335,9 @@ static PFN_vkVoidFunction vkGetDeviceProcAddr(VkDevice device, const char *name)
 {
     (void)fake_what(device, FAKE_DEVICE);
     PFN_vkVoidFunction function = find(fake_device_entry, fake_device_entries, name);
-    return function ? function : find(fake_command_entry, fake_command_entries, name);
+    if (!function)
+        function = find(fake_command_entry, fake_command_entries, name);
+    return function ? function : find(fake_set_entry, fake_set_entries, name);
 }
 
 static const struct fake_entry global_entry[] = {

@@ -38,6 +38,7 @@ struct fake_device {
 struct fake_part {
     uint8_t *byte; /* NULL: not bound */
     uint64_t offset, bytes;
+    VkFormat format; /* of a texel buffer; else 0 */
 };
 
 /* A dispatch that was recorded. */
@@ -119,7 +120,8 @@ enum fake_kind {
     FAKE_PIPELINE,
     FAKE_POOL,
     FAKE_SET,
-    FAKE_ACCEL
+    FAKE_ACCEL,
+    FAKE_VIEW
 };
 
 /* An object. */
@@ -129,6 +131,7 @@ struct fake_object {
     uint64_t bytes;
     uint8_t *byte;
     uint32_t count, constant[16];
+    uint32_t texels; /* of a set and its layout: bindings, bit 1 << i */
     struct fake_part part[FAKE_BINDINGS];
 };
 
@@ -155,8 +158,8 @@ struct fake_entry {
     const char *name;
     PFN_vkVoidFunction function;
 };
-extern const struct fake_entry fake_device_entry[], fake_command_entry[];
-extern const size_t fake_device_entries, fake_command_entries;
+extern const struct fake_entry fake_device_entry[], fake_command_entry[], fake_set_entry[];
+extern const size_t fake_device_entries, fake_command_entries, fake_set_entries;
 
 #define FAKE_ENTRY(name)                                                                           \
     {                                                                                              \

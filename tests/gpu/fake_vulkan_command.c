@@ -47,37 +47,6 @@ static void vkDestroyShaderModule(VkDevice device, VkShaderModule module,
     fake_drop(module, FAKE_MODULE);
 }
 
-static VkResult vkCreateDescriptorSetLayout(VkDevice device,
-                                            const VkDescriptorSetLayoutCreateInfo *info,
-                                            const VkAllocationCallbacks *a,
-                                            VkDescriptorSetLayout *out)
-{
-    UNUSED;
-    VkResult result = fake_call(__func__);
-    if (result)
-        return result;
-    struct fake_object *layout = fake_make(FAKE_SET_LAYOUT, NULL);
-    for (uint32_t i = 0; i < info->bindingCount; i++) {
-        const VkDescriptorSetLayoutBinding *binding = &info->pBindings[i];
-        bool accel = binding->descriptorType == VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR;
-        if (binding->binding != i || binding->descriptorCount != 1 ||
-            binding->stageFlags != VK_SHADER_STAGE_COMPUTE_BIT ||
-            (accel && i + 1 != info->bindingCount))
-            fake_wrong("bindings of a set");
-        layout->count += !accel;
-        layout->bytes += accel;
-    }
-    *out = (VkDescriptorSetLayout)layout;
-    return result;
-}
-
-static void vkDestroyDescriptorSetLayout(VkDevice device, VkDescriptorSetLayout layout,
-                                         const VkAllocationCallbacks *a)
-{
-    UNUSED;
-    fake_drop(layout, FAKE_SET_LAYOUT);
-}
-
 static VkResult vkCreatePipelineLayout(VkDevice device, const VkPipelineLayoutCreateInfo *info,
                                        const VkAllocationCallbacks *a, VkPipelineLayout *out)
 {
@@ -141,86 +110,6 @@ static void vkDestroyPipeline(VkDevice device, VkPipeline pipeline, const VkAllo
 }
 
 /* Counts down what it has room for. */
-static VkResult vkCreateDescriptorPool(VkDevice device, const VkDescriptorPoolCreateInfo *info,
-                                       const VkAllocationCallbacks *a, VkDescriptorPool *out)
-{
-    UNUSED;
-    VkResult result = fake_call(__func__);
-    if (result)
-        return result;
-    struct fake_object *pool = fake_make(FAKE_POOL, NULL);
-    for (uint32_t i = 0; i < info->poolSizeCount; i++)
-        if (info->pPoolSizes[i].type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER)
-            pool->constant[0] += info->pPoolSizes[i].descriptorCount;
-        else
-            pool->constant[1] += info->pPoolSizes[i].descriptorCount;
-    pool->count = info->maxSets;
-    *out = (VkDescriptorPool)pool;
-    return result;
-}
-
-static void vkDestroyDescriptorPool(VkDevice device, VkDescriptorPool pool,
-                                    const VkAllocationCallbacks *a)
-{
-    UNUSED;
-    if (!pool)
-        return;
-    for (struct fake_object *set = fake_what(pool, FAKE_POOL)->of, *next; set; set = next) {
-        next = set->of;
-        fake_drop(set, FAKE_SET);
-    }
-    fake_drop(pool, FAKE_POOL);
-}
-
-static VkResult vkAllocateDescriptorSets(VkDevice device, const VkDescriptorSetAllocateInfo *info,
-                                         VkDescriptorSet *out)
-{
-    (void)fake_what(device, FAKE_DEVICE);
-    struct fake_object *pool = fake_what(info->descriptorPool, FAKE_POOL);
-    const struct fake_object *layout = fake_what(info->pSetLayouts[0], FAKE_SET_LAYOUT);
-    VkResult result = fake_call(__func__);
-    if (result)
-        return result;
-    if (info->descriptorSetCount != 1 || pool->count < 1 || pool->constant[0] < layout->count ||
-        pool->constant[1] < layout->bytes)
-        fake_wrong("a set that the pool has no room for");
-    pool->count--;
-    pool->constant[0] -= layout->count;
-    pool->constant[1] -= (uint32_t)layout->bytes;
-    struct fake_object *set = fake_make(FAKE_SET, pool->of);
-    set->count = layout->count;
-    pool->of = set;
-    *out = (VkDescriptorSet)set;
-    return result;
-}
-
-static void vkUpdateDescriptorSets(VkDevice device, uint32_t count, const VkWriteDescriptorSet *w,
-                                   uint32_t copies, const VkCopyDescriptorSet *copy)
-{
-    (void)fake_what(device, FAKE_DEVICE);
-    (void)copy;
-    struct fake_object *set = fake_what(w->dstSet, FAKE_SET);
-    if (count != 1 || copies)
-        fake_wrong("several updates of sets");
-    if (w->descriptorType == VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR) {
-        const VkWriteDescriptorSetAccelerationStructureKHR *structure = w->pNext;
-        (void)fake_what(*structure->pAccelerationStructures, FAKE_ACCEL);
-        if (w->dstBinding != set->count)
-            fake_wrong("the binding of an acceleration structure");
-        return;
-    }
-    if (w->dstBinding + w->descriptorCount > set->count)
-        fake_wrong("a binding that the set has not");
-    for (uint32_t i = 0; i < w->descriptorCount && i < FAKE_BINDINGS; i++) {
-        const VkDescriptorBufferInfo *info = &w->pBufferInfo[i];
-        const struct fake_object *buffer = fake_what(info->buffer, FAKE_BUFFER);
-        uint64_t bytes = info->range == VK_WHOLE_SIZE ? buffer->bytes - info->offset : info->range;
-        if (info->offset + bytes > buffer->bytes)
-            fake_wrong("a part beyond its buffer");
-        set->part[w->dstBinding + i] = (struct fake_part){buffer->of->byte, info->offset, bytes};
-    }
-}
-
 static void vkCmdBindPipeline(VkCommandBuffer command, VkPipelineBindPoint point, VkPipeline bound)
 {
     (void)fake_what(command, FAKE_COMMAND);
@@ -334,25 +223,12 @@ static void vkCmdPipelineBarrier(VkCommandBuffer command, VkPipelineStageFlags f
 }
 
 const struct fake_entry fake_command_entry[] = {
-    FAKE_ENTRY(vkCreateShaderModule),
-    FAKE_ENTRY(vkDestroyShaderModule),
-    FAKE_ENTRY(vkCreateDescriptorSetLayout),
-    FAKE_ENTRY(vkDestroyDescriptorSetLayout),
-    FAKE_ENTRY(vkCreatePipelineLayout),
-    FAKE_ENTRY(vkDestroyPipelineLayout),
-    FAKE_ENTRY(vkCreateComputePipelines),
-    FAKE_ENTRY(vkDestroyPipeline),
-    FAKE_ENTRY(vkCreateDescriptorPool),
-    FAKE_ENTRY(vkDestroyDescriptorPool),
-    FAKE_ENTRY(vkAllocateDescriptorSets),
-    FAKE_ENTRY(vkUpdateDescriptorSets),
-    FAKE_ENTRY(vkCmdBindPipeline),
-    FAKE_ENTRY(vkCmdBindDescriptorSets),
-    FAKE_ENTRY(vkCmdPushConstants),
-    FAKE_ENTRY(vkCmdDispatch),
-    FAKE_ENTRY(vkCmdDispatchIndirect),
-    FAKE_ENTRY(vkCmdUpdateBuffer),
-    FAKE_ENTRY(vkCmdCopyBuffer),
-    FAKE_ENTRY(vkCmdPipelineBarrier),
+    FAKE_ENTRY(vkCreateShaderModule),     FAKE_ENTRY(vkDestroyShaderModule),
+    FAKE_ENTRY(vkCreatePipelineLayout),   FAKE_ENTRY(vkDestroyPipelineLayout),
+    FAKE_ENTRY(vkCreateComputePipelines), FAKE_ENTRY(vkDestroyPipeline),
+    FAKE_ENTRY(vkCmdBindPipeline),        FAKE_ENTRY(vkCmdBindDescriptorSets),
+    FAKE_ENTRY(vkCmdPushConstants),       FAKE_ENTRY(vkCmdDispatch),
+    FAKE_ENTRY(vkCmdDispatchIndirect),    FAKE_ENTRY(vkCmdUpdateBuffer),
+    FAKE_ENTRY(vkCmdCopyBuffer),          FAKE_ENTRY(vkCmdPipelineBarrier),
 };
 const size_t fake_command_entries = sizeof fake_command_entry / sizeof *fake_command_entry;

@@ -46,7 +46,7 @@ static inline enum status work_make(struct fake_work *w, const struct vk_options
     if (!status && options->ray_query)
         status = vk_pipeline_make(w->vk, &of, &w->query, reason);
     if (!status)
-        status = vk_sets_make(w->vk, 2, false, 2, &w->sets, reason);
+        status = vk_sets_make(w->vk, 2, (struct vk_ways){0, 0}, false, 2, &w->sets, reason);
     if (!status && options->ray_query)
         status = vk_accel_make(w->vk, w->buffer[0], 3, w->buffer[1], 2, &w->accel, reason);
     if (!status && options->ray_query)

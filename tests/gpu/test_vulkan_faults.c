@@ -249,6 +249,16 @@ static void lists_may_be_incomplete(void **state)
     must_be_clean("no driver");
 }
 
+/* The k-th entry point of a device. */
+static const char *entry_name(size_t k)
+{
+    if (k < fake_device_entries)
+        return fake_device_entry[k].name;
+    k -= fake_device_entries;
+    return k < fake_command_entries ? fake_command_entry[k].name
+                                    : fake_set_entry[k - fake_command_entries].name;
+}
+
 /* Entry points of the loader, the instance and the device. vkDestroyDevice has no substitute. */
 static void every_entry_point_that_is_missing_is_named(void **state)
 {
@@ -269,14 +279,12 @@ static void every_entry_point_that_is_missing_is_named(void **state)
                                         "vkCreateDebugUtilsMessengerEXT",
                                         "vkDestroyDebugUtilsMessengerEXT"};
     struct reason reason;
-    const size_t all = ARRAY_COUNT(early) + fake_device_entries + fake_command_entries;
+    const size_t all =
+        ARRAY_COUNT(early) + fake_device_entries + fake_command_entries + fake_set_entries;
     for (size_t kind = 2; kind < 5; kind++)
         for (size_t i = 0; i < all; i++) {
             size_t k = i - ARRAY_COUNT(early);
-            const char *name = i < ARRAY_COUNT(early) ? early[i]
-                               : k < fake_device_entries
-                                   ? fake_device_entry[k].name
-                                   : fake_command_entry[k - fake_device_entries].name;
+            const char *name = i < ARRAY_COUNT(early) ? early[i] : entry_name(k);
             const bool debug = strstr(name, "DebugUtils"), ray = strstr(name, "KHR") != NULL;
             const bool address = strcmp(name, "vkGetBufferDeviceAddress") == 0;
             if ((debug && kind == 2) || ((ray || address) && kind > 2))

@@ -32,7 +32,7 @@ value_of() {
     query) value=any ;; modes) value=all ;; rays) value=random ;; profile) value=rtrs ;; optimize) value=reinsert ;; handler) value=bvh ;;
     show) value=t ;; form) value=text ;; plan) value=steps ;; parts) value=machine ;; size) value=8x8 ;;
     pixel) value=1,1 ;; shard) value=1/2 ;; show-range) value=0:1 ;; triangles) value=8-16 ;; driver) value=stock ;;
-    compiler) value=opt ;; decorate) value=final ;;
+    compiler) value=opt ;; decorate) value=final ;; buffers) value=texel ;;
     ray) value='0,0,0 1,0,0' ;; cause) value=sentinel ;; scene) value=soup:n=9 ;; path) value=soup:n=9 ;;
     baseline) value=fuzz/baseline.txt ;;
     bvh | shader | waivers | check | bench | benchmark | doctor | findings | corpus | verify | picture)
@@ -143,7 +143,7 @@ walk 'check soup:n=40,seed=2 --count 64 --repeat 1 --engine cpu --rays primary' 
     json=@ ~threads=1 wide color=always"
 walk 'check soup:n=40,seed=2 --count 64 --repeat 1 --engine vulkan_brute --rays primary --compiler size' \
     'engine=vulkan move=0.1 tri=woop query=any rays=random count=70 ~repeat=2 brute=300 brute-rays=3 ~require=watertight
-    json=@ compiler=opt decorate=final ~driver=stock ~device=0 ~workgroup=32 wide color=always'
+    json=@ compiler=opt decorate=final buffers=texel ~driver=stock ~device=0 ~workgroup=32 wide color=always'
 walk 'check soup:n=40 --count 64 --repeat 1 --engine brute' \
     'engine=cpu tri=woop move=0.1 query=any rays=random count=70 seed=3 ~repeat=2 brute=300 brute-rays=3
     ~require=watertight json=@ ~threads=1 wide color=always'
@@ -192,7 +192,7 @@ walk 'conform world.*.identity.*.1.1 --list --engine cpu' 'engine=brute layout=r
     ~worlds'
 walk 'bench builders --scene soup:n=40 --rounds 1 --threads 1' 'scene=soup:n=41 ~rounds=2 csv=@ json=@ threads=2 wide color=always'
 walk 'bench layouts --scene soup:n=40,seed=2 --count 64 --rounds 1 --compiler size' "scene=soup:n=41 ~count=70 ~rounds=2 csv=@ json=@ ~seed=3
-    ~bvh=$dir/soup.json compiler=opt decorate=final ~driver=stock ~device=0 ~workgroup=32 wide color=always"
+    ~bvh=$dir/soup.json compiler=opt decorate=final buffers=reference ~driver=stock ~device=0 ~workgroup=32 wide color=always"
 walk 'bench fuzz --count 3 --rounds 1 --engine cpu --layout f32' '~count=4 ~rounds=2 csv=@ ~seed=3 json=@ engine=cpu_stackless
     layout=f32,rf16'
 bench='--scene cornell --count 64 --rounds 1'
