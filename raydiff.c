@@ -20,7 +20,7 @@ static const struct command commands[] = {
     {"min", "findings made smaller, as long as they show the same", cmd_min, "fuzz"},
     {"replay", "findings played again: whether each is still there, and why", cmd_replay, "fuzz"},
     {"export", "a finding as a C program for a driver's maker", cmd_export, "fuzz"},
-    {"bisect", "which pass of a shader's compiler makes an answer another, and what it changed",
+    {"bisect", "the pass of a shader's compiler that changes an answer, and how",
      cmd_bisect, NULL},
     {"conform", "the conformance suite, each name its own reproduction", cmd_conform, NULL},
     {"judge", "answers of a tracer that cannot be run here, from files", cmd_judge, NULL},
