@@ -18,7 +18,7 @@ HOSTCC  ?= cc
 TOOL := $(B)/spirv_tool
 
 TOOL_SRC := shaders/spirv_tool.c gpu/shaders/spirv_fix.c ref/base/base.c ref/base/memory.c
-$(TOOL): $(TOOL_SRC) gpu/shaders/spirv_fix.h ref/base/base.h
+$(TOOL): $(TOOL_SRC) gpu/shaders/spirv_fix.h gpu/shaders/spirv_words.h ref/base/base.h
 	@mkdir -p $(@D)
 	$(call warned,$(HOSTCC) -I. -std=c17 -O1 $(WARN) -o $@ $(TOOL_SRC))
 

@@ -1,23 +1,23 @@
 #include "gpu/bisect/spirv_diff.h"
 
+#include "gpu/shaders/spirv_words.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-#define MAGIC        0x07230203u
-#define HEADER_WORDS 5u
-#define BOUND        3u /* word of the header */
-#define PAIRS_MOST   ((size_t)1 << 27)
+#define BOUND      3u /* word of the header */
+#define PAIRS_MOST ((size_t)1 << 27)
 
 enum status spirv_code_make(const uint32_t *word, size_t words, struct spirv_code *out,
                             struct reason *reason)
 {
     *out = (struct spirv_code){0};
-    if (words < HEADER_WORDS || word[0] != MAGIC)
+    if (words < SPIRV_HEADER_WORDS || word[0] != SPIRV_MAGIC)
         return fail(reason, STATUS_INPUT, "no SPIR-V module");
     size_t *at = alloc_zeroed(words, sizeof *at);
     if (!at)
         return fail(reason, STATUS_MEMORY, "no memory for a shader");
-    size_t count = 0, here = HEADER_WORDS;
+    size_t count = 0, here = SPIRV_HEADER_WORDS;
     while (here < words && word[here] >> 16 > 0 && word[here] >> 16 <= words - here) {
         at[count++] = here;
         here += word[here] >> 16;
@@ -174,12 +174,12 @@ enum status spirv_diff_apply(const struct spirv_diff *diff, const bool *done, ui
                              size_t *out_count, struct reason *reason)
 {
     const struct spirv_code *a = diff->before, *b = diff->after;
-    size_t count = HEADER_WORDS, next = 0;
+    size_t count = SPIRV_HEADER_WORDS, next = 0;
     *out_count = 0;
     *out = alloc_zeroed(a->at[a->count] + b->at[b->count], sizeof **out);
     if (!*out)
         return fail(reason, STATUS_MEMORY, "no memory for a shader");
-    memcpy(*out, a->word, HEADER_WORDS * sizeof **out);
+    memcpy(*out, a->word, SPIRV_HEADER_WORDS * sizeof **out);
     if (b->word[BOUND] > a->word[BOUND])
         (*out)[BOUND] = b->word[BOUND];
     for (size_t e = 0; e <= diff->count; e++) {

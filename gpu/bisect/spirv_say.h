@@ -4,18 +4,9 @@
 #define SPIRV_SAY_H
 
 #include "gpu/bisect/spirv_diff.h"
+#include "gpu/shaders/spirv_words.h"
 
 #define SPIRV_SAY_MOST 160u
-#define NO_CONTRACTION 42u
-
-enum {
-    OP_NAME = 5,
-    OP_EXT_INST = 12,
-    OP_FUNCTION = 54,
-    OP_FUNCTION_END = 56,
-    OP_DECORATE = 71,
-    OP_FNEGATE = 127
-};
 
 /* "OpFMul"; of an extended instruction of GLSL.std.450 its name there, "Fma"; "Op4421" of an opcode
  * that is not in the table here. */

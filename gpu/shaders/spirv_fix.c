@@ -1,36 +1,13 @@
 #include "gpu/shaders/spirv_fix.h"
 
+#include "gpu/shaders/spirv_words.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define MAGIC          0x07230203u
-#define HEADER_WORDS   5u
-#define NO_CONTRACTION 42u
-#define RAY_QUERY      4472u /* the capability RayQueryKHR */
-#define RAY_SKIPS      4478u /* RayTraversalPrimitiveCullingKHR: devices with ray queries have it */
-
-enum {
-    OP_SOURCE_CONTINUED = 2,
-    OP_NAME = 5,
-    OP_LINE = 8,
-    OP_EXTENSION = 10,
-    OP_EXT_INST_IMPORT = 11,
-    OP_EXT_INST = 12,
-    OP_MEMORY_MODEL = 14,
-    OP_ENTRY_POINT = 15,
-    OP_EXECUTION_MODE = 16,
-    OP_CAPABILITY = 17,
-    OP_TYPE_INT = 21,
-    OP_TYPE_FLOAT = 22,
-    OP_SPEC_CONSTANT_OP = 52,
-    OP_FUNCTION = 54,
-    OP_FUNCTION_END = 56,
-    OP_DECORATE = 71,
-    OP_NO_LINE = 317,
-    OP_MODULE_PROCESSED = 330,
-    OP_EXECUTION_MODE_ID = 331,
-};
+#define RAY_QUERY 4472u /* the capability RayQueryKHR */
+#define RAY_SKIPS 4478u /* RayTraversalPrimitiveCullingKHR: devices with ray queries have it */
 
 struct module {
     const uint32_t *word;
@@ -169,7 +146,7 @@ static bool check(const struct module *m)
     struct instruction i;
     uint32_t last = 0;
     bool ok = true;
-    for (size_t at = HEADER_WORDS, here = at; ok && next(m, &at, &i, &ok); here = at) {
+    for (size_t at = SPIRV_HEADER_WORDS, here = at; ok && next(m, &at, &i, &ok); here = at) {
         ok = check_baseline(m, here, &i) &&
              (!(m->rules.tracing || m->rules.render) || check_tracing(m, here, &i));
         last = i.op;
@@ -203,7 +180,7 @@ static void put_decorations(const struct module *m, struct sink *out)
 {
     struct instruction i;
     bool ok = true;
-    for (size_t at = HEADER_WORDS; next(m, &at, &i, &ok);) {
+    for (size_t at = SPIRV_HEADER_WORDS; next(m, &at, &i, &ok);) {
         if (!find(decorated, ARRAY_COUNT(decorated), i.op) || i.count < 3)
             continue;
         put(out, (const uint32_t[]){3u << 16 | OP_DECORATE, i.word[2], NO_CONTRACTION}, 3);
@@ -215,7 +192,7 @@ static bool is_function(const struct module *m, uint32_t id)
 {
     struct instruction i;
     bool ok = true;
-    for (size_t at = HEADER_WORDS; next(m, &at, &i, &ok);)
+    for (size_t at = SPIRV_HEADER_WORDS; next(m, &at, &i, &ok);)
         if (i.op == OP_FUNCTION && i.count > 2 && i.word[2] == id)
             return true;
     return false;
@@ -237,8 +214,8 @@ static void put_module(const struct module *m, struct sink *out)
 {
     struct instruction i;
     bool ok = true, done = false;
-    put(out, m->word, HEADER_WORDS);
-    for (size_t at = HEADER_WORDS; next(m, &at, &i, &ok);) {
+    put(out, m->word, SPIRV_HEADER_WORDS);
+    for (size_t at = SPIRV_HEADER_WORDS; next(m, &at, &i, &ok);) {
         if (!done && !m->rules.free && !is_preamble(i.op)) {
             put_decorations(m, out);
             done = true;
@@ -256,7 +233,7 @@ enum status spirv_fix(const uint32_t *word, size_t count, const struct spirv_rul
     struct module m = {word, count, *rules, reason};
     *out = NULL;
     *out_count = 0;
-    if (count < HEADER_WORDS || word[0] != MAGIC)
+    if (count < SPIRV_HEADER_WORDS || word[0] != SPIRV_MAGIC)
         return fail(reason, STATUS_INPUT,
                     "word 0: no SPIR-V header: a module in this machine's byte order");
     if (!check(&m))
@@ -279,13 +256,13 @@ enum status spirv_strip(const uint32_t *word, size_t count, uint32_t **out, size
     bool ok = true;
     *out = NULL;
     *out_count = 0;
-    if (count < HEADER_WORDS || word[0] != MAGIC)
+    if (count < SPIRV_HEADER_WORDS || word[0] != SPIRV_MAGIC)
         return fail(reason, STATUS_INPUT, "word 0: no SPIR-V header");
     struct sink sink = {.word = alloc_zeroed(count, sizeof *sink.word)};
     if (!sink.word)
         return fail(reason, STATUS_MEMORY, "no memory for %zu words of SPIR-V", count);
-    put(&sink, word, HEADER_WORDS);
-    for (size_t at = HEADER_WORDS; next(&m, &at, &i, &ok);)
+    put(&sink, word, SPIRV_HEADER_WORDS);
+    for (size_t at = SPIRV_HEADER_WORDS; next(&m, &at, &i, &ok);)
         if (!(i.op == OP_DECORATE && i.count == 3 && i.word[2] == NO_CONTRACTION))
             put(&sink, i.word, i.count);
     if (!ok) {

@@ -1,20 +1,11 @@
 #include "gpu/shaders/spirv_interface.h"
 
 #include "gpu/shaders/spirv_look.h"
+#include "gpu/shaders/spirv_words.h"
 
 #include <string.h>
 
-enum {
-    HEADER_WORDS = 5,
-    OP_ENTRY_POINT = 15,
-    OP_EXECUTION_MODE = 16,
-    OP_DECORATE = 71,
-    MODEL_COMPUTE = 5,
-    MODE_LOCAL_SIZE = 17,
-    DECORATION_SPEC_ID = 1,
-    DECORATION_BINDING = 33,
-    DECORATION_SET = 34
-};
+enum { MODEL_COMPUTE = 5, MODE_LOCAL_SIZE = 17 };
 
 static enum status decoration(const uint32_t *at, uint32_t length, uint32_t bindings,
                               struct spirv_interface *out, struct reason *reason)
@@ -25,7 +16,7 @@ static enum status decoration(const uint32_t *at, uint32_t length, uint32_t bind
         out->local_chosen = true;
     if (at[2] == DECORATION_BINDING && at[3] >= bindings)
         return fail(reason, STATUS_INPUT, "binding %u: there are 0 to %u", at[3], bindings - 1);
-    if (at[2] == DECORATION_SET && at[3] != 0)
+    if (at[2] == DECORATION_DESCRIPTOR_SET && at[3] != 0)
         return fail(reason, STATUS_INPUT, "descriptor set %u: there is 0", at[3]);
     return STATUS_OK;
 }
@@ -61,7 +52,7 @@ enum status spirv_interface(const uint32_t *word, size_t count, uint32_t binding
     if (!status && found.other_capabilities)
         status = fail(reason, STATUS_INPUT, "it needs %u capabilities beyond Shader",
                       found.other_capabilities);
-    for (size_t at = HEADER_WORDS; at < count && !status; at += word[at] >> 16)
+    for (size_t at = SPIRV_HEADER_WORDS; at < count && !status; at += word[at] >> 16)
         status = take(word + at, word[at] >> 16, bindings, &main_found, out, reason);
     if (!status && !main_found)
         status = fail(reason, STATUS_INPUT, "no entry point main");

@@ -1,25 +1,14 @@
 #include "gpu/shaders/spirv_look.h"
 
+#include "gpu/shaders/spirv_words.h"
+
 #include <stdlib.h>
 
-#define MAGIC        0x07230203u
-#define HEADER_WORDS 5u
-#define BOUND_MOST   0x3FFFFFu /* the specification's limit */
-
 enum {
-    OP_EXT_INST = 12,
-    OP_CAPABILITY = 17,
-    OP_TYPE_FLOAT = 22,
-    OP_TYPE_VECTOR = 23,
-    OP_TYPE_MATRIX = 24,
-    OP_DECORATE = 71,
     OP_FIRST_ARITHMETIC = 126, /* OpSNegate */
-    OP_NEGATE = 127,
-    OP_FIRST_SUM = 144,       /* OpVectorTimesMatrix */
-    OP_OUTER_PRODUCT = 147,   /* within the range, but not a sum */
-    OP_LAST_SUM = 148,        /* OpDot */
-    OP_LAST_ARITHMETIC = 152, /* OpSMulExtended */
-    NO_CONTRACTION = 42,
+    OP_FIRST_SUM = 144,        /* OpVectorTimesMatrix; OpOuterProduct is in the range, but no sum */
+    OP_LAST_SUM = 148,         /* OpDot */
+    OP_LAST_ARITHMETIC = 152,  /* OpSMulExtended */
     UNPACK_HALF = 62,
     CAPABILITY_SHADER = 1,
 };
@@ -72,7 +61,7 @@ static void judge(const struct look_instruction *i, const uint8_t *id, uint32_t 
         out->float_ops++;
         const bool bare = !(id[id_at(i, 2, bound)] & IS_PINNED);
         out->bare += bare;
-        out->bare_signs += bare && i->op == OP_NEGATE;
+        out->bare_signs += bare && i->op == OP_FNEGATE;
         out->sums += i->op >= OP_FIRST_SUM && i->op <= OP_LAST_SUM && i->op != OP_OUTER_PRODUCT;
     }
     if (i->op == OP_EXT_INST) {
@@ -87,7 +76,8 @@ enum status spirv_look(const uint32_t *word, uint32_t count, struct spirv_found 
                        struct reason *reason)
 {
     *out = (struct spirv_found){0};
-    if (count < HEADER_WORDS || word[0] != MAGIC || word[3] == 0 || word[3] > BOUND_MOST)
+    if (count < SPIRV_HEADER_WORDS || word[0] != SPIRV_MAGIC || word[3] == 0 ||
+        word[3] > SPIRV_BOUND_MOST)
         return fail(reason, STATUS_INPUT, "no SPIR-V module");
     const uint32_t bound = word[3];
     uint8_t *id = alloc_zeroed(bound, 1);
@@ -95,7 +85,7 @@ enum status spirv_look(const uint32_t *word, uint32_t count, struct spirv_found 
         return fail(reason, STATUS_MEMORY, "no memory for %u SPIR-V ids", bound);
     enum status status = STATUS_OK;
     for (int pass = 0; pass < 2 && !status; pass++) /* decorations precede their ids */
-        for (uint32_t at = HEADER_WORDS; at < count && !status;) {
+        for (uint32_t at = SPIRV_HEADER_WORDS; at < count && !status;) {
             struct look_instruction i = {word + at, word[at] & 0xFFFFu, word[at] >> 16};
             if (i.count == 0 || i.count > count - at)
                 status = fail(reason, STATUS_INPUT, "word %u: no SPIR-V instruction", at);

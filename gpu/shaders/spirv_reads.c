@@ -3,8 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BOUND_MOST 0x3FFFFFu /* the specification's limit */
-
 void spirv_put(struct spirv_out *out, const uint32_t *word, size_t count)
 {
     memcpy(out->word + out->count, word, count * sizeof *word);
@@ -31,15 +29,15 @@ const struct spirv_id *spirv_id_at(const struct spirv_reads *reads, const uint32
 
 static void note_type(struct spirv_reads *reads, const uint32_t *i, uint32_t count)
 {
-    const bool constant = (i[0] & 0xFFFFu) == SPIRV_CONSTANT;
+    const bool constant = (i[0] & 0xFFFFu) == OP_CONSTANT;
     struct spirv_id *id = id_at(reads, i, constant ? 2 : 1);
     const uint32_t at = (uint32_t)(id - reads->id);
     id->op = i[0] & 0xFFFFu;
     for (uint32_t k = 0; k < 3; k++)
         id->word[k] = k + 2 < count ? i[k + 2] : 0;
-    if (id->op == SPIRV_TYPE_INT && id->word[0] == 32 && id->word[1] == 0)
+    if (id->op == OP_TYPE_INT && id->word[0] == 32 && id->word[1] == 0)
         reads->uint_type = at;
-    if (id->op == SPIRV_TYPE_VECTOR && id->word[0] == reads->uint_type && reads->uint_type) {
+    if (id->op == OP_TYPE_VECTOR && id->word[0] == reads->uint_type && reads->uint_type) {
         if (id->word[1] == 2)
             reads->uvec2_type = at;
         if (id->word[1] == 4)
@@ -61,15 +59,15 @@ static void note_variable(struct spirv_reads *reads, const uint32_t *i, uint32_t
     const struct spirv_id *array = known(reads, block->word[0]);
     const struct spirv_id *element = known(reads, array->word[0]);
     const uint32_t binding = id->binding - 1;
-    if (pointer->op != SPIRV_TYPE_POINTER || pointer->word[0] != SPIRV_IN_STORAGE_BUFFER ||
+    if (pointer->op != OP_TYPE_POINTER || pointer->word[0] != CLASS_STORAGE_BUFFER ||
         id->binding == 0 || binding > 31 || !(bindings >> binding & 1))
         return;
-    const bool quads = element->op == SPIRV_TYPE_VECTOR && element->word[1] == 4;
+    const bool quads = element->op == OP_TYPE_VECTOR && element->word[1] == 4;
     const uint32_t scalar = quads ? known(reads, element->word[0])->op : element->op;
-    id->buffer.is = block->op == SPIRV_TYPE_STRUCT && array->op == SPIRV_TYPE_RUNTIME_ARRAY &&
-                    (scalar == SPIRV_TYPE_FLOAT || scalar == SPIRV_TYPE_INT);
+    id->buffer.is = block->op == OP_TYPE_STRUCT && array->op == OP_TYPE_RUNTIME_ARRAY &&
+                    (scalar == OP_TYPE_FLOAT || scalar == OP_TYPE_INT);
     id->buffer.words = !quads;
-    id->buffer.real = scalar == SPIRV_TYPE_FLOAT;
+    id->buffer.real = scalar == OP_TYPE_FLOAT;
     id->buffer.element = array->word[0];
 }
 
@@ -95,16 +93,16 @@ static enum status note_chain(struct spirv_reads *reads, const uint32_t *i, uint
 static bool uses(const struct spirv_reads *reads, const uint32_t *i, uint32_t count)
 {
     const uint32_t op = i[0] & 0xFFFFu;
-    const bool may = op == SPIRV_FUNCTION_CALL || (op >= SPIRV_STORE && op <= SPIRV_COPY_MEMORY) ||
-                     op == SPIRV_ARRAY_LENGTH || op == SPIRV_COPY_OBJECT || op == SPIRV_SELECT ||
-                     op == SPIRV_PHI || op == SPIRV_LOAD ||
-                     (op >= SPIRV_ATOMIC_FIRST && op <= SPIRV_ATOMIC_LAST);
+    const bool may = op == OP_FUNCTION_CALL || (op >= OP_STORE && op <= OP_COPY_MEMORY) ||
+                     op == OP_ARRAY_LENGTH || op == OP_COPY_OBJECT || op == OP_SELECT ||
+                     op == OP_PHI || op == OP_LOAD ||
+                     (op >= OP_ATOMIC_FIRST && op <= OP_ATOMIC_LAST);
     for (uint32_t at = 1; may && at < count; at++) {
         const struct spirv_id *id = id_at(reads, i, at);
         const bool whole = id->buffer.is, part = id->place.of != 0;
-        if (whole && !(op == SPIRV_LOAD && at > 3))
+        if (whole && !(op == OP_LOAD && at > 3))
             return true;
-        if (part && op != SPIRV_LOAD)
+        if (part && op != OP_LOAD)
             return true;
     }
     return false;
@@ -114,13 +112,13 @@ static enum status note(struct spirv_reads *reads, const uint32_t *i, uint32_t b
                         struct reason *reason)
 {
     const uint32_t op = i[0] & 0xFFFFu, count = i[0] >> 16;
-    if (op == SPIRV_DECORATE && count == 4 && i[2] == SPIRV_BINDING)
+    if (op == OP_DECORATE && count == 4 && i[2] == DECORATION_BINDING)
         id_at(reads, i, 1)->binding = i[3] + 1;
-    if ((op >= SPIRV_TYPE_VOID && op <= SPIRV_TYPE_POINTER) || op == SPIRV_CONSTANT)
+    if ((op >= OP_TYPE_VOID && op <= OP_TYPE_POINTER) || op == OP_CONSTANT)
         note_type(reads, i, count);
-    if (op == SPIRV_VARIABLE)
+    if (op == OP_VARIABLE)
         note_variable(reads, i, bindings);
-    if (op == SPIRV_ACCESS_CHAIN || op == SPIRV_IN_BOUNDS_ACCESS_CHAIN)
+    if (op == OP_ACCESS_CHAIN || op == OP_IN_BOUNDS_ACCESS_CHAIN)
         return note_chain(reads, i, count, reason);
     return uses(reads, i, count)
                ? fail(reason, STATUS_UNSUPPORTED, "a buffer is more than read (instruction %u)", op)
@@ -132,7 +130,7 @@ enum status spirv_reads_make(const uint32_t *word, size_t count, uint32_t bindin
 {
     *out = (struct spirv_reads){.word = word, .count = count};
     if (count < SPIRV_HEADER_WORDS || word[0] != SPIRV_MAGIC || word[3] == 0 ||
-        word[3] > BOUND_MOST)
+        word[3] > SPIRV_BOUND_MOST)
         return fail(reason, STATUS_INPUT, "no SPIR-V module");
     out->bound = word[3];
     out->id = alloc_zeroed(out->bound, sizeof *out->id);

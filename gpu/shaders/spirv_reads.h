@@ -3,50 +3,8 @@
 #ifndef SPIRV_READS_H
 #define SPIRV_READS_H
 
+#include "gpu/shaders/spirv_words.h"
 #include "ref/base/base.h"
-
-#define SPIRV_MAGIC        0x07230203u
-#define SPIRV_HEADER_WORDS 5u
-
-enum {
-    SPIRV_EXTENSION = 10,
-    SPIRV_EXT_INST_IMPORT = 11,
-    SPIRV_MEMORY_MODEL = 14,
-    SPIRV_CAPABILITY = 17,
-    SPIRV_TYPE_VOID = 19,
-    SPIRV_TYPE_INT = 21,
-    SPIRV_TYPE_FLOAT = 22,
-    SPIRV_TYPE_VECTOR = 23,
-    SPIRV_TYPE_IMAGE = 25,
-    SPIRV_TYPE_RUNTIME_ARRAY = 29,
-    SPIRV_TYPE_STRUCT = 30,
-    SPIRV_TYPE_POINTER = 32,
-    SPIRV_CONSTANT = 43,
-    SPIRV_FUNCTION_CALL = 57,
-    SPIRV_VARIABLE = 59,
-    SPIRV_LOAD = 61,
-    SPIRV_STORE = 62,
-    SPIRV_COPY_MEMORY = 63,
-    SPIRV_ACCESS_CHAIN = 65,
-    SPIRV_IN_BOUNDS_ACCESS_CHAIN = 66,
-    SPIRV_ARRAY_LENGTH = 68,
-    SPIRV_DECORATE = 71,
-    SPIRV_MEMBER_DECORATE = 72,
-    SPIRV_EXTRACT_DYNAMIC = 77,
-    SPIRV_COMPOSITE_EXTRACT = 81,
-    SPIRV_COPY_OBJECT = 83,
-    SPIRV_IMAGE_FETCH = 95,
-    SPIRV_BITCAST = 124,
-    SPIRV_SELECT = 169,
-    SPIRV_ATOMIC_FIRST = 227,
-    SPIRV_ATOMIC_LAST = 242,
-    SPIRV_PHI = 245,
-    SPIRV_IN_STORAGE_BUFFER = 12, /* storage class */
-    SPIRV_BINDING = 33,           /* decorations */
-    SPIRV_DESCRIPTOR_SET = 34,
-    SPIRV_BLOCK = 2,
-    SPIRV_OFFSET = 35,
-};
 
 /* What is known of an id. 0: nothing. */
 struct spirv_id {

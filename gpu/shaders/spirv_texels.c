@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-enum { SAMPLED_BUFFER = 46 /* capability */, DIM_BUFFER = 5, SAMPLED = 1, UNIFORM_CONSTANT = 0 };
+enum { SAMPLED_BUFFER = 46 /* capability */, DIM_BUFFER = 5, SAMPLED = 1 };
 
 /* A module being made; the types that it adds. */
 struct texels {
@@ -20,11 +20,10 @@ static void put_types(struct texels *t)
     t->uvec4_type = t->reads.uvec4_type ? t->reads.uvec4_type : t->out.bound++;
     t->image_type = t->out.bound++;
     t->pointer_type = t->out.bound++;
-    SPIRV_PUT(&t->out, SPIRV_TYPE_INT, t->uint_type, 32, 0);
-    SPIRV_PUT(&t->out, SPIRV_TYPE_VECTOR, t->uvec4_type, t->uint_type, 4);
-    SPIRV_PUT(&t->out, SPIRV_TYPE_IMAGE, t->image_type, t->uint_type, DIM_BUFFER, 0, 0, 0, SAMPLED,
-              0);
-    SPIRV_PUT(&t->out, SPIRV_TYPE_POINTER, t->pointer_type, UNIFORM_CONSTANT, t->image_type);
+    SPIRV_PUT(&t->out, OP_TYPE_INT, t->uint_type, 32, 0);
+    SPIRV_PUT(&t->out, OP_TYPE_VECTOR, t->uvec4_type, t->uint_type, 4);
+    SPIRV_PUT(&t->out, OP_TYPE_IMAGE, t->image_type, t->uint_type, DIM_BUFFER, 0, 0, 0, SAMPLED, 0);
+    SPIRV_PUT(&t->out, OP_TYPE_POINTER, t->pointer_type, CLASS_UNIFORM_CONSTANT, t->image_type);
     t->typed = true;
 }
 
@@ -36,20 +35,20 @@ static void put_fetch(struct texels *t, const uint32_t *i)
     const bool quad = !of->buffer.words && !place->place.part;
     const uint32_t image = t->out.bound++;
     const uint32_t fetched = quad && !of->buffer.real ? i[2] : t->out.bound++;
-    SPIRV_PUT(&t->out, SPIRV_LOAD, t->image_type, image, place->place.of);
-    SPIRV_PUT(&t->out, SPIRV_IMAGE_FETCH, t->uvec4_type, fetched, image, place->place.index);
+    SPIRV_PUT(&t->out, OP_LOAD, t->image_type, image, place->place.of);
+    SPIRV_PUT(&t->out, OP_IMAGE_FETCH, t->uvec4_type, fetched, image, place->place.index);
     if (quad) {
         if (of->buffer.real)
-            SPIRV_PUT(&t->out, SPIRV_BITCAST, i[1], i[2], fetched);
+            SPIRV_PUT(&t->out, OP_BITCAST, i[1], i[2], fetched);
         return;
     }
     const uint32_t word = of->buffer.real ? t->out.bound++ : i[2];
     if (of->buffer.words)
-        SPIRV_PUT(&t->out, SPIRV_COMPOSITE_EXTRACT, t->uint_type, word, fetched, 0);
+        SPIRV_PUT(&t->out, OP_COMPOSITE_EXTRACT, t->uint_type, word, fetched, 0);
     else
-        SPIRV_PUT(&t->out, SPIRV_EXTRACT_DYNAMIC, t->uint_type, word, fetched, place->place.part);
+        SPIRV_PUT(&t->out, OP_EXTRACT_DYNAMIC, t->uint_type, word, fetched, place->place.part);
     if (of->buffer.real)
-        SPIRV_PUT(&t->out, SPIRV_BITCAST, i[1], i[2], word);
+        SPIRV_PUT(&t->out, OP_BITCAST, i[1], i[2], word);
 }
 
 /* Whether the instruction goes, or was replaced. */
@@ -57,21 +56,21 @@ static bool replaced(struct texels *t, const uint32_t *i)
 {
     const struct spirv_reads *reads = &t->reads;
     switch (i[0] & 0xFFFFu) {
-    case SPIRV_DECORATE: /* what is left of a buffer's is where it is bound */
-        return i[0] >> 16 > 2 && spirv_id_at(reads, i, 1)->buffer.is && i[2] != SPIRV_BINDING &&
-               i[2] != SPIRV_DESCRIPTOR_SET;
-    case SPIRV_TYPE_INT:
-    case SPIRV_TYPE_VECTOR:
+    case OP_DECORATE: /* what is left of a buffer's is where it is bound */
+        return i[0] >> 16 > 2 && spirv_id_at(reads, i, 1)->buffer.is &&
+               i[2] != DECORATION_BINDING && i[2] != DECORATION_DESCRIPTOR_SET;
+    case OP_TYPE_INT:
+    case OP_TYPE_VECTOR:
         return spirv_is(reads, i, reads->uint_type) || spirv_is(reads, i, reads->uvec4_type);
-    case SPIRV_VARIABLE:
+    case OP_VARIABLE:
         if (!spirv_id_at(reads, i, 2)->buffer.is)
             return false;
-        SPIRV_PUT(&t->out, SPIRV_VARIABLE, t->pointer_type, i[2], UNIFORM_CONSTANT);
+        SPIRV_PUT(&t->out, OP_VARIABLE, t->pointer_type, i[2], CLASS_UNIFORM_CONSTANT);
         return true;
-    case SPIRV_ACCESS_CHAIN:
-    case SPIRV_IN_BOUNDS_ACCESS_CHAIN:
+    case OP_ACCESS_CHAIN:
+    case OP_IN_BOUNDS_ACCESS_CHAIN:
         return spirv_id_at(reads, i, 2)->place.of != 0;
-    case SPIRV_LOAD:
+    case OP_LOAD:
         if (!spirv_id_at(reads, i, 3)->place.of)
             return false;
         put_fetch(t, i);
@@ -88,12 +87,12 @@ static void put_module(struct texels *t)
     spirv_put(&t->out, word, SPIRV_HEADER_WORDS);
     for (size_t at = SPIRV_HEADER_WORDS; at < t->reads.count; at += word[at] >> 16) {
         const uint32_t op = word[at] & 0xFFFFu;
-        if (!t->typed && op >= SPIRV_TYPE_VOID && op <= SPIRV_TYPE_POINTER)
+        if (!t->typed && op >= OP_TYPE_VOID && op <= OP_TYPE_POINTER)
             put_types(t);
         if (!replaced(t, word + at))
             spirv_put(&t->out, word + at, word[at] >> 16);
-        if (!able && op == SPIRV_CAPABILITY) {
-            SPIRV_PUT(&t->out, SPIRV_CAPABILITY, SAMPLED_BUFFER);
+        if (!able && op == OP_CAPABILITY) {
+            SPIRV_PUT(&t->out, OP_CAPABILITY, SAMPLED_BUFFER);
             able = true;
         }
     }

@@ -2,18 +2,16 @@
 #include "ref/outside/pipe_child.h"
 
 #include "ref/outside/pipe.h"
+#include "ref/outside/quiet.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
-#include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/uio.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 /* Standard error is not read beyond this many bytes, so the pipe fills up. */
@@ -142,26 +140,6 @@ void pipe_child_listen(struct pipe_child *child)
             child->said[i] = '\0';
         else if (child->said[i] && (child->said[i] < ' ' || child->said[i] > '~'))
             child->said[i] = '?';
-}
-
-/* write() without a SIGPIPE: the library does not change the process's signal handling. */
-static ssize_t write_quietly(int to, const void *bytes, size_t size)
-{
-    sigset_t pipe_signal, before, pending;
-    sigemptyset(&pipe_signal);
-    sigaddset(&pipe_signal, SIGPIPE);
-    sigpending(&pending);
-    pthread_sigmask(SIG_BLOCK, &pipe_signal, &before);
-    ssize_t wrote = write(to, bytes, size);
-    int why = errno;
-    if (wrote < 0 && why == EPIPE && !sigismember(&pending, SIGPIPE)) {
-        const struct timespec now = {0, 0};
-        while (sigtimedwait(&pipe_signal, NULL, &now) < 0 && errno == EINTR)
-            continue;
-    }
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    errno = why;
-    return wrote;
 }
 
 static bool all_sent(const struct pipe_talk *talk)

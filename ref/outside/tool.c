@@ -2,19 +2,17 @@
 #include "ref/outside/tool.h"
 
 #include "ref/outside/guardian.h"
+#include "ref/outside/quiet.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
-#include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #define TOOL_PATH_MOST 1024
@@ -123,26 +121,6 @@ static enum status start(struct running *run, const char *path, struct reason *r
             fcntl(run->end[p], F_SETFL, O_NONBLOCK);
     }
     return status;
-}
-
-/* write() without a SIGPIPE, whose handling belongs to the program. */
-static ssize_t write_quietly(int to, const void *bytes, size_t size)
-{
-    sigset_t broken, before, pending;
-    sigemptyset(&broken);
-    sigaddset(&broken, SIGPIPE);
-    sigpending(&pending);
-    pthread_sigmask(SIG_BLOCK, &broken, &before);
-    const ssize_t wrote = write(to, bytes, size);
-    const int why = errno;
-    if (wrote < 0 && why == EPIPE && !sigismember(&pending, SIGPIPE)) {
-        const struct timespec now = {0, 0};
-        while (sigtimedwait(&broken, NULL, &now) < 0 && errno == EINTR)
-            continue;
-    }
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    errno = why;
-    return wrote;
 }
 
 static bool would_wait(void)

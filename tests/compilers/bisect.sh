@@ -5,19 +5,8 @@
 #   sh tests/compilers/bisect.sh BUILD/raydiff
 set -u
 raydiff=$1
-for tool in spirv-opt spirv-val; do
-    command -v $tool >/dev/null || { echo "SKIP bisect: $tool is needed (Debian: spirv-tools)"; exit 77; }
-done
-. tests/scripts/expect.sh
-"$raydiff" check soup:n=9 --count 9 --engine vulkan >"$dir/out" 2>&1
-missing=$(grep -m 1 -oE 'vulkan: no (loader|device).*' "$dir/out")
-[ -z "$missing" ] || { echo "SKIP bisect: $missing"; exit 77; }
-
-${CC:-cc} -std=c17 -O1 -o "$dir/spirv_pass" tests/compilers/spirv_pass.c || { echo "FAILED  spirv_pass.c"; exit 1; }
-for what in drop reassociate contract swap mark act odd invalid; do
-    printf '#!/bin/sh\nexec "%s/spirv_pass" %s\n' "$dir" $what >"$dir/$what"
-    chmod +x "$dir/$what"
-done
+name=bisect passes='drop reassociate contract swap mark act odd invalid'
+. tests/compilers/passes.sh
 scene='sphere:n=8 --seed 1'
 
 # Output of a run has such lines; spaces that break lines are one.

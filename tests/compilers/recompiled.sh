@@ -4,19 +4,8 @@
 #   sh tests/compilers/recompiled.sh BUILD/raydiff
 set -u
 raydiff=$1
-for tool in spirv-opt spirv-val; do
-    command -v $tool >/dev/null || { echo "SKIP recompiled: $tool is needed (Debian: spirv-tools)"; exit 77; }
-done
-. tests/scripts/expect.sh
-"$raydiff" check soup:n=9 --count 9 --engine vulkan >"$dir/out" 2>&1
-missing=$(grep -m 1 -oE 'vulkan: no (loader|device).*' "$dir/out")
-[ -z "$missing" ] || { echo "SKIP recompiled: $missing"; exit 77; }
-
-${CC:-cc} -std=c17 -O1 -o "$dir/spirv_pass" tests/compilers/spirv_pass.c || { echo "FAILED  spirv_pass.c"; exit 1; }
-for what in copy drop reassociate contract text invalid fails; do
-    printf '#!/bin/sh\nexec "%s/spirv_pass" %s\n' "$dir" $what >"$dir/$what"
-    chmod +x "$dir/$what"
-done
+name=recompiled passes='copy drop reassociate contract text invalid fails'
+. tests/compilers/passes.sh
 scene='sphere:n=8 --count 3000 --repeat 1'
 
 # Output of a run has such lines.

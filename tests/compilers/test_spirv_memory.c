@@ -1,9 +1,11 @@
 /* Modules that read their inputs otherwise (gpu/shaders/spirv_memory.h): laws of every module that
  * traces, counted by another walk through its words; what cannot be read otherwise is refused. */
+#include "gpu/shaders/compiler.h"
 #include "gpu/shaders/compiler_tools.h"
 #include "gpu/shaders/shaders.h"
 #include "gpu/shaders/spirv_look.h"
 #include "gpu/shaders/spirv_memory.h"
+#include "gpu/shaders/spirv_words.h"
 #include "ref/abi_world.h"
 
 #include <stdarg.h>
@@ -19,23 +21,6 @@
     (1u << ABI_BIND_RAYS | 1u << ABI_BIND_NODES | 1u << ABI_BIND_ITEMS | 1u << ABI_BIND_TRIS |     \
      1u << ABI_BIND_WORLD)
 
-enum {
-    OP_CAPABILITY = 17,
-    OP_VECTOR = 23,
-    OP_IMAGE = 25,
-    OP_ARRAY = 29,
-    OP_STRUCT = 30,
-    OP_POINTER = 32,
-    OP_VARIABLE = 59,
-    OP_LOAD = 61,
-    OP_CHAIN = 65,
-    OP_DECORATE = 71,
-    OP_EXTRACT = 77,
-    OP_FETCH = 95,
-    BINDING = 33,
-    STORAGE_BUFFER = 12
-};
-
 /* The instruction that makes an id; NULL: there is none. */
 static const uint32_t *maker(const uint32_t *word, size_t count, uint32_t op, uint32_t id)
 {
@@ -50,7 +35,8 @@ static const uint32_t *maker(const uint32_t *word, size_t count, uint32_t op, ui
 static uint32_t binding_of(const uint32_t *word, size_t count, uint32_t id)
 {
     for (size_t i = 5; i < count; i += word[i] >> 16)
-        if ((word[i] & 0xFFFFu) == OP_DECORATE && word[i + 1] == id && word[i + 2] == BINDING)
+        if ((word[i] & 0xFFFFu) == OP_DECORATE && word[i + 1] == id &&
+            word[i + 2] == DECORATION_BINDING)
             return word[i + 3];
     return 32;
 }
@@ -71,16 +57,16 @@ static uint32_t reads(const uint32_t *word, size_t count, uint32_t bindings, uin
     for (size_t i = 5; i < count; i += word[i] >> 16) {
         if ((word[i] & 0xFFFFu) != OP_LOAD)
             continue;
-        const uint32_t *chain = maker(word, count, OP_CHAIN, word[i + 3]);
+        const uint32_t *chain = maker(word, count, OP_ACCESS_CHAIN, word[i + 3]);
         const uint32_t *variable = chain ? maker(word, count, OP_VARIABLE, chain[3]) : NULL;
         const uint32_t at = variable ? binding_of(word, count, variable[2]) : 32;
-        if (at > 31 || variable[3] != STORAGE_BUFFER || !(bindings >> at & 1))
+        if (at > 31 || variable[3] != CLASS_STORAGE_BUFFER || !(bindings >> at & 1))
             continue;
         out++;
-        const uint32_t *pointer = maker(word, count, OP_POINTER, variable[1]);
-        const uint32_t *block = maker(word, count, OP_STRUCT, pointer[3]);
-        const uint32_t *array = maker(word, count, OP_ARRAY, block[2]);
-        if (array && !maker(word, count, OP_VECTOR, array[2]))
+        const uint32_t *pointer = maker(word, count, OP_TYPE_POINTER, variable[1]);
+        const uint32_t *block = maker(word, count, OP_TYPE_STRUCT, pointer[3]);
+        const uint32_t *array = maker(word, count, OP_TYPE_RUNTIME_ARRAY, block[2]);
+        if (array && !maker(word, count, OP_TYPE_VECTOR, array[2]))
             *words |= 1u << at;
     }
     return out;
@@ -128,8 +114,8 @@ static void every_load_becomes_a_fetch(void **state)
             fail_msg("%s: %s", shader->name, reason.text);
         const uint32_t loads = reads(shader->word, shader->word_count, INPUTS, &wanted);
         assert_true(loads > 3);
-        assert_int_equal(how_many(word, count, OP_FETCH), loads);
-        assert_int_equal(how_many(word, count, OP_IMAGE), 1);
+        assert_int_equal(how_many(word, count, OP_IMAGE_FETCH), loads);
+        assert_int_equal(how_many(word, count, OP_TYPE_IMAGE), 1);
         assert_int_equal(reads(word, count, INPUTS, &none), 0);
         assert_int_equal(words, wanted);
         same_arithmetic(shader, word, count);
@@ -174,10 +160,12 @@ static uint32_t how_many_parts(const uint32_t *word, size_t count, uint32_t part
 {
     uint32_t out = 0;
     for (size_t i = 5; i < count; i += word[i] >> 16) {
-        const uint32_t *chain =
-            (word[i] & 0xFFFFu) == OP_LOAD ? maker(word, count, OP_CHAIN, word[i + 3]) : NULL;
+        const uint32_t *chain = (word[i] & 0xFFFFu) == OP_LOAD
+                                    ? maker(word, count, OP_ACCESS_CHAIN, word[i + 3])
+                                    : NULL;
         const uint32_t *variable = chain ? maker(word, count, OP_VARIABLE, chain[3]) : NULL;
-        out += variable && variable[3] == STORAGE_BUFFER && chain[0] >> 16 == 7 && chain[6] == part;
+        out += variable && variable[3] == CLASS_STORAGE_BUFFER && chain[0] >> 16 == 7 &&
+               chain[6] == part;
     }
     return out;
 }
@@ -218,7 +206,7 @@ static void words_and_quads_of_one_binding_are_refused_as_texels_alone(void **st
     uint32_t *word = copy_of(shader);
     struct reason reason;
     for (size_t i = 5; i < shader->word_count; i += word[i] >> 16)
-        if ((word[i] & 0xFFFFu) == OP_DECORATE && word[i + 2] == BINDING &&
+        if ((word[i] & 0xFFFFu) == OP_DECORATE && word[i + 2] == DECORATION_BINDING &&
             word[i + 3] == ABI_BIND_ITEMS)
             word[i + 3] = ABI_BIND_NODES;
     assert_int_equal(try_both(word, shader->word_count, INPUTS, true, &reason), STATUS_UNSUPPORTED);
@@ -234,7 +222,7 @@ static void components_are_those_asked_for(void **state)
     const struct shader *shader = shader_find("world_f32");
     uint32_t *word = copy_of(shader), played = 0;
     for (size_t at = 5; at < shader->word_count; at += word[at] >> 16) {
-        if ((word[at] & 0xFFFFu) != OP_CHAIN || word[at] >> 16 != 7)
+        if ((word[at] & 0xFFFFu) != OP_ACCESS_CHAIN || word[at] >> 16 != 7)
             continue;
         uint32_t *made, words, found = 0;
         size_t count;
@@ -244,7 +232,7 @@ static void components_are_those_asked_for(void **state)
         assert_int_equal(
             spirv_texels(word, shader->word_count, INPUTS, &made, &count, &words, &reason), 0);
         for (size_t i = 5; i < count; i += made[i] >> 16)
-            found += (made[i] & 0xFFFFu) == OP_EXTRACT && made[i + 4] == word[at + 4];
+            found += (made[i] & 0xFFFFu) == OP_EXTRACT_DYNAMIC && made[i + 4] == word[at + 4];
         free(made);
         assert_int_equal(found, how_many_parts(word, shader->word_count, word[at + 4]));
         word[at + 6] = before;
@@ -278,6 +266,44 @@ static void broken_modules_are_refused(void **state)
     }
 }
 
+/* What an engine of that name has its driver read: the module and the bindings. One that reads as
+ * ever under another name would have equal bits. */
+static void names_have_the_modules_that_they_say(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        bool texels, references;
+    } way[] = {{"raw", false, false},      {"raw:none", false, false},
+               {"texel", true, false},     {"texel:raw:none", true, false},
+               {"reference", false, true}, {"reference:raw:none", false, true}};
+    const struct shader *found = shader_find("trace_f32");
+    const struct vk_shader shader = {
+        .name = found->name, .word = found->word, .word_count = found->word_count};
+    for (size_t i = 0; i < ARRAY_COUNT(way); i++) {
+        struct compiler compiler;
+        struct compiled made;
+        struct reason reason;
+        char text[COMPILER_NAME_MOST + 32];
+        uint32_t words, wanted;
+        const uint32_t loads = reads(found->word, found->word_count, INPUTS, &wanted);
+        assert_int_equal(compiler_parse(way[i].name, &compiler, &reason), 0);
+        compiler_name(&compiler, text);
+        assert_string_equal(text, way[i].name);
+        assert_int_equal(compiler_ways(&compiler).texels, way[i].texels ? INPUTS : 0);
+        assert_int_equal(compiler_ways(&compiler).references, way[i].references ? INPUTS : 0);
+        assert_int_equal(compiler_changes_nothing(&compiler), i == 0);
+        assert_int_equal(compiler_run(&compiler, &shader, &made, &reason), 0);
+        assert_int_equal(how_many(made.word, made.count, OP_IMAGE_FETCH),
+                         way[i].texels ? loads : 0);
+        assert_int_equal(how_many(made.word, made.count, OP_LOAD),
+                         how_many(found->word, found->word_count, OP_LOAD) +
+                             (way[i].references ? loads : 0));
+        assert_int_equal(reads(made.word, made.count, INPUTS, &words), way[i].texels ? 0 : loads);
+        assert_int_equal(made.words_of, way[i].texels ? wanted : 0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -287,6 +313,7 @@ int main(void)
         cmocka_unit_test(components_are_those_asked_for),
         cmocka_unit_test(words_and_quads_of_one_binding_are_refused_as_texels_alone),
         cmocka_unit_test(broken_modules_are_refused),
+        cmocka_unit_test(names_have_the_modules_that_they_say),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

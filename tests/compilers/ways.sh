@@ -4,10 +4,8 @@
 #   sh tests/compilers/ways.sh BUILD/raydiff
 set -u
 raydiff=$1
-. tests/scripts/expect.sh
-"$raydiff" check soup:n=9 --count 9 --engine vulkan >"$dir/out" 2>&1
-missing=$(grep -m 1 -oE 'vulkan: no (loader|device).*' "$dir/out")
-[ -z "$missing" ] || { echo "SKIP ways: $missing"; exit 77; }
+name=ways
+. tests/compilers/driver.sh
 ways='--buffers storage,texel,reference'
 
 # So many rows of other ways, each with equal bits and nothing lost.
