@@ -220,6 +220,36 @@ static void a_miss_of_a_black_box_is_judged_by_displacement(void **state)
     judge_fixture_close(c);
 }
 
+/* A hit where the range ends just before or behind a layer needs the distance of that end from it:
+ * in units of 2^-24 of the largest coordinate of a vertex from the origin, which is 1.5. */
+static void a_hit_beyond_an_end_needs_its_distance_from_it(void **state)
+{
+    (void)state;
+    struct judge_fixture *c = inside();
+    const double unit = 0x1p-24 * 1.5;
+    size_t asked = 0;
+    judge_fixture_seat(c, &black_box, QUERY_ANY);
+    for (int end = 0; end < 2; end++)
+        for (float turn = 1; turn <= 4; turn *= 2) /* t counts in multiples of the direction */
+            for (int units = 1; units < 31; units++) {
+                struct ray ray = {{0.5f, -0.25f, 0}, 0, {0.03125f, 0.0625f, turn}, 1};
+                const double off = units * unit;
+                ray.tmax = (float)((1 - off) / (double)turn);
+                if (end == 1) { /* between the layers' planes, the lower one behind its beginning */
+                    ray.tmin = (float)((1 + off) / (double)turn);
+                    ray.tmax = 1.5f / turn;
+                }
+                judge_fixture_ask(c, ray);
+                assert_int_equal(c->truth.prim, ABI_NO_PRIM);
+                must_be(c, a_hit, VERDICT_BOUNDARY);
+                double from = (double)(end ? ray.tmin : ray.tmax) * (double)turn - 1;
+                assert_true(fabs(c->judgement.displacement - fabs(from) / unit) < 1e-6 * units);
+                asked++;
+            }
+    assert_int_equal(asked, 180);
+    judge_fixture_close(c);
+}
+
 /* Two codes of one engine may differ where it is open whether something is hit, nowhere else. */
 static void only_an_open_hit_excuses_any_from_closest(void **state)
 {
@@ -255,6 +285,7 @@ int main(void)
         cmocka_unit_test(nor_of_named_formulas),
         cmocka_unit_test(honest_hits_are_not_wrong),
         cmocka_unit_test(a_miss_of_a_black_box_is_judged_by_displacement),
+        cmocka_unit_test(a_hit_beyond_an_end_needs_its_distance_from_it),
         cmocka_unit_test(only_an_open_hit_excuses_any_from_closest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
