@@ -236,6 +236,46 @@ static void an_engine_lives_on_after_a_crash(void **state)
     engine->close(self);
 }
 
+/* What it refuses is that scene alone, whatever it was given before. */
+static void a_refusal_is_of_one_scene(void **state)
+{
+    (void)state;
+    static const struct {
+        bool large;
+        const char *text;
+    } turns[] = {{false, ""}, {true, "over 100 triangles"}, {true, "over 100 triangles"},
+                 {false, ""}, {true, "over 100 triangles"}, {false, ""}};
+    struct scene small;
+    struct reason reason = {""};
+    if (scene_open("sphere:n=2", 1, &small, &reason))
+        fail_msg("%s", reason.text);
+    assert_true(small.tri_count <= 100 && scene.tri_count > 100);
+    behave("build_bounded");
+    for (int inside = 0; inside < 2; inside++) {
+        const struct engine *engine = engine_way("guest_bad.so", inside);
+        const struct engine_options options = {.peer_ms = 20000, .peer_mb = UINT32_MAX};
+        void *self;
+        assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
+        for (size_t i = 0; i < ARRAY_COUNT(turns); i++) {
+            const struct scene *of = turns[i].large ? &scene : &small;
+            const struct job job = {.scene = of, .tri = tri_test_find("mt")};
+            struct hit hit[RAYS];
+            struct trace_report report;
+            enum status status = engine->prepare(self, &job, &reason);
+            assert_int_equal(status, turns[i].large ? STATUS_REFUSED : STATUS_OK);
+            if (turns[i].large) {
+                assert_non_null(strstr(reason.text, turns[i].text));
+                continue;
+            }
+            assert_int_equal(engine->trace(self, rays, RAYS, hit, &report, &reason), STATUS_OK);
+            for (uint32_t k = 0; k < RAYS; k++)
+                assert_int_equal(hit[k].prim, k % 3 == 1 ? ABI_NO_PRIM : k % of->tri_count);
+        }
+        engine->close(self);
+    }
+    scene_free(&small);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -245,6 +285,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(models_are_taken_or_refused),
         cmocka_unit_test(whatever_a_guest_does_is_told),
         cmocka_unit_test(an_engine_lives_on_after_a_crash),
+        cmocka_unit_test(a_refusal_is_of_one_scene),
     };
     if (guest_host_is_meant(argc, argv))
         return guest_host_main(argv);

@@ -68,6 +68,8 @@ static int build(void *self, const struct raydiff_engine_mesh *mesh, char *reaso
     ((struct bad *)self)->mesh = *mesh;
     if (is("build_refuses"))
         return say(reason, RAYDIFF_ENGINE_REFUSED, "more than no triangle");
+    if (is("build_bounded") && mesh->triangle_count > 100)
+        return say(reason, RAYDIFF_ENGINE_REFUSED, "over 100 triangles");
     if (is("build_fails"))
         return say(reason, RAYDIFF_ENGINE_FAILED, "the tree fell");
     return is("build_99") ? 99 : RAYDIFF_ENGINE_OK;
