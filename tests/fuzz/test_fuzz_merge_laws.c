@@ -278,12 +278,52 @@ static void what_has_no_line_is_counted_through_every_merge(void **state)
     must_have_the_lowest("two-1-0", all);
 }
 
+/* Lines that folders share count once each, those that the merge has no line for as well. */
+static void what_is_shared_counts_once_beyond_the_lines(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        uint32_t first, end, more, last; /* two ranges of findings of one signature */
+    } have[] = {{"o0", 0, 300, 1000, 1400}, {"o1", 400, 1400, 0, 0}, {"o2", 900, 1500, 300, 500}};
+    const uint32_t distinct = 1500;
+    uint64_t *of_kind = calloc(distinct, sizeof *of_kind), all = 0;
+    assert_non_null(of_kind);
+    for (uint32_t n = 0; n < distinct; all++)
+        if (kind_of(all) == 0)
+            of_kind[n++] = all;
+    for (size_t i = 0; i < ARRAY_COUNT(have); i++) {
+        struct findings *findings;
+        struct findings_news news;
+        assert_int_equal(findings_open(in_root(have[i].name), &findings, &reason), STATUS_OK);
+        for (uint32_t n = 0; n < distinct; n++)
+            if ((n >= have[i].first && n < have[i].end) || (n >= have[i].more && n < have[i].last))
+                assert_int_equal(add(findings, of_kind[n], &news), STATUS_OK);
+        assert_int_equal(findings_checkpoint(findings, "end", &reason), STATUS_OK);
+        findings_close(findings);
+    }
+    merge_named("shared", "o0 o1 o2");
+    merge_named("shared-other", "o2 o0 o1");
+    char *one = join_path(root, "shared"), *other = join_path(root, "shared-other");
+    assert_same_folders(one, other, 4); /* the log, and three files of the signature */
+    free(one);
+    free(other);
+    struct findings *findings = look(in_root("shared"));
+    assert_int_equal(findings_count(findings), 1);
+    assert_int_equal(findings_entry(findings, 0)->count, distinct);
+    assert_int_equal(findings_entry(findings, 0)->lines, FINDINGS_LINES_MOST);
+    findings_close(findings);
+    must_have_the_lowest("shared", all);
+    free(of_kind);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(merging_is_a_union),
         cmocka_unit_test(what_found_nothing_changes_nothing),
         cmocka_unit_test(what_has_no_line_is_counted_through_every_merge),
+        cmocka_unit_test(what_is_shared_counts_once_beyond_the_lines),
     };
     return cmocka_run_group_tests_name("fuzz_merge_laws", tests, make_root, remove_root);
 }
