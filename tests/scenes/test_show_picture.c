@@ -1,5 +1,6 @@
 /* Pictures in false colours: each pixel has the colour of its value, and the range is what was
  * asked for, or fits. */
+#include "ref/base/rng.h"
 #include "scenes/render/show_picture.h"
 
 #include <stdarg.h>
@@ -91,6 +92,53 @@ static void differences_have_0_in_the_middle(void **state)
 }
 
 /* So that a picture without a bug does not look like one that is full of them. */
+#define WIDE  20u
+#define COUNT (WIDE * 10u)
+
+/* The colours of differences of depth. */
+static void colours_of_many(const double value[COUNT], uint32_t colour[COUNT])
+{
+    struct image image;
+    struct colour_place place;
+    struct reason reason = {""};
+    if (show_picture(show_find("depth"), true, value, WIDE, COUNT / WIDE, &fits, "", &image, &place,
+                     &reason))
+        fail_msg("%s", reason.text);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        uint32_t x = place.x + i % WIDE * place.zoom, y = place.y + i / WIDE * place.zoom;
+        colour[i] = image.pixel[(size_t)y * image.width + x];
+    }
+    image_free(&image);
+}
+
+/* How many pixels do not differ changes no colour of those that do: nine of ten of these are
+ * within, by a count of them, and as if the others had no value. */
+static void what_does_not_differ_does_not_count(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(7, 1);
+    for (int turn = 0; turn < 100; turn++) {
+        double value[COUNT], some[COUNT];
+        uint32_t colour[COUNT], alone[COUNT], within = 0;
+        const uint32_t differ = 11 + rng_below(&rng, turn % 2 ? 20 : COUNT - 11);
+        for (uint32_t i = 0; i < COUNT; i++) {
+            const double size = 1.0 + (double)rng_below(&rng, 1u << 20); /* no two are one */
+            value[i] = i >= differ ? 0.0 : rng_below(&rng, 2) ? size : -size;
+            some[i] = i < differ ? value[i] : NAN;
+        }
+        colours_of_many(value, colour);
+        colours_of_many(some, alone);
+        assert_memory_equal(colour, alone, differ * sizeof *colour);
+        for (uint32_t i = 0; i < COUNT; i++) {
+            const bool end = colour[i] == colour_diverging(1) || colour[i] == colour_diverging(-1);
+            within += i < differ && !end;
+            assert_true(i < differ || colour[i] == colour_diverging(0));
+        }
+        /* Some near an end look like it. */
+        assert_true(10 * within > 7 * differ && within < differ);
+    }
+}
+
 static void errors_go_to_the_bound_at_least(void **state)
 {
     (void)state;
@@ -261,6 +309,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(amounts_go_from_the_least_to_the_most),
         cmocka_unit_test(differences_have_0_in_the_middle),
+        cmocka_unit_test(what_does_not_differ_does_not_count),
         cmocka_unit_test(errors_go_to_the_bound_at_least),
         cmocka_unit_test(few_odd_pixels_are_framed),
         cmocka_unit_test(names_have_colours_of_their_own),
