@@ -36,6 +36,25 @@ grep -Eq '"seams": false' "$dir/leaks.json" && grep -Eq '"instances": 30' "$dir/
 expect 0 . leaks placed-turned --engine cpu --tri woop --box robust $few
 grep -q '^counted ' "$dir/out" || bad "leaks: robust boxes promise something"
 
+# Several layouts and box tests: each row has the numbers that it has alone, bits that differ among them.
+rows() { sed -n '/^layout /,/^what it means/p' "$dir/out" | grep -v '^layout \|^what' | tr -s ' ' | sort; }
+together="leaks wall --engine cpu,vulkan --tri mt,woop --count 2000 --builder median --leaf 2 --wide"
+"$raydiff" $together --layout f32,rf16 --box watertight,rtrs,robust >"$dir/out" 2>"$dir/err"
+case $? in
+77) echo "SKIP vulkan: $(tail -n 1 "$dir/err")" ;;
+*)
+    rows >"$dir/together"
+    for layout in f32 rf16; do
+        for box in watertight rtrs robust; do
+            "$raydiff" $together --layout $layout --box $box >"$dir/out" 2>"$dir/err"
+            rows
+        done
+    done | sort >"$dir/alone"
+    [ "$(wc -l <"$dir/alone")" -eq 24 ] || bad "leaks wall: not 24 rows"
+    cmp -s "$dir/together" "$dir/alone" || bad "leaks wall: rows are not as alone: $(diff "$dir/together" "$dir/alone" | head -n 2)"
+    ;;
+esac
+
 # Seams: nothing is judged, not even by the profile that forbids misses.
 expect 0 . leaks room --engine cpu --tri mt,woop --box watertight $few --profile dxr --json "$dir/leaks.json"
 grep -q '^room: 192 placed triangles, 6 instances, closed only together' "$dir/out" || bad "leaks room: seams are not told of"
