@@ -79,6 +79,24 @@ says '^brute: [0-9]+ segments, value [0-9]+ [0-9]+ [0-9]+, to the bit as cpu$'
 expect 0 . diff rtrs --engine cpu --pixel 0,0 $small
 says '^    hit       a miss$'
 
+# The commands of a path ask what its rays asked: the nearest hit; of shadow rays of profile repaired any. JSON has each.
+for profile in repaired rtrs; do
+    [ $profile = repaired ] && asked=any || asked=closest
+    : >"$dir/asked"
+    for pixel in 22,17 20,20 26,16 24,22 5,30; do
+        expect 0 . diff rtrs --profile $profile --engine cpu,embree --pixel $pixel $small --json "$dir/pixel.json"
+        awk '/^    light /{of = "light"} /^    hit /{of = "hit"} /^    explain /{match($0, /--query [a-z]*/)
+            print of, substr($0, RSTART + 8, RLENGTH - 8)}' "$dir/out" >>"$dir/asked"
+        sed -n 's/^    explain   //p' "$dir/out" >"$dir/commands"
+        while read -r command; do
+            grep -qF -- "$command" "$dir/pixel.json" || bad "diff --pixel: not in JSON: $command"
+        done <"$dir/commands"
+    done
+    [ "$(grep -c '^light ' "$dir/asked")" -gt 3 ] || bad "diff --pixel: no shadow rays"
+    [ "$(sort -u "$dir/asked" | tr '\n' ';')" = "hit closest;light $asked;" ] ||
+        bad "diff --pixel: $profile: commands ask: $(sort -u "$dir/asked" | tr '\n' ';')"
+done
+
 # The same bits from a driver that promises them.
 "$raydiff" diff rtrs --engine cpu,vulkan $small >"$dir/out" 2>"$dir/err"
 case $? in
