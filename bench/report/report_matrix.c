@@ -1,5 +1,5 @@
-/* The agreement matrix of a scene, with a line for each engine and layout, and a column for each
- * query, triangle test and box test. */
+/* The agreement matrix of a scene, with a line for each engine, layout, storage and builder, and a
+ * column for each query, triangle test and box test. */
 #include "bench/report/report_inner.h"
 
 #include <stdlib.h>
@@ -29,11 +29,14 @@ struct matrix_plan {
     size_t line_count, group_count;
     struct cells *cells; /* line by line */
     bool builders;       /* more than one builder: show them */
+    const char *store;   /* the first that is named: an engine without a tree has none */
+    bool stores;         /* more than one */
 };
 
 static bool same_line(const json_t *a, const json_t *b)
 {
-    return value_same(a, b, "engine") && value_same(a, b, "layout") && value_same(a, b, "builder");
+    return value_same(a, b, "engine") && value_same(a, b, "layout") &&
+           value_same(a, b, "builder") && value_same(a, b, "store");
 }
 
 static bool same_group(const json_t *a, const json_t *b)
@@ -84,6 +87,9 @@ static void plan_row(struct matrix_plan *plan, const json_t *row)
     if (!is_plain(row) && b == group->box_count && b < BOXES_MOST)
         group->box[group->box_count++] = value_text(row, "box");
     plan->builders = plan->builders || !value_same(row, plan->line[0], "builder");
+    const char *store = value_text(row, "store");
+    plan->store = plan->store || !store[0] ? plan->store : store;
+    plan->stores = plan->stores || (store[0] && strcmp(store, plan->store) != 0);
 }
 
 /* Stores the row in its cell. The first row for a cell wins. */
@@ -111,7 +117,11 @@ static size_t group_span(const struct group *group)
 
 static void put_head(struct html *html, const struct matrix_plan *plan)
 {
-    html_heads(html, plan->builders ? "layout;engine;builder" : "layout;engine");
+    html_heads(html, "layout;engine");
+    if (plan->builders)
+        html_heads(html, "builder");
+    if (plan->stores)
+        html_heads(html, "storage");
     for (size_t g = 0; g < plan->group_count; g++) {
         const struct group *group = &plan->group[g];
         for (size_t b = 0; b < group_span(group); b++) {
@@ -177,6 +187,8 @@ static void put_line(struct html *html, const struct matrix_plan *plan, size_t l
     html_element(html, "th", NULL, engine[0] ? engine : "every engine");
     if (plan->builders)
         html_element(html, "th", NULL, value_text(line, "builder"));
+    if (plan->stores)
+        html_element(html, "th", NULL, value_text(line, "store"));
     for (size_t g = 0; g < plan->group_count; g++) {
         const struct group *group = &plan->group[g];
         const struct cells *cells = &plan->cells[l * plan->group_count + g];

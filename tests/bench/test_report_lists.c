@@ -89,11 +89,65 @@ static void the_first_finding_is_opened(void **state)
         }
 }
 
+/* A row like that of the fixture, of another storage and with so many ties. */
+static void add_row(json_t *rows, const json_t *like, const char *store, const char *builder,
+                    int ties)
+{
+    json_t *row = json_deep_copy(like);
+    json_t *own = store ? json_string(store) : json_null();
+    assert_int_equal(json_object_set_new(row, "store", own), 0);
+    assert_int_equal(json_object_set_new(row, "builder", json_string(builder)), 0);
+    if (!store) /* of an engine without a tree */
+        assert_int_equal(json_object_set_new(row, "layout", json_null()), 0);
+    assert_int_equal(json_object_set_new(json_object_get(row, "counts"), "tie", json_integer(ties)),
+                     0);
+    assert_int_equal(json_array_append_new(rows, row), 0);
+}
+
+/* Every row that has an engine, a layout, a storage or a builder of its own stands in the matrix;
+ * of rows that are alike in all of these the first. */
+static void each_row_has_its_cell(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *store, *builder;
+        int ties;
+        bool shown, several; /* several: storages, by then */
+    } rows[] = {{NULL, "median", 101, true, false},       {"indexed", "median", 102, true, false},
+                {"indexed", "median", 103, false, false}, {"indexed", "lbvh", 104, true, false},
+                {"compact", "median", 105, true, true},   {"compact", "lbvh", 106, true, true},
+                {"compact", "median", 107, false, true},  {NULL, "median", 108, false, true}};
+    for (size_t count = 1; count <= ARRAY_COUNT(rows); count++) {
+        struct report report = empty();
+        json_t *check = check_of("0", "0", "true", "0", "ok");
+        json_t *all = json_object_get(check, "rows");
+        json_t *like = json_deep_copy(json_array_get(all, 0));
+        assert_int_equal(json_array_clear(all), 0);
+        for (size_t i = 0; i < count; i++)
+            add_row(all, like, rows[i].store, rows[i].builder, rows[i].ties);
+        json_decref(like);
+        add(&report, REPORT_CHECK, check, 0);
+        char *page = page_of(&report), *matrix = strstr(page, "class=\"matrix\"");
+        assert_non_null(matrix);
+        *strstr(matrix, "</table>") = '\0';
+        for (size_t i = 0; i < count; i++) {
+            char cell[40];
+            snprintf(cell, sizeof cell, "<small>%d allowed</small>", rows[i].ties);
+            assert_int_equal(occurrences(matrix, cell), rows[i].shown);
+        }
+        assert_int_equal(occurrences(matrix, ">storage<"), rows[count - 1].several);
+        assert_int_equal(occurrences(matrix, ">compact<") > 0, rows[count - 1].several);
+        free(page);
+        report_free(&report);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(mismatches_are_shown_up_to_a_number_and_counted_behind_it),
         cmocka_unit_test(the_first_finding_is_opened),
+        cmocka_unit_test(each_row_has_its_cell),
     };
     return cmocka_run_group_tests_name("report_lists", tests, NULL, NULL);
 }
