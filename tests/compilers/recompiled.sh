@@ -4,7 +4,7 @@
 #   sh tests/compilers/recompiled.sh BUILD/raydiff
 set -u
 raydiff=$1
-name=recompiled passes='copy drop reassociate contract text invalid fails'
+name=recompiled passes='copy drop reassociate contract fuse text invalid fails'
 . tests/compilers/passes.sh
 scene='sphere:n=8 --count 3000 --repeat 1'
 
@@ -37,8 +37,10 @@ has worlds '^agrees +f32 +vulkan:opt '
 # When the decorations come.
 expect 0 . check $scene --engine vulkan --compiler raw,opt --decorate none --layout f32
 has none '^opt:none +vulkan .* free, [0-9]+ +[1-9][0-9]* 0 free +0 '
-expect 1 . check $scene --engine vulkan --compiler opt --decorate final --layout f32
-has final '^PRECISE f32 +vulkan:opt:final ' '^opt:final +vulkan .* ([0-9]+) of \1 +[1-9]'
+expect 0 . check $scene --engine vulkan --compiler "passes:ccp+$dir/fuse" --layout f32
+has 'what is decorated is not fused' '^passes:.*/fuse +vulkan .* ([0-9]+) of \1 +0 equal'
+expect 1 . check $scene --engine vulkan --compiler "passes:ccp+$dir/fuse" --decorate final --layout f32
+has final '^PRECISE ' '^passes:.*/fuse:final +vulkan .* ([0-9]+) of \1 +1 '
 
 # The planted ones.
 expect 0 . check $scene --engine vulkan --layout f32 --compiler "passes:$dir/copy+ccp+$dir/copy"

@@ -4,6 +4,8 @@
  *   spirv_pass drop          NoContraction of the first multiplication is lost
  *   spirv_pass reassociate   (a + b) + c becomes a + (b + c), in each sum of three
  *   spirv_pass contract      a * b + c becomes fma(a, b, c), in the first such sum
+ *   spirv_pass fuse          the same in the first such sum that nothing forbids: neither it nor
+ *                            the product has NoContraction
  *   spirv_pass swap          a - b becomes b - a, in each difference
  *   spirv_pass mark          gives the first multiplication a name, "act"
  *   spirv_pass act           NoContraction of what has that name is lost
@@ -145,12 +147,25 @@ static void swap(void)
     }
 }
 
-static void contract(void)
+static int is_pinned(size_t at)
+{
+    for (size_t i = 5; i < in_count; i += length_at(i))
+        if (op_at(i) == DECORATE && in[i + 1] == in[at + 2] && in[i + 2] == NO_CONTRACTION)
+            return 1;
+    return 0;
+}
+
+static void contract(int allowed)
 {
     size_t sum = 0, product = 0;
     for (size_t i = 5; i < in_count && !sum; i += length_at(i))
-        if (op_at(i) == FADD && (product = maker_of(FMUL, in[i + 3])) != 0)
+        if (op_at(i) == FADD && (product = maker_of(FMUL, in[i + 3])) != 0 &&
+            !(allowed && (is_pinned(i) || is_pinned(product))))
             sum = i;
+    if (!sum) {
+        put(in + 5, in_count - 5);
+        return;
+    }
     const uint32_t set = in[find(EXT_IMPORT, 0, 0) + 1];
     for (size_t i = 5; i < in_count; i += length_at(i))
         if (i == sum)
@@ -184,8 +199,8 @@ int main(int argc, char **argv)
         odd();
     else if (strcmp(what, "reassociate") == 0)
         reassociate();
-    else if (strcmp(what, "contract") == 0)
-        contract();
+    else if (strcmp(what, "contract") == 0 || strcmp(what, "fuse") == 0)
+        contract(strcmp(what, "fuse") == 0);
     else
         put(in + 5, in_count - 5 - (strcmp(what, "invalid") == 0));
     return fwrite(out, sizeof out[0], out_count, stdout) != out_count;

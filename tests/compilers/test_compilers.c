@@ -246,7 +246,8 @@ static void hlsl_refuses_ray_queries(void **state)
     assert_non_null(strstr(reason.text, "query_rays: no way through HLSL: glslangValidator"));
 }
 
-/* Without decorations spirv-opt fuses, and a decoration after it comes too late. */
+/* Without decorations spirv-opt may fuse (that of Debian 12 does), and a decoration after it comes
+ * too late. */
 static void decorations_come_when_they_are_asked_for(void **state)
 {
     (void)state;
@@ -260,7 +261,6 @@ static void decorations_come_when_they_are_asked_for(void **state)
     assert_int_equal(walk(last.word, last.count).kept, last.ops);
     assert_int_equal(last.kept, last.ops);
     assert_int_equal(last.ops, none.ops);
-    assert_true(none.foreign > 0);
     assert_int_equal(none.foreign, walk(none.word, none.count).fused);
     assert_int_equal(last.foreign, none.foreign);
 }

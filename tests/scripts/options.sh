@@ -153,7 +153,17 @@ walk 'check crowd:n=6,seed=2 --count 64 --repeat 1 --engine cpu --layout f32 --r
 walk 'explain soup:n=40 --index 3 --engine cpu --builder ploc --layout f32' \
     'rays=random count=70 index=4 seed=3 engine=fast layout=rf16 store=compact builder=lbvh leaf=1 ~radius=1
     optimize=reinsert box=watertight tri=woop query=any json=@ html=@ svg=@ ~threads=1 ~wide ~color=always'
-walk 'bisect soup:n=40,seed=2 --count 64 --rays primary --compiler opt:final' 'compiler=size:final ~good=size symptom=bits
+# A compiler that loses all decorations, whatever version of spirv-opt is here.
+cat >"$dir/bare" <<'END'
+#!/usr/bin/perl
+binmode STDIN, ':raw'; binmode STDOUT, ':raw'; local $/; my @word = unpack 'V*', <STDIN>; my @out = @word[0 .. 4];
+for (my $i = 5; $i < @word; $i += $word[$i] >> 16) {
+    push @out, @word[$i .. $i + ($word[$i] >> 16) - 1] unless $word[$i] == (3 << 16 | 71) && $word[$i + 2] == 42;
+}
+print pack 'V*', @out;
+END
+chmod +x "$dir/bare"
+walk "bisect soup:n=40,seed=2 --count 64 --rays primary --compiler passes:$dir/bare" 'compiler=size:final ~good=size symptom=bits
     ~tries=3 ~time=9 layout=rf16 ~store=compact engine=vulkan_stackless ~builder=sah_sweep ~leaf=1 ~box=watertight ~tri=woop
     ~query=any ~rays=random count=70 json=@ ~driver=stock ~device=0 ~workgroup=32 ~wide ~color=always'
 # A finding brings its own.
