@@ -3,6 +3,8 @@
 #include "cmd/fuzz/cmd_fuzz.h"
 #include "cmd/fuzz/cmd_selftest.h"
 
+#include "fuzz/play/fuzz_turns.h"
+#include "gpu/engines/compiled.h"
 #include "ref/outside/plugin_guard.h"
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
@@ -56,6 +58,9 @@ static enum status make_rules(struct fuzz_command *c, struct reason *reason)
         c->pairs > 0 ? fuzz_field_draw(engine, c->engine.count, &c->engines, &rules->field, reason)
                      : fuzz_field_make(engine, c->engine.count, layout, c->layout.count,
                                        &c->engines, &rules->field, reason);
+    if (!status && c->turns && fuzz_turns_share(&rules->field, compiled_other_memory) == 0)
+        status = fail(reason, STATUS_INPUT,
+                      "--turns: not used here: no two engines differ only in --buffers");
     return status ? status : fuzz_pairs_make(c, reason);
 }
 
@@ -150,6 +155,8 @@ static enum status check_options(const struct fuzz_command *c, struct reason *re
         return fail(reason, STATUS_INPUT,
                     "--pairs: draws members at random, so not with --shard, --feedback or "
                     "--corpus");
+    if (c->pairs > 0 && c->turns)
+        return fail(reason, STATUS_INPUT, "--turns: not used with --pairs, which draws engines");
     if (c->pairs > 0 && c->worlds)
         return fail(reason, STATUS_INPUT,
                     "--pairs: draws members for scenes, so not with --worlds");

@@ -23,6 +23,7 @@ enum fuzz_key {
     KEY_WORKGROUP,
     KEY_PAIRS,
     KEY_WORLDS,
+    KEY_TURNS,
     KEY_COUNT
 };
 
@@ -36,7 +37,7 @@ struct fuzz_command {
     uint64_t seed;
     uint32_t shard, shards; /* shards 0: not sharded */
     struct list engine, layout, builder;
-    bool faithful, worlds;
+    bool faithful, worlds, turns;
     uint32_t rays, triangles_least, triangles_most;
     char driver[FUZZ_VALUE_MOST]; /* "": any */
     struct engine_options engines;

@@ -11,14 +11,15 @@
 
 /* The defaults with --pairs. */
 static const char *const pair_engines =
-    "cpu,vulkan,fast,cpu_stackless,vulkan_stackless,brute,vulkan_brute";
+    "cpu,vulkan,fast,cpu_stackless,vulkan_stackless,brute,vulkan_brute,vulkan:texel,"
+    "vulkan:reference";
 static const char *const pair_layouts = "every";
 
 const char *fuzz_key_name(enum fuzz_key key)
 {
     static const char *const name[KEY_COUNT] = {
         "seed",      "shard",  "engine", "layout",    "builder", "faithful", "rays",
-        "triangles", "driver", "device", "workgroup", "pairs",   "worlds"};
+        "triangles", "driver", "device", "workgroup", "pairs",   "worlds",   "turns"};
     return name[key];
 }
 
@@ -96,6 +97,9 @@ void fuzz_key_print(const struct fuzz_command *c, enum fuzz_key key, char text[F
         break;
     case KEY_WORLDS:
         snprintf(text, FUZZ_VALUE_MOST, "%s", c->worlds ? "yes" : "");
+        break;
+    case KEY_TURNS:
+        snprintf(text, FUZZ_VALUE_MOST, "%s", c->turns ? "yes" : "");
         break;
     case KEY_COUNT:
         break;

@@ -89,6 +89,10 @@ static const struct option_row rows[] = {
      "triangle test, box test, reinsertion, motion) that met in the fewest trials; every pair is "
      "to meet in N",
      OF_COUNT(pairs, 1, (uint64_t)1 << 40)},
+    {"turns", NULL,
+     "engines that differ only in --buffers take turns in blocks of 64 trials, of eight blocks the "
+     "first named has all but one for each of the others",
+     OF_FLAG(turns)},
     {"no-shrink", NULL, "leave findings as they are (raydiff min shrinks them later)",
      OF_FLAG(no_shrink)},
     {"baseline", "FILE", "known findings, besides those that are part of raydiff",

@@ -121,9 +121,11 @@ static json_t *contestants_json(const struct campaign_view *view)
         fuzz_contestant_name(view, i, name);
         json_array_append_new(out,
                               json_record("name=%s answered=%zu refused=%zu with_a_right_hit=%zu "
-                                          "refused_in_this_run=%zu vacuous=%p",
+                                          "refused_in_this_run=%zu unasked_in_this_run=%zu "
+                                          "vacuous=%p",
                                           name, turnout->played, turnout->declined, turnout->proved,
-                                          view->refused[i], json_text(campaign_vacuous(view, i))));
+                                          view->refused[i], view->unasked[i],
+                                          json_text(campaign_vacuous(view, i))));
         if (campaign_loses(view, i))
             json_add(json_array_get(out, i), "loses=%s", campaign_loses(view, i));
     }
@@ -162,8 +164,8 @@ static json_t *make_json(const struct fuzz_command *c, const struct campaign_vie
     add_times(root, view);
     json_add(root, "verdicts=%p", verdicts);
     add_coverage(root, view);
-    json_add(root, "pairs=%p workers=%u restarts=%u renewed=%u contestants=%p findings=%p",
-             fuzz_pairs_json(c, view), view->options->jobs, view->restarts, view->renewed,
+    json_add(root, "pairs=%p turns=%i workers=%u restarts=%u renewed=%u contestants=%p findings=%p",
+             fuzz_pairs_json(c, view), c->turns, view->options->jobs, view->restarts, view->renewed,
              contestants_json(view), findings);
     if (whole)
         json_add(root, "exit=%d", c->code);
@@ -232,6 +234,9 @@ static void print_turnout(const struct campaign_view *view)
         if (view->refused[i] > 0 && view->options->rules.field.who[i].layout)
             text_append(line, sizeof line, "; its layout refused %llu of this run",
                         (unsigned long long)view->refused[i]);
+        if (view->options->rules.field.turn[i].of > 0 && view->unasked[i] > 0)
+            text_append(line, sizeof line, "; in %s of this run it was another's turn",
+                        COUNTED(view->unasked[i], "trial"));
         match_edges_text(turnout->edges, lost);
         screen_line(11, "%s%s%s%s%s\n", line, vacuous ? "; vacuous: " : "", vacuous ? vacuous : "",
                     loses ? "; lost beside edges " : "", loses ? lost : "");

@@ -79,7 +79,7 @@ struct campaign_view {
     uint64_t before;                  /* trials of stream gen of earlier runs */
     uint64_t rays, judged, wrong, count[VERDICT_COUNT];
     uint64_t refused[FUZZ_CONTESTANTS_MOST]; /* trials that a contestant refused */
-    uint64_t unasked[FUZZ_CONTESTANTS_MOST]; /* trials that a contestant was not drawn for */
+    uint64_t unasked[FUZZ_CONTESTANTS_MOST]; /* trials without its turn, or that drew another */
     struct campaign_turnout turnout[FUZZ_CONTESTANTS_MOST];
     bool turnout_unknown;                              /* an earlier run did not count it */
     uint64_t refitted, rebuilt;                        /* answers from trees that moved */

@@ -1,6 +1,8 @@
 /* Blocks of trials: which comes next, what workers report of them, and what becomes of that. */
 #include "fuzz/campaign/campaign_inner.h"
 
+#include "fuzz/play/fuzz_turns.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +18,8 @@ static struct campaign_block *make(struct campaign *c, enum work_stream stream, 
     block->stream = stream;
     block->first = first;
     block->count = count < FUZZ_BATCH ? (uint32_t)count : FUZZ_BATCH;
+    if (stream == WORK_GEN || stream == WORK_MUT) /* all play what is known to be worth it */
+        block->waiting = fuzz_turns_waiting(&c->rules.field, first / FUZZ_BATCH);
     if (stream != WORK_MUT) {
         *c->last = block;
         c->last = &block->next;
@@ -130,10 +134,11 @@ struct work_order campaign_block_order(const struct campaign_block *block)
 {
     struct work_order order = {
         .stream = block->stream, .first = block->first, .count = block->count, .draw = block->draw};
+    order.left_out = block->waiting;
     if (block->alone) {
         order.first += block->at;
         order.count = 1;
-        order.left_out = block->left_out;
+        order.left_out |= block->left_out;
         order.unexplained = block->unexplained;
     }
     return order;
@@ -272,7 +277,8 @@ static void count_trial(struct campaign *c, const struct campaign_block *block,
         view->count[v] += one->count[v];
     for (size_t i = 0; i < c->rules.field.count; i++) {
         view->refused[i] += one->refusers >> i & 1u;
-        view->unasked[i] += block->draw.on && i != block->draw.contestant;
+        view->unasked[i] +=
+            (block->draw.on && i != block->draw.contestant) || block->waiting >> i & 1u;
         view->turnout[i].played += one->players >> i & 1u;
         view->turnout[i].declined += one->decliners >> i & 1u;
         view->turnout[i].proved += one->provers >> i & 1u;

@@ -20,6 +20,7 @@ struct campaign_block {
     const struct fuzz_trial *base; /* of stream mut; owned by the feedback */
     struct work_draw draw;
     struct combination combination; /* the members drawn */
+    uint32_t waiting;               /* contestants without a turn, 1u << contestant */
     bool done;
     struct work_trial trial[FUZZ_BATCH];
     struct work_finding *finding;

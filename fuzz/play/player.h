@@ -18,8 +18,15 @@ struct fuzz_contestant {
     const struct layout *layout; /* NULL: the engine needs none, or the field is drawn */
 };
 
+/* Of contestants that take turns (fuzz/play/fuzz_turns.h); all zeros where none do. */
+struct fuzz_turn {
+    uint8_t first; /* of those that share their turns: the one with the most */
+    uint8_t of;    /* of the first: how many share; of another: which it is, from 1 */
+};
+
 struct fuzz_field {
     struct fuzz_contestant who[FUZZ_CONTESTANTS_MOST];
+    struct fuzz_turn turn[FUZZ_CONTESTANTS_MOST];
     size_t count;
     bool drawn; /* each engine once, without a layout: fuzz_player_cast sets both */
     struct engine_options options;

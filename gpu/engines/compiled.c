@@ -184,3 +184,28 @@ enum status compiled_engine(const char *name, const struct engine **out, struct 
     enum status status = compiler_parse(strchr(name, ':') + 1, &compiler, reason);
     return status ? status : compiled_make(raw, &compiler, out, reason);
 }
+
+/* The compiler of an engine, as if it read storage buffers; its memory is put into *memory. */
+static struct compiler compiler_of(const struct engine *engine, enum memory *memory)
+{
+    struct compiler compiler = {.decorate = DECORATE_SOURCE};
+    for (size_t i = 0; i < place_count; i++)
+        if (&engine_of[i] == engine)
+            compiler = places[i].compiler;
+    *memory = compiler.memory;
+    compiler.memory = MEMORY_STORAGE;
+    return compiler;
+}
+
+bool compiled_other_memory(const struct engine *a, const struct engine *b)
+{
+    char of_a[COMPILER_NAME_MOST + 32], of_b[COMPILER_NAME_MOST + 32];
+    enum memory memory_a, memory_b;
+    const struct compiler by_a = compiler_of(a, &memory_a), by_b = compiler_of(b, &memory_b);
+    const struct engine *raw_a = a->compiled ? a->compiled->raw : a;
+    const struct engine *raw_b = b->compiled ? b->compiled->raw : b;
+    compiler_name(&by_a, of_a);
+    compiler_name(&by_b, of_b);
+    return raw_a == raw_b && compiled_takes(raw_a) && memory_a != memory_b &&
+           strcmp(of_a, of_b) == 0;
+}

@@ -23,4 +23,8 @@ enum status compiled_engine(const char *name, const struct engine **out,
 enum status compiled_make(const struct engine *raw, const struct compiler *compiler,
                           const struct engine **out, struct reason *reason) MUST_USE;
 
+/* True if the engines differ in nothing but how their shaders read memory. False for one engine
+ * twice, and for engines that have no shaders to compile. */
+bool compiled_other_memory(const struct engine *a, const struct engine *b);
+
 #endif

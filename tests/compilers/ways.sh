@@ -52,6 +52,22 @@ grep -qE 'vulkan:reference.f32 answered 132 trials' "$dir/out" || bad 'fuzz: a r
 expect 0 . fuzz --worlds --engine vulkan --buffers texel,reference --layout f32 --trials 20 --corpus none --jobs 1 \
     --dir "$dir/worlds"
 
+# They take turns, the first named most often; so they do in a campaign that goes on. Trials of a corpus are for all.
+turns='--turns --buffers texel,storage,reference --layout f32 --rays 20 --triangles 2-4'
+played() { # file, texel, storage, reference
+    grep -oE '"(name|answered)": [^,]*' "$1" | tr -d '"' | sed 'N; s/name: //; s/\n[a-z]*://' >"$dir/played"
+    printf 'vulkan:texel.f32 %s\nvulkan.f32 %s\nvulkan:reference.f32 %s\n' "$2" "$3" "$4" | cmp -s - "$dir/played" ||
+        bad "turns: $(cat "$dir/played")"
+}
+expect 0 . fuzz --engine vulkan $turns --trials 512 --corpus none --jobs 2 --dir "$dir/turns" --json "$dir/turns.json"
+played "$dir/turns.json" 384 64 64
+grep -qE '^ +vulkan.f32 answered 64 trials, .*; in 448 trials of this run it was' "$dir/out" || bad 'turns: not told'
+expect 0 . fuzz --trials 1100 --corpus none --jobs 1 --dir "$dir/turns" --json "$dir/turns.json"
+played "$dir/turns.json" 844 128 128
+expect 2 '--turns yes: the campaign in .* has none' fuzz --turns --trials 200 --dir "$dir/found"
+expect 2 '--turns: not used here: no two engines differ only in --buffers' fuzz --turns --trials 9 --dir "$dir/none"
+expect 2 '--turns: not used with --pairs' fuzz --turns --pairs 1 --buffers texel,storage --dir "$dir/none"
+
 # What is not used or not known.
 expect 2 "--buffers: 'images' is no way: storage, texel or reference" check sphere:n=4 --engine vulkan --buffers images
 expect 2 '--buffers: not used here: it needs an engine vulkan' check sphere:n=4 --engine cpu --buffers texel

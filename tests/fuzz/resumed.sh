@@ -27,8 +27,8 @@ same_folders() {
 numbers() {
     last=$(ls "$dir/$1".[0-9]* | tail -n 1)
     sed -nE "s#$dir/$1/#DIR/#
-        /^(findings|contestants|coverage|seed|exit)[.=]/{/refused_in_this_run/d; /never/d; p;}" "$last"
-    sed -nE 's/^(trials|corpus|mutants|rays|judged|at_fault|verdicts\.[a-z_]*|.*refused_in_this_run)=/\1 /p' "$dir/$1".[0-9]* |
+        /^(findings|contestants|coverage|seed|exit)[.=]/{/(refused|unasked)_in_this_run/d; /never/d; p;}" "$last"
+    sed -nE 's/^(trials|corpus|mutants|rays|judged|at_fault|verdicts\.[a-z_]*|.*(refused|unasked)_in_this_run)=/\1 /p' "$dir/$1".[0-9]* |
         awk '{ sum[$1] += $2 } END { for (name in sum) print "sum " name " " sum[name] }' | sort
 }
 same_as_whole() {

@@ -123,7 +123,7 @@ walk() {
         case " $done $(cat "$dir/knows.$command") " in *" $command "*" $option "*) ;; *" $command "*) continue ;; esac
         pairs=$((pairs + 1))
         value_of "$option"
-        case $option,$command in tap,conform | benchmark,render) value= ;; esac
+        case $option,$command in tap,conform | benchmark,render | turns,fuzz) value= ;; esac
         "$raydiff" $base --$option ${value:+"$value"} >"$dir/out" 2>"$dir/err" <"$input"
         code=$?
         is_refused "$option" || bad "raydiff $base --$option $value: exit $code, and it is not used"

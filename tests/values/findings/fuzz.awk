@@ -24,7 +24,7 @@ FNR == 1 && !begun {
     if (whole) equal("verdicts of all answers", verdicts, rays * sum("contestants", n, "answered"))
     if (whole) equal("rays", v["rays"], rays * v["trials"])
     for (k = 0; k < n && whole; k++)
-        equal("trials of a contestant", v["contestants." k ".answered"] + v["contestants." k ".refused"] + v["contestants." k ".refused_in_this_run"], v["trials"])
+        equal("trials of a contestant", v["contestants." k ".answered"] + v["contestants." k ".refused"] + v["contestants." k ".refused_in_this_run"] + v["contestants." k ".unasked_in_this_run"], v["trials"])
     equal("states of coverage", v["coverage.reached"] + v["coverage.never.count"], v["coverage.known"])
     near("triangles of all trials", v["triangles_mean"] * v["trials"], sprintf("%.0f", v["triangles_mean"] * v["trials"]))
     truth("seconds", v["seconds"] >= v["play_seconds"] + 0)
@@ -87,6 +87,7 @@ FNR == 1 && !begun {
     p = "contestants." who++
     wanted = v[p ".name"] " answered " v[p ".answered"] " trials, refused " v[p ".refused"]
     if (v[p ".refused_in_this_run"] > 0) wanted = wanted "; its layout refused " v[p ".refused_in_this_run"] " of this run"
+    if (v["turns"] == "true" && v[p ".unasked_in_this_run"] > 0) wanted = wanted "; in " v[p ".unasked_in_this_run"] " trials of this run it was another's turn"
     if (v[p ".vacuous"] != "null") wanted = wanted "; vacuous: " v[p ".vacuous"]
     equal("contestant", substr($0, 12), wanted)
     truth("right hits", v[p ".with_a_right_hit"] <= v[p ".answered"] + 0)
