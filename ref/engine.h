@@ -181,6 +181,8 @@ struct engine {
     bool binary;          /* traces only trees of binary layouts; others: STATUS_UNSUPPORTED */
     bool gpu;             /* runs on a Vulkan driver */
     bool compiles; /* compiles a program per layout, storage and tests: the first trial is slow */
+    bool foreign_bits; /* may have other bits than the reference engine on the same tree, which are
+                          counted */
     bool recorded; /* its results are a recording: it cannot trace other rays */
     /* Errors: STATUS_UNSUPPORTED cannot run here (with the reason); STATUS_DEVICE;
      * STATUS_MEMORY. */

@@ -8,17 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define TRIPLES 16384u
+#define TRIPLES PROBE_TRIPLES
 #define GROUP   64u
 
 /* A quarter of the triples contain at least one special number. */
 #define IS_SPECIAL(i) ((i) % 4 == 3)
 
 static const char *const names[PROBE_OPS] = {"a+b", "a-b", "a*b", "a/b", "1/b", "a*b+c", "a<b?a:b"};
-
-struct probe_triple {
-    float a, b, c;
-};
 
 static float ordinary(struct rng *rng)
 {
@@ -34,7 +30,12 @@ static float special(struct rng *rng)
     return float_from_bits(bits[rng_below(rng, ARRAY_COUNT(bits))]);
 }
 
-static void make_triples(struct probe_triple *triple)
+bool probe_is_ordinary(uint32_t i)
+{
+    return !IS_SPECIAL(i);
+}
+
+void probe_triples(struct probe_triple *triple)
 {
     struct rng rng = rng_make(1, 0);
     for (uint32_t i = 0; i < TRIPLES; i++) {
@@ -111,8 +112,8 @@ static bool is_flushed(const struct probe_triple *t, uint32_t op, float got)
     return false;
 }
 
-static void compare(const struct probe_triple *triple, const float *got,
-                    struct probe_op out[PROBE_OPS])
+void probe_compare(const struct probe_triple *triple, const float *got,
+                   struct probe_op out[PROBE_OPS])
 {
     for (uint32_t k = 0; k < PROBE_OPS; k++)
         out[k] = (struct probe_op){.name = names[k]};
@@ -144,7 +145,7 @@ enum status probe_run_shader(struct vk *vk, const struct shader *shader,
     if (!triple || !got) {
         status = fail(reason, STATUS_MEMORY, "vulkan: no memory for the operator probe");
     } else {
-        make_triples(triple);
+        probe_triples(triple);
         const uint32_t count = TRIPLES;
         const struct probe_job job = {.shader = shader,
                                       .group = GROUP,
@@ -157,7 +158,7 @@ enum status probe_run_shader(struct vk *vk, const struct shader *shader,
                                       .out_bytes = TRIPLES * PROBE_OPS * sizeof *got};
         status = probe_once(vk, &job, reason);
         if (!status)
-            compare(triple, got, out);
+            probe_compare(triple, got, out);
     }
     free(triple);
     free(got);

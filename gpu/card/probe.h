@@ -28,6 +28,21 @@ struct probe_op {
     uint32_t worst_ulp; /* of the ordinary triples */
 };
 
+#define PROBE_TRIPLES 16384u
+struct probe_triple {
+    float a, b, c;
+};
+
+/* Whether a triple has no special number. */
+bool probe_is_ordinary(uint32_t i);
+
+/* Writes the PROBE_TRIPLES triples that every probe uses. */
+void probe_triples(struct probe_triple *triple);
+
+/* Compares the PROBE_OPS results of each triple with C. */
+void probe_compare(const struct probe_triple *triple, const float *got,
+                   struct probe_op out[PROBE_OPS]);
+
 /* Runs the probe, in under 10 ms plus the driver's compile time. Errors: as vk_dispatch. */
 enum status probe_run(struct vk *vk, struct probe_op out[PROBE_OPS],
                       struct reason *reason) MUST_USE;

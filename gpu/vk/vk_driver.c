@@ -21,9 +21,10 @@ static bool join(char out[DRIVER_PATH_BYTES], const char *folder, const char *na
     return length > 0 && (size_t)length < DRIVER_PATH_BYTES;
 }
 
-static void find_folder(char out[DRIVER_PATH_BYTES])
+void driver_folder(const char *variable, const char *name, const char *sign,
+                   char out[DRIVER_PATH_BYTES])
 {
-    const char *asked = getenv("RAYDIFF_DRIVERS");
+    const char *asked = getenv(variable);
     if (asked && asked[0]) {
         snprintf(out, DRIVER_PATH_BYTES, "%s", asked);
         return;
@@ -36,12 +37,11 @@ static void find_folder(char out[DRIVER_PATH_BYTES])
         if (!slash)
             break;
         *slash = '\0';
-        char versions[DRIVER_PATH_BYTES];
-        if (join(out, program, "drivers") && join(versions, out, "versions") &&
-            access(versions, R_OK) == 0)
+        char file[DRIVER_PATH_BYTES];
+        if (join(out, program, name) && join(file, out, sign) && access(file, R_OK) == 0)
             return;
     }
-    snprintf(out, DRIVER_PATH_BYTES, "build/drivers");
+    snprintf(out, DRIVER_PATH_BYTES, "build/%s", name);
 }
 
 static bool ends_in(const char *text, const char *end)
@@ -72,7 +72,7 @@ static bool find_stock(char out[DRIVER_PATH_BYTES])
 static enum status find_fetched(const char *name, struct driver *out, struct reason *reason)
 {
     char folder[DRIVER_PATH_BYTES], place[DRIVER_PATH_BYTES];
-    find_folder(folder);
+    driver_folder("RAYDIFF_DRIVERS", "drivers", "versions", folder);
     out->fetched = true;
     if (!join(place, folder, name) || !join(out->icd, place, "icd.json") ||
         access(out->icd, R_OK) != 0)

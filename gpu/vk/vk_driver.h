@@ -31,6 +31,12 @@ extern const char *const driver_names[];
  * Errors: STATUS_UNSUPPORTED driver or file not found (the reason contains the remedy). */
 enum status driver_find(const char *text, struct driver *out, struct reason *reason) MUST_USE;
 
+/* Writes the folder `name` of what was fetched for the program: that of the environment's
+ * `variable`, else the first beside the program or up to three folders above that has the file
+ * `sign`, else build/NAME. */
+void driver_folder(const char *variable, const char *name, const char *sign,
+                   char out[DRIVER_PATH_BYTES]);
+
 /* Writes "package version" of a fetched driver, comma-separated, as recorded when it was fetched.
  * Empty if not known. */
 void driver_version(const struct driver *driver, char *text, size_t text_bytes);

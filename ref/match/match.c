@@ -315,7 +315,7 @@ static enum status play_row(struct match *match, const struct engine *engine, vo
         row->compiled = *engine->compiled;
         row->against = engine->compiled->raw;
         row->bits = engine->compiled->equal;
-    } else if (row->bits) {
+    } else if (row->bits || (engine->foreign_bits && match->options.query != QUERY_ALL)) {
         row->against = engine_reference(true);
     }
     struct trace_report own = {0};

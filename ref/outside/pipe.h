@@ -52,7 +52,15 @@
  * and rays have the values of ref/abi_world.h. How a filter decides stands in docs/formats.md. A
  * peer's transforms are its own, so that its formula is unknown here, whatever it declares. With
  * flag 4 the hit of an any-hit, or of a ray that ends at its first hit, is any instance number, and
- * the words after it are not read. */
+ * the words after it are not read.
+ *
+ * Version 3 is between engine webgpu and the program that it starts (gpu/webgpu/peer.js):
+ *
+ *   request  "RDRQ", 3, query, words, 0, records, same, 0
+ *            then, unless `same` is 1, so many words: a shader and the data that it reads
+ *            then the records that it works on
+ *   answer   "RDRA", 3, refused, count, 0, 2, 0, 0
+ *            then a record for each; or `count` bytes of text */
 #ifndef FUZZ_PIPE_H
 #define FUZZ_PIPE_H
 
@@ -63,6 +71,7 @@
 
 #define PIPE_VERSION       1u
 #define PIPE_VERSION_WORLD 2u
+#define PIPE_VERSION_SHADER 3u
 #define PIPE_WORDS         8u /* of each header */
 
 struct pipe_request {

@@ -113,12 +113,16 @@ static enum status read_refusal(struct pipe_peer *peer, struct pipe_talk *talk, 
         return blame_end(peer, end, asked, 0, reason);
     make_printable(text);
     peer->has_subject = false;
+    pipe_child_listen(&peer->child);
+    if (peer->command)
+        return fail(reason, STATUS_REFUSED, "%.80s: %s%s%s", peer->name, text,
+                    peer->child.noisy ? "; it said: " : "", peer->child.said);
     return fail(reason, STATUS_REFUSED, "%.80s refused: %s", peer->name, text);
 }
 
 static bool is_object(const struct pipe_peer *peer)
 {
-    return strncmp(peer->name, PIPE_PREFIX, strlen(PIPE_PREFIX)) != 0;
+    return !peer->command && strncmp(peer->name, PIPE_PREFIX, strlen(PIPE_PREFIX)) != 0;
 }
 
 /* Checks the header of an answer. Of the first request, sets peer->model from it. */
@@ -237,7 +241,7 @@ static enum status ask(struct pipe_peer *peer, const struct asked *asked, struct
     if (end != PIPE_GOT)
         return blame_end(peer, end, asked, talk.got, reason);
     peer->has_subject = true;
-    if (peer->child.noisy)
+    if (peer->child.noisy && !peer->command)
         return blame(peer, STATUS_DEVICE, reason,
                      "answered, but must not write to its standard error");
     return STATUS_OK;
@@ -250,7 +254,8 @@ enum status pipe_peer_start(struct pipe_peer *peer, struct reason *reason)
         return STATUS_OK;
     struct reason why = {""};
     const bool object = is_object(peer);
-    const struct pipe_order order = {.command = object ? NULL : peer->name + strlen(PIPE_PREFIX),
+    const char *command = peer->command ? peer->command : peer->name + strlen(PIPE_PREFIX);
+    const struct pipe_order order = {.command = object ? NULL : command,
                                      .object = object ? peer->name : NULL,
                                      .megabytes = peer->options.peer_mb,
                                      .threads = peer->options.threads};
@@ -262,7 +267,7 @@ enum status pipe_peer_start(struct pipe_peer *peer, struct reason *reason)
     peer->has_subject = false; /* the request had none */
     if (status != STATUS_REFUSED)
         return status;
-    if (!object) /* it may accept another */
+    if (!object && !peer->command) /* it may accept another */
         return STATUS_OK;
     pipe_peer_end(peer);
     return STATUS_UNSUPPORTED;

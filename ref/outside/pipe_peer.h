@@ -15,6 +15,10 @@ struct pipe_subject {
 
 struct pipe_peer {
     const char *name; /* "pipe:COMMAND" */
+    /* Of an engine of the program's own: the command, for sh -c. Its name is any; a refusal of the
+     * first request is that of the engine, and what it says on its standard error is no fault, but
+     * part of the reason where it fails. NULL: the name has the command or the object. */
+    const char *command;
     struct engine_options options;
     struct pipe_child child; /* zero: not running */
     struct pipe_subject subject;

@@ -44,6 +44,11 @@ struct rounding {
 #define ROUNDING_EMBREE ((struct rounding){1.0, 1.0, 5.5, 0x1p-126})
 /* Vulkan's specification without a rounding mode: either neighbour, division 2.5 ULP. */
 #define ROUNDING_VULKAN ((struct rounding){2.0, 2.0, 5.0, 0x1p-126})
+/* WGSL, sections "Floating Point Accuracy" and "Differences from IEEE-754": + - * to either
+ * neighbour, division 2.5 ULP for divisors between 2^-126 and 2^126, subnormal operands and results
+ * flushed or not. It also lets a compiler reorder the operations of an expression, for which no
+ * bound is given: no shader of raydiff has two that it could (shaders/wgsl/job.wgsl). */
+#define ROUNDING_WGSL ((struct rounding){2.0, 2.0, 5.0, 0x1p-126})
 /* The same with RoundingModeRTE. */
 #define ROUNDING_VULKAN_RTE ((struct rounding){1.0, 1.0, 5.0, 0x1p-126})
 
