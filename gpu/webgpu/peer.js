@@ -53,18 +53,19 @@ function refuse(version, text) {
 
 // --- the device ----------------------------------------------------------------------------------------------------
 
-let device, usage, mapMode;
+let gpu, device, usage, mapMode, layout;
 
 async function open() {
     process.env.XDG_RUNTIME_DIR ??= '/'; // else a library of the driver writes a line that means nothing here
     const { create, globals } = await import(modulePath);
     usage = globals.GPUBufferUsage;
     mapMode = globals.GPUMapMode;
-    const adapter = await create(['backend=vulkan', ...options]).requestAdapter();
+    gpu = create(['backend=vulkan', ...options]); // it must outlive what it makes
+    const adapter = await gpu.requestAdapter();
     if (!adapter)
         throw new Refusal('Dawn takes no Vulkan device here');
-    const { vendor, architecture, description } = adapter.info;
-    if (soft === 'hardware' && (adapter.info.isFallbackAdapter || /swiftshader|software/.test(architecture)))
+    const { isFallbackAdapter, architecture } = adapter.info;
+    if (soft === 'hardware' && (isFallbackAdapter || /swiftshader|software/.test(architecture)))
         throw new Refusal('Dawn has no graphics card here');
     const { maxStorageBufferBindingSize, maxBufferSize } = adapter.limits;
     device = await adapter.requestDevice({ requiredLimits: { maxStorageBufferBindingSize, maxBufferSize } });
@@ -72,7 +73,11 @@ async function open() {
         process.stderr.write(`the device is lost: ${info.message}\n`);
         process.exit(3);
     });
-    return `${description || `${vendor} ${architecture}`}`;
+    const types = ['uniform', 'read-only-storage', 'storage', ...Array(ARRAYS).fill('read-only-storage')];
+    layout = device.createBindGroupLayout({
+        entries: types.map((type, binding) => ({ binding, visibility: globals.GPUShaderStage.COMPUTE,
+                                                 buffer: { type } })),
+    });
 }
 
 // Calls make(), which must leave no error of Dawn.
@@ -106,7 +111,7 @@ const pipelines = new Map();
 async function pipelineOf(text) {
     if (!pipelines.has(text))
         pipelines.set(text, await checked(() => device.createComputePipeline({
-            layout: 'auto',
+            layout: device.createPipelineLayout({ bindGroupLayouts: [layout] }),
             compute: { module: device.createShaderModule({ code: text }), entryPoint: 'main' },
         })));
     return pipelines.get(text);
@@ -145,7 +150,7 @@ async function run(records, count) {
         const encoder = device.createCommandEncoder(), pass = encoder.beginComputePass();
         pass.setPipeline(job.pipeline);
         pass.setBindGroup(0, device.createBindGroup({
-            layout: job.pipeline.getBindGroupLayout(0),
+            layout,
             entries: bound.map((buffer, binding) => ({ binding, resource: { buffer } })),
         }));
         pass.dispatchWorkgroups(Math.ceil(count / GROUP));
