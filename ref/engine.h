@@ -183,7 +183,7 @@ struct engine {
     bool compiles; /* compiles a program per layout, storage and tests: the first trial is slow */
     bool foreign_bits; /* may have other bits than the reference engine on the same tree, which are
                           counted */
-    bool recorded; /* its results are a recording: it cannot trace other rays */
+    bool recorded;     /* its results are a recording: it cannot trace other rays */
     /* Errors: STATUS_UNSUPPORTED cannot run here (with the reason); STATUS_DEVICE;
      * STATUS_MEMORY. */
     enum status (*open)(const struct engine_options *options, void **self, struct reason *reason);

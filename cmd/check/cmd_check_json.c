@@ -177,6 +177,8 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
              json_record("median=%g min=%g max=%g clock=%s", row->mrays[0], row->mrays[1],
                          row->mrays[2], row->device_clock ? "device" : "host"),
              row->boxes, row->tris, row_status_name(row->status), row->reason.text);
+    if (row_counts_bits(row))
+        json_add(out, "other_bits=%zu", row->moved);
     if (row->compiled.words > 0)
         json_add(out, "compiled=%p", compiled_json(row));
     json_t *findings = json_array();

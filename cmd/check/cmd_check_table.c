@@ -93,7 +93,8 @@ static void write_number(const struct check_scene *scene, const struct row *row,
         snprintf(text, CELL_MOST, "%zu", row->hits);
         break;
     case COL_BITS:
-        snprintf(text, CELL_MOST, row->bits ? "%zu" : "-", row->bit_differences);
+        snprintf(text, CELL_MOST, row->bits || row_counts_bits(row) ? "%zu" : "-",
+                 row->bits ? row->bit_differences : row->moved);
         break;
     case COL_ERROR:
         snprintf(text, CELL_MOST, row->displacement.count ? "-" : "%.2f", row->worst_over);

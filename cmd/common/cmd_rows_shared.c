@@ -61,7 +61,8 @@ static enum status take_shader(void *options, const struct option_value *given,
 
 const struct option_row outside_rows[] = {
     {"peer-time", "S",
-     "seconds that pipe:COMMAND or an engine FILE.so may take for a request, and a layout FILE.so "
+     "seconds that pipe:COMMAND, webgpu or an engine FILE.so may take for a request, and a layout "
+     "FILE.so "
      "for packing a tree",
      OF_OWN(take_peer), .standard = PLUGIN_MS / 1e3},
     {"peer-memory", "M", "their address space in MB, 0 is no limit", OF_OWN(take_peer),

@@ -78,10 +78,16 @@ static bool on_shaders(const struct option_use *use, const char *option)
     return use->compares || any_engine(use, is_of_shaders);
 }
 
+/* Has a process of its own. */
+static bool has_peer(const struct engine *engine)
+{
+    return engine->fault != NULL;
+}
+
 static bool from_outside(const struct option_use *use, const char *option)
 {
     (void)option;
-    bool any = any_engine(use, engine_is_peer);
+    bool any = any_engine(use, has_peer);
     for (size_t i = 0; use->layout && i < use->layout->count; i++)
         any = any || layouts_all[use->layout->index[i]]->outside;
     return any;
@@ -145,7 +151,7 @@ static const struct {
     {"shader", "an engine that runs shaders of layouts", NULL, on_shaders},
     {"displacement", "an engine whose formula is not known", is_black, NULL},
     {"threads", "an engine of the processor", is_of_processor, NULL},
-    {"peer-time peer-memory", "pipe:COMMAND, --engine FILE.so or --layout FILE.so", NULL,
+    {"peer-time peer-memory", "pipe:COMMAND, --engine webgpu or FILE.so, or --layout FILE.so", NULL,
      from_outside},
     {"bits", "--store quantised", NULL, of_grids},
     {"seed", "a scene or rays that are drawn by chance", NULL, by_chance},

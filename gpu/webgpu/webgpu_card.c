@@ -15,8 +15,7 @@ static void choose(struct webgpu_choice *choice, float plain, float other, float
     choice->telling++;
     choice->plain += float_bits(got) == float_bits(plain);
     choice->other += float_bits(got) == float_bits(other);
-    choice->neither +=
-        float_bits(got) != float_bits(plain) && float_bits(got) != float_bits(other);
+    choice->neither += float_bits(got) != float_bits(plain) && float_bits(got) != float_bits(other);
 }
 
 void webgpu_card_of(const struct probe_triple *triple, const float *got, struct webgpu_card *out)
@@ -40,8 +39,7 @@ void webgpu_card_of(const struct probe_triple *triple, const float *got, struct 
     free(own);
 }
 
-static enum status measure(struct webgpu_peer *peer, struct webgpu_card *out,
-                           struct reason *reason)
+static enum status measure(struct webgpu_peer *peer, struct webgpu_card *out, struct reason *reason)
 {
     struct webgpu_program program = {.into_words = 3, .out_words = WEBGPU_PROBED};
     struct probe_triple *triple = alloc_zeroed(PROBE_TRIPLES, sizeof *triple);

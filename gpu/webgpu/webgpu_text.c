@@ -101,9 +101,9 @@ enum status webgpu_text(const struct job *job, char **out, struct reason *reason
     for (size_t i = 0; i < ARRAY_COUNT(constant); i++)
         text_append(head, sizeof head, "const %s = %uu;\n", constant[i].name, constant[i].value);
     const struct shader_of *of = find(job->packed->layout);
-    const char *const part[PARTS_MOST] = {
-        "job.wgsl",  "node.wgsl", "slab.wgsl", "tri.wgsl",  "stack.wgsl",
-        "walk.wgsl", of->part[0], of->part[1], of->part[2], NULL};
+    const char *const part[PARTS_MOST] = {"job.wgsl",   "node.wgsl", "slab.wgsl", "tri.wgsl",
+                                          "stack.wgsl", "walk.wgsl", of->part[0], of->part[1],
+                                          of->part[2],  NULL};
     return join(head, part, out, reason);
 }
 

@@ -175,6 +175,12 @@ static inline bool row_bytes_known(const struct row *row)
 
 const char *row_status_name(enum row_status status);
 
+/* True if answers with other bits than the reference engine's are counted and are no fault. */
+static inline bool row_counts_bits(const struct row *row)
+{
+    return row->against && !row->bits && row->engine->foreign_bits;
+}
+
 /* The tests that a row's engine ran, which may be its own whatever the options are: "own" is a test
  * of no table, "-" none. */
 const char *row_box_name(const struct row *row);

@@ -69,10 +69,10 @@
 #define PIPE_PREFIX    "pipe:"
 #define PIPE_NAME_MOST 160 /* of "pipe:COMMAND" with its terminator */
 
-#define PIPE_VERSION       1u
-#define PIPE_VERSION_WORLD 2u
+#define PIPE_VERSION        1u
+#define PIPE_VERSION_WORLD  2u
 #define PIPE_VERSION_SHADER 3u
-#define PIPE_WORDS         8u /* of each header */
+#define PIPE_WORDS          8u /* of each header */
 
 struct pipe_request {
     char magic[4];
