@@ -69,12 +69,9 @@ shaders/%.glsl: ;
 
 # The text of WGSL and of the program that runs it, for engine webgpu.
 WGSL_TEXTS := $(sort $(wildcard shaders/wgsl/*.wgsl)) gpu/webgpu/peer.js
-$(B)/gen/wgsl_sources.c: $(WGSL_TEXTS) Makefile
+$(B)/gen/wgsl_sources.c: gpu/webgpu/embed.sh $(WGSL_TEXTS)
 	@mkdir -p $(@D)
-	@{ echo '#include "gpu/webgpu/webgpu_text.h"'; echo 'const struct wgsl_source wgsl_sources[] = {'; \
-	  for file in $(WGSL_TEXTS); do printf '{"%s",\n' "$$(basename $$file)"; \
-	      sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/' $$file; echo '},'; done; \
-	  echo '{0, 0}};'; } >$@
+	@sh gpu/webgpu/embed.sh $(WGSL_TEXTS) >$@
 
 # The text of the shaders, for those that are compiled at run time.
 GLSL_TEXTS := $(sort $(wildcard shaders/*.glsl shaders/layouts/*.glsl)) ref/abi.h ref/abi_frame.h ref/abi_world.h

@@ -1,5 +1,5 @@
 # make check and slower checks.
-.PHONY: check rooms-graph agree conform-all deep slow sanitize-check tsan-check validate-check validate-gpu-check drivers \
+.PHONY: check rooms-graph agree conform-all deep slow sanitize-check tsan-check validate-check validate-gpu-check drivers webgpu \
         mutants lint fuzz-files fuzz-afl fuzz-oss readers-engine honest leaks bounds parallel-check slurm-check \
         report-check selftest selftest-quick fresh-check arm-check warnings-check adversaries
 
@@ -11,6 +11,9 @@ check:
 # Fetches more Vulkan drivers that need no GPU, next to the system's. Exit code 77: not available.
 drivers:
 	@sh .ci/drivers.sh $(OUT)/drivers
+# Installs Dawn for Node, for engine webgpu. Exit code 77: not available.
+webgpu:
+	@sh .ci/webgpu.sh $(OUT)/webgpu
 
 # Runs the README's two commands in a minimal system of each supported Debian release, or of
 # RELEASE=trixie. Needs root. Each release that passes adds a line to tests/fresh.txt. Exit code 77:

@@ -7,7 +7,7 @@ fn half_of(code: u32) -> f32 {
     let sign = (code & 0x8000u) << 16u;
     var bits = (magnitude << 13u) + 0x38000000u;
     if (magnitude < 0x400u) {
-        bits = bitcast<u32>(f32(magnitude) * 5.9604644775390625e-8f); // times 2^-24: exact
+        bits = bitcast<u32>(keep(f32(magnitude) * 5.9604644775390625e-8f)); // times 2^-24: exact
     }
     bits = select(bits, 0x71800000u, magnitude >= 0x7C00u);
     return bitcast<f32>(bits | sign);

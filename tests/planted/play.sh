@@ -11,7 +11,7 @@
 #   explain BUG UNIT CAUSE CODE ARGUMENTS        raydiff explain must name the cause and exit with the code
 #   told    BUG UNIT CAUSE ARGUMENTS             so must the command that raydiff check prints
 #   watched LINE                                 with the GPU's memory watched
-# UNIT: the C file, or the shaders with commas between, that are compiled with the bug. What they include
+# UNIT: the C file, the file of WGSL, or the shaders with commas between, that are compiled with the bug. What they include
 # has it, too.
 set -u
 build=$1 list=$2 line=$3
@@ -85,8 +85,15 @@ compile_shaders() {
     "$build/spirv_tool" embed "$dir/shaders.c" $modules && compile -c -o "$dir/unit.o" "$dir/shaders.c"
 }
 
+# All WGSL and the program that runs it, some with the bug.
+compile_wgsl() {
+    sh gpu/webgpu/embed.sh $(for file in shaders/wgsl/*.wgsl gpu/webgpu/peer.js; do with_bug "$file"; done) \
+        >"$dir/wgsl_sources.c" && compile -c -o "$dir/unit.o" "$dir/wgsl_sources.c"
+}
+
 make_unit() {
     case $unit in
+    *.wgsl | *.js) made "$dir/unit" compile_wgsl ;;
     *.c) made "$dir/unit" compile_unit ;;
     *) made "$dir/unit" compile_shaders ;;
     esac
