@@ -1,0 +1,43 @@
+#!/usr/bin/perl
+# Stands for Node in tests/webgpu/webgpu.sh: answers as gpu/webgpu/peer.js does, or in the wrong way that $FAKE_NODE
+# names. Its hits are what $FAKE_WORDS says, five words a ray.
+use strict;
+use warnings;
+my $way = $ENV{FAKE_NODE} // 'well';
+binmode $_ for *STDIN, *STDOUT;
+$| = 1;
+
+sub take {
+    my ($bytes) = @_;
+    return '' if !$bytes;
+    (read(STDIN, my $got, $bytes) // 0) == $bytes or exit 0;
+    return $got;
+}
+sub answer {
+    my ($version, $refused, $count, $body) = @_;
+    print pack('a4 V7', $way eq 'magic' ? 'RDRX' : 'RDRA', $version, $refused, $count, 0, 2, 0, 0), $body;
+}
+
+exit 9 if $way eq 'ends';
+kill 'SEGV', $$ if $way eq 'crashes';
+for (;;) {
+    my ($magic, $version, undef, $words, undef, $records, $same) = unpack 'a4 V7', take(32);
+    exit 4 if $magic ne 'RDRQ';
+    if ($version == 1) {
+        print STDERR "a line of the driver\n" if $way =~ /noisy|refuses/;
+        $way eq 'refuses' ? answer(1, 1, 16, 'no device for me') : answer(1, 0, 0, '');
+        next;
+    }
+    take(4 * $words) if !$same;
+    if (!$records) {
+        $way eq 'refuses a tree' ? answer(3, 1, 9, 'too large') : answer(3, 0, 0, '');
+        next;
+    }
+    take(32 * $records);
+    sleep 60 if $way eq 'hangs';
+    kill 'ABRT', $$ if $way eq 'aborts';
+    my $one = pack 'V5', split / /, $ENV{FAKE_WORDS} // '0 0 0 4294967295 1';
+    answer(3, 0, $way eq 'counts' ? $records + 1 : $records, $one x ($way eq 'short' ? $records - 1 : $records));
+    exit 0 if $way eq 'short';
+    print 'x' if $way eq 'long';
+}

@@ -1,0 +1,126 @@
+#!/bin/sh
+# Engine webgpu, from the command line. Without Node, too: why it is skipped, and what becomes of a process that ends,
+# hangs, crashes or talks nonsense. Where Node and Dawn are (make webgpu), on each driver of make drivers: six layouts,
+# both queries, all tests, judged by WGSL's bounds; RTRS's published faults; an installed program.
+#   sh tests/webgpu/webgpu.sh BUILD/raydiff
+set -u
+raydiff=$1
+. tests/scripts/expect.sh
+here=$(pwd)
+dawn=${RAYDIFF_WEBGPU:-$here/build/webgpu}
+drivers=${RAYDIFF_DRIVERS:-$here/build/drivers}
+unset RAYDIFF_WEBGPU RAYDIFF_DRIVERS
+
+# Output of a run has such lines.
+has() { # what, pattern...
+    what=$1
+    shift
+    for pattern; do
+        grep -qE -- "$pattern" "$dir/out" || bad "$what: no line like /$pattern/"
+    done
+}
+soup='soup:n=9 --count 9 --repeat 1'
+
+# --- what is missing is told, with the remedy -------------------------------------------------------------------------
+mkdir -p "$dir/none" "$dir/fake/node_modules/webgpu" "$dir/bin"
+: >"$dir/fake/node_modules/webgpu/index.js"
+cp tests/webgpu/fake_node.pl "$dir/bin/node"
+chmod +x "$dir/bin/node"
+path=$PATH
+PATH=$dir/none expect 77 . check $soup --engine webgpu --layout f32
+has 'no Node' '^skipped f32 +webgpu webgpu: node is not in PATH \(Debian'
+export RAYDIFF_WEBGPU="$dir/none"
+PATH=$dir/bin:$path
+expect 77 . check $soup --engine webgpu --layout f32
+has 'no Dawn' '^skipped f32 +webgpu webgpu: Dawn is not in '
+export RAYDIFF_WEBGPU="$dir/fake"
+expect 77 . check $soup --engine webgpu --layout f32 --driver "$dir/none.json"
+has 'no driver' '^skipped f32 +webgpu vulkan: driver file '
+
+# --- a process that is not well ---------------------------------------------------------------------------------------
+fails() { # way, exit code, what the row says
+    FAKE_NODE=$1 expect "$2" . check $soup --engine webgpu --layout f32 --peer-time 1 --json "$dir/fake.json"
+    grep -qE -- "\"reason\": \".*$3" "$dir/fake.json" || bad "a process that $1: no reason like /$3/"
+}
+fails ends 3 'ended with exit code 9 '
+fails crashes 3 'ended by signal 11 '
+fails aborts 3 'ended by signal 6 before the answer to ray 0'
+fails hangs 3 'late: not done within 1 s'
+fails magic 3 "begins with 'RDRX'"
+fails counts 3 'is about 10 rays, not 9'
+fails short 3 'after the answer to ray 7'
+fails long 3 "longer than 9 rays|wrote more bytes|begins with 'xRDR'"
+fails refuses 77 'webgpu: no device for me; it said: a line of the driver'
+fails 'refuses a tree' 1 'webgpu: too large'
+FAKE_WORDS='0 0 0 4294967295 3' fails 'has no end' 3 'ray 0 was not finished'
+FAKE_WORDS='0 0 0 9 1' fails 'names none' 3 'ray 0 names triangle 9 of 9'
+FAKE_WORDS='0 0 0 4294967295 0' fails 'does not run' 3 'ray 0 was not finished'
+
+# It answers, and what it answers is judged: it misses everything.
+FAKE_NODE=noisy expect 1 . check sphere:n=4 --count 200 --repeat 1 --engine webgpu --layout f32
+has 'misses everything' '^WRONG   f32 +webgpu +[1-9]' '^ +missed +[0-9]+|missed [0-9]+'
+expect 0 . doctor
+expect 0 . list engines
+has list '^  webgpu +WGSL'
+PATH=$path
+
+# --- Dawn -------------------------------------------------------------------------------------------------------------
+skip() { echo "SKIP webgpu: $1"; [ "$failed" -eq 0 ] && exit 77; exit 1; }
+command -v node >/dev/null || skip 'node is needed (Debian: nodejs)'
+export RAYDIFF_WEBGPU="$dawn" RAYDIFF_DRIVERS="$drivers"
+[ -s "$dawn/node_modules/webgpu/index.js" ] || skip 'Dawn is needed: make webgpu'
+[ -s "$drivers/swiftshader/icd.json" ] || skip 'SwiftShader is needed: make drivers'
+layouts='f32,rf16,cwbvh80'
+published='rtrs_direct,rtrs_rf,rtrs_rf_paper'
+
+for driver in swiftshader mesa25; do
+    [ -s "$drivers/$driver/icd.json" ] || continue
+    for scene in sphere:n=8 soup:n=60 cornell; do
+        expect 0 . check $scene --count 1500 --repeat 1 --engine webgpu --layout $layouts --driver $driver \
+            --query closest,any --json "$dir/$driver.json"
+        [ "$(grep -cE '^agrees ' "$dir/out")" -eq 6 ] || bad "$driver, $scene: not six rows that agree"
+        [ "$(grep -c '"other_bits": ' "$dir/$driver.json")" -eq 6 ] || bad 'JSON: not six counts of other bits'
+    done
+    # On these drivers Tint leaves every operation as it is written: bits are cpu's.
+    [ "$(grep -c '"other_bits": 0,' "$dir/$driver.json")" -eq 6 ] || bad "$driver: other bits than cpu's"
+    # RTRS's faults are the layout's and the shader's, whoever runs it: what cpu loses is lost.
+    expect 0 . check sphere:n=8 --count 1500 --repeat 1 --engine cpu,webgpu --layout $published --driver $driver
+    has 'as published' '^counted rtrs_direct +webgpu +[1-9][0-9]* ' '^counted rtrs_rf +webgpu +[1-9][0-9]* '
+    for layout in rtrs_direct rtrs_rf rtrs_rf_paper; do
+        [ "$(awk -v l=$layout '$2 == l && $3 ~ /^(cpu|webgpu)$/ {print $7}' "$dir/out" | sort -u | wc -l)" -eq 1 ] ||
+            bad "$layout: cpu and webgpu do not hit the same"
+    done
+done
+for tri in mt woop mt_rtrs pluecker baldwin_webber; do
+    for box in robust watertight; do
+        expect 0 . check sphere:n=8 --count 1000 --repeat 1 --engine webgpu --layout f32,cwbvh80 --driver swiftshader \
+            --tri $tri --box $box
+        [ "$(grep -cE '^agrees .* webgpu +0 +[0-9]+ +0 ' "$dir/out")" -eq 2 ] || bad "$tri, $box: not two rows with cpu's bits"
+    done
+done
+expect 0 . check sphere:n=8 --count 1000 --repeat 1 --engine webgpu --layout f32 --driver swiftshader --box rtrs
+has 'box rtrs' '^counted f32 +webgpu +0 '
+
+# Rays along the axes, ends of ranges, far scenes, large and small ones.
+for rays in axis ranges edges vertices; do
+    expect 0 . check stack --rays $rays --count 1000 --repeat 1 --engine webgpu --layout $layouts --driver swiftshader
+done
+expect 0 . conform --engine webgpu --driver swiftshader 'closest.webgpu.rf16.median.robust.mt.sphere.*'
+expect 0 . fuzz --trials 40 --engine webgpu --driver swiftshader --corpus none --dir "$dir/found"
+
+# Other layouts, storages and lists are skipped with the reason; a driver that Dawn does not take is named.
+expect 1 . check $soup --engine webgpu --layout tiny8 --driver swiftshader
+has 'no WGSL' '^skipped tiny8 +webgpu webgpu: layout tiny8 has no WGSL'
+expect 1 . check $soup --engine webgpu --layout f32 --store edges --driver swiftshader
+expect 1 . check $soup --engine webgpu --layout f32 --query all --driver swiftshader
+
+# The card, and a program elsewhere.
+expect 0 . doctor --driver swiftshader
+has doctor '^webgpu +runs' 'between fences: as in C but for subnormals' 'without a fence: as written' "WGSL's bounds"
+mkdir "$dir/installed"
+cp "$raydiff" "$dir/installed/raydiff"
+raydiff=$dir/installed/raydiff
+(cd "$dir" && "$raydiff" check $soup --engine webgpu --layout f32 --driver swiftshader) >"$dir/out" 2>&1 ||
+    bad 'a program elsewhere does not find Dawn by RAYDIFF_WEBGPU'
+has 'installed' '^agrees +f32 +webgpu '
+[ "$failed" -eq 0 ]
