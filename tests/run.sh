@@ -64,6 +64,8 @@ plain)
     suite recompiled sh tests/compilers/recompiled.sh "$build/raydiff"
     suite ways sh tests/compilers/ways.sh "$build/raydiff"
     suite bisect sh tests/compilers/bisect.sh "$build/raydiff"
+    suite webgpu sh tests/webgpu/webgpu.sh "$build/raydiff"
+    suite fences perl tests/webgpu/fences.pl
     suite guest_shader sh tests/guest/shader.sh "$build/raydiff"
     suite values sh tests/values/values.sh "$build/raydiff"
     suite values_bench sh tests/values/values_bench.sh "$build/raydiff" layouts error spawn

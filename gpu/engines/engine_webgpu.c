@@ -1,4 +1,4 @@
-/* Engine `webgpu`: traces with the WGSL of shaders/wgsl/, which Dawn runs in a process of its own. */
+/* Engine `webgpu`: traces with the WGSL of shaders/wgsl/, which Dawn runs in its own process. */
 #include "gpu/trace/dispatch.h"
 #include "gpu/webgpu/webgpu_card.h"
 #include "gpu/webgpu/webgpu_peer.h"

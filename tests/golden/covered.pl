@@ -44,7 +44,7 @@ sub uncovered {
     $named{$_} = join ' ', map { /^  (\S+) / ? $1 : () } split /\n/, `'$program' list $values{$_}` for keys %values;
     for my $option (sort keys %named) {
         for my $value (split / /, $named{$option}) {
-            next if $option eq '--engine' && $value =~ /vulkan|embree|rayquery/;
+            next if $option eq '--engine' && $value =~ /vulkan|embree|rayquery|webgpu/;
             push @missing, "$option $value" if !grep { my $p = quotemeta($_) =~ s/\\\*/.*/gr; $value =~ /^$p$/ } keys %{$given{$option}};
         }
     }

@@ -81,7 +81,7 @@ static void test_constants(void **state)
             }
 }
 
-/* What WGSL does not promise is not used: functions whose order or error is open, and infinities. */
+/* What WGSL does not promise is not used: functions whose order or error is open, infinities. */
 static void test_no_open_functions(void **state)
 {
     (void)state;
@@ -171,9 +171,16 @@ static void test_bounds(void **state)
 }
 
 /* How a pretended Dawn computes. */
-enum fake { FAKE_PLAIN, FAKE_FUSED, FAKE_DISTRIBUTED, FAKE_REORDERED, FAKE_DIVIDES_BADLY, FAKES };
+enum pretence {
+    FAKE_PLAIN,
+    FAKE_FUSED,
+    FAKE_DISTRIBUTED,
+    FAKE_REORDERED,
+    FAKE_DIVIDES_BADLY,
+    FAKES
+};
 
-static void fake_answers(enum fake fake, const struct probe_triple *triple, float *out)
+static void fake_answers(enum pretence fake, const struct probe_triple *triple, float *out)
 {
     for (uint32_t i = 0; i < PROBE_TRIPLES; i++, out += WEBGPU_PROBED) {
         const float a = triple[i].a, b = triple[i].b, c = triple[i].c;
@@ -201,7 +208,7 @@ static void test_card(void **state)
     float *got = alloc_zeroed(PROBE_TRIPLES, WEBGPU_PROBED * sizeof *got);
     assert_true(triple && got);
     probe_triples(triple);
-    for (enum fake fake = FAKE_PLAIN; fake < FAKES; fake++) {
+    for (enum pretence fake = FAKE_PLAIN; fake < FAKES; fake++) {
         struct webgpu_card card = {.device = ""};
         char text[4096] = "";
         fake_answers(fake, triple, got);

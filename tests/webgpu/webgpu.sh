@@ -2,9 +2,9 @@
 # Engine webgpu, from the command line. Without Node, too: why it is skipped, and what becomes of a process that ends,
 # hangs, crashes or talks nonsense. Where Node and Dawn are (make webgpu), on each driver of make drivers: six layouts,
 # both queries, all tests, judged by WGSL's bounds; RTRS's published faults; an installed program.
-#   sh tests/webgpu/webgpu.sh BUILD/raydiff
+#   sh tests/webgpu/webgpu.sh BUILD/raydiff [faults|published]   only what needs no Node, or only RTRS's layouts and bits
 set -u
-raydiff=$1
+raydiff=$1 part=${2-all}
 . tests/scripts/expect.sh
 here=$(pwd)
 dawn=${RAYDIFF_WEBGPU:-$here/build/webgpu}
@@ -22,11 +22,11 @@ has() { # what, pattern...
 soup='soup:n=9 --count 9 --repeat 1'
 
 # --- what is missing is told, with the remedy -------------------------------------------------------------------------
+faults() {
 mkdir -p "$dir/none" "$dir/fake/node_modules/webgpu" "$dir/bin"
 : >"$dir/fake/node_modules/webgpu/index.js"
 cp tests/webgpu/fake_node.pl "$dir/bin/node"
 chmod +x "$dir/bin/node"
-path=$PATH
 PATH=$dir/none expect 77 . check $soup --engine webgpu --layout f32
 has 'no Node' '^skipped f32 +webgpu webgpu: node is not in PATH \(Debian'
 export RAYDIFF_WEBGPU="$dir/none"
@@ -63,6 +63,12 @@ expect 0 . doctor
 expect 0 . list engines
 has list '^  webgpu +WGSL'
 PATH=$path
+unset RAYDIFF_WEBGPU
+}
+
+path=$PATH
+[ "$part" = published ] || faults
+[ "$part" != faults ] || exit "$((failed > 0))"
 
 # --- Dawn -------------------------------------------------------------------------------------------------------------
 skip() { echo "SKIP webgpu: $1"; [ "$failed" -eq 0 ] && exit 77; exit 1; }
@@ -75,7 +81,9 @@ published='rtrs_direct,rtrs_rf,rtrs_rf_paper'
 
 for driver in swiftshader mesa25; do
     [ -s "$drivers/$driver/icd.json" ] || continue
-    for scene in sphere:n=8 soup:n=60 cornell; do
+    scenes='sphere:n=8 soup:n=60 cornell'
+    [ "$part" = all ] || scenes=cornell
+    for scene in $scenes; do
         expect 0 . check $scene --count 1500 --repeat 1 --engine webgpu --layout $layouts --driver $driver \
             --query closest,any --json "$dir/$driver.json"
         [ "$(grep -cE '^agrees ' "$dir/out")" -eq 6 ] || bad "$driver, $scene: not six rows that agree"
@@ -91,6 +99,7 @@ for driver in swiftshader mesa25; do
             bad "$layout: cpu and webgpu do not hit the same"
     done
 done
+[ "$part" != published ] || exit "$((failed > 0))"
 for tri in mt woop mt_rtrs pluecker baldwin_webber; do
     for box in robust watertight; do
         expect 0 . check sphere:n=8 --count 1000 --repeat 1 --engine webgpu --layout f32,cwbvh80 --driver swiftshader \
