@@ -197,6 +197,7 @@ static enum status check_given(const struct bench *bench, const char *name, stru
                                    .layout = or_all(&bench->layout, TABLE_LAYOUTS, &layout),
                                    .scene = undrawn ? (char *const *)(uintptr_t)&spec : NULL,
                                    .scene_count = undrawn,
+                                   .unnamed = bench->engine.count == 0,
                                    .seeded = !undrawn};
     enum status status = options_check(&use, reason);
     if (!status && bench->bvh && bench->scene_count != 1)

@@ -87,7 +87,7 @@ static bool has_peer(const struct engine *engine)
 static bool from_outside(const struct option_use *use, const char *option)
 {
     (void)option;
-    bool any = any_engine(use, has_peer);
+    bool any = any_engine(use, use->unnamed ? engine_is_peer : has_peer);
     for (size_t i = 0; use->layout && i < use->layout->count; i++)
         any = any || layouts_all[use->layout->index[i]]->outside;
     return any;
