@@ -17,7 +17,7 @@ struct option_use {
     const struct list *engine, *layout, *builder, *store, *rays;
     char *const *scene; /* as users name them, for options of generators; NULL: unknown */
     size_t scene_count;
-    bool unnamed;  /* nobody named these engines: they are all that there are */
+    bool unnamed;  /* no option named these engines: they are all that there are */
     bool seeded;   /* more than rays and scenes depends on --seed */
     bool compares; /* shaders of layouts are compiled, whichever engine runs */
 };
