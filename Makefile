@@ -53,7 +53,7 @@ PROGRAM_LIBS := $(if $(filter 1,$(HAVE_GLSLANG)),$(GLSLANG_LIBS))
 FUZZ     := gen play shrink feedback campaign findings selftest export
 LIB_SRC  := $(wildcard ref/*/*.c ref/*/*/*.c gpu/*/*.c scenes/*.c scenes/*/*.c bench/*/*.c tests/hard/*.c tests/hard/*/*.c $(FUZZ:%=fuzz/%/*.c))
 CMD_SRC  := raydiff.c $(wildcard cmd/*/*.c)
-GEN_SRC  := $(addprefix $(B)/gen/,shaders.c baseline.c waivers.c turn.c templates.c glsl_sources.c wgsl_sources.c) # generated, of the library
+GEN_SRC  := $(addprefix $(B)/gen/,shaders.c baseline.c waivers.c turn.c web_view.c web_gpu.c templates.c glsl_sources.c wgsl_sources.c) # generated, of the library
 LIB_OBJ  := $(patsubst %.c,$(B)/obj/%.o,$(LIB_SRC)) $(GEN_SRC:$(B)/%.c=$(B)/obj/%.o)
 CMD_OBJ  := $(CMD_SRC:%.c=$(B)/obj/%.o)
 ifeq ($(config),mutation) # see tests/mutation/mutation.mk
@@ -121,7 +121,8 @@ $(B)/obj/cmd/doctor/cmd_glsl.o: CPPFLAGS += $(GLSLANG_CFLAGS)
 $(B)/gen/baseline.c: fuzz/baseline.txt
 $(B)/gen/waivers.c: tests/waivers.txt
 $(B)/gen/turn.c: cmd/explain/turn.js
-$(B)/gen/baseline.c $(B)/gen/waivers.c $(B)/gen/turn.c:
+$(B)/gen/web_view.c $(B)/gen/web_gpu.c: $(B)/gen/%.c: cmd/web/%.js
+$(addprefix $(B)/gen/,baseline.c waivers.c turn.c web_view.c web_gpu.c):
 	@mkdir -p $(@D)
 	@{ echo 'extern const char $(basename $(@F))_shipped[];' && \
 	  echo 'const char $(basename $(@F))_shipped[] =' && \

@@ -68,7 +68,7 @@ shaders/%.glsl: ;
 -include $(wildcard $(B)/spv/plain/*.d)
 
 # The text of WGSL and of the program that runs it, for engine webgpu.
-WGSL_TEXTS := $(sort $(wildcard shaders/wgsl/*.wgsl)) gpu/webgpu/peer.js
+WGSL_TEXTS := $(sort $(wildcard shaders/wgsl/*.wgsl) gpu/webgpu/core.js gpu/webgpu/peer.js)
 $(B)/gen/wgsl_sources.c: gpu/webgpu/embed.sh $(WGSL_TEXTS)
 	@mkdir -p $(@D)
 	@sh gpu/webgpu/embed.sh $(WGSL_TEXTS) >$@

@@ -133,6 +133,8 @@ plain)
     suite ci_outputs sh tests/scripts/ci_outputs.sh "$build/raydiff"
     suite report sh tests/scripts/report.sh "$build/raydiff"
     suite report_browser sh tests/scripts/report_browser.sh "$build/raydiff" quick
+    suite web sh tests/web/web.sh "$build/raydiff"
+    suite web_browser sh tests/web/browser.sh "$build/raydiff"
     alone fuzz sh tests/scripts/fuzz.sh "$build"
     alone fuzz_screen sh tests/docs/fuzz_screen.sh "$build/raydiff"
     suite fuzz_picture sh tests/docs/fuzz_picture.sh "$build/raydiff"

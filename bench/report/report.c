@@ -15,6 +15,7 @@ static void free_part(struct report_part *part)
     free(part->why);
     free(part->text);
     free(part->drawing);
+    free(part->page);
     free(part->known);
     json_decref(part->json);
 }
@@ -51,10 +52,11 @@ enum status report_add(struct report *report, const struct report_part *part, st
     mine.command = copy(part->command);
     mine.why = copy(part->why);
     mine.known = copy(part->known);
+    mine.page = copy(part->page);
     mine.text = part->text ? strdup(part->text) : NULL;
     mine.drawing = part->drawing ? strdup(part->drawing) : NULL;
-    bool all = mine.name && mine.command && mine.why && mine.known && (mine.text || !part->text) &&
-               (mine.drawing || !part->drawing);
+    bool all = mine.name && mine.command && mine.why && mine.known && mine.page &&
+               (mine.text || !part->text) && (mine.drawing || !part->drawing);
     if (!all ||
         array_reserve(&array, &report->part_capacity, report->part_count + 1, sizeof mine)) {
         free_part(&mine);

@@ -35,6 +35,7 @@ struct report_part {
     char *why;      /* the command's complaints, or why there is no result; "" if none */
     char *text;     /* for a finding: the output of replay; else NULL */
     char *drawing;  /* for a finding: its picture, an SVG element of raydiff explain; NULL: none */
+    char *page;     /* for a finding: the link to its page of raydiff web; NULL or "": none */
     char *known;    /* for a finding: why the baseline excuses it; NULL or "": not excused */
     json_t *json;   /* NULL: none */
     int code;       /* exit code of the command */

@@ -66,6 +66,13 @@ static void put_finding(struct html *html, const struct report *report, size_t p
         html_element(html, "p", NULL, cause);
     if (part->drawing)
         put_drawing(html, part);
+    if (part->page[0]) {
+        html_begin(html, "p", NULL);
+        html_begin(html, "a", "class", "page", "href", part->page, NULL);
+        html_text(html, "In three dimensions, and by your own graphics card");
+        html_end(html, "a");
+        html_end(html, "p");
+    }
     html_element(html, "pre", "line", part->command);
     if (part->text && part->text[0]) {
         html_begin(html, "details", "open", open ? "open" : NULL, NULL);

@@ -212,6 +212,8 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
     struct judged_ray ray;
     size_t index;
     enum status status = choose(e, judged, &ray, &index, reason);
+    if (!status && index == e->ray_count && o->shows && e->ray_count > 0)
+        status = explain_ray(e, judged, index = 0, &ray, reason); /* one that is right, then */
     if (status)
         return status;
     if (index == e->ray_count) {
@@ -237,15 +239,20 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
                                 .rays = o->ray_text || o->has_file ? NULL : o->rays->name,
                                 .index = index,
                                 .count = e->ray_count,
+                                .all = e->ray,
+                                .file = o->has_file ? &e->file : NULL,
                                 .decode = &e->decode,
                                 .screen = screen,
                                 .again = explain_again(o, index, again)};
     *code = exit_worse(*code, !ray.answer.finished     ? EXIT_ENGINE
                               : explain_is_wrong(&ray) ? EXIT_MISMATCH
                                                        : EXIT_AGREE);
-    explain_print(&page);
+    if (o->shows)
+        status = o->shows(o->shows_to, &page, *code, reason);
+    else
+        explain_print(&page);
     explain_conclude(&ray, e->conclusion);
-    if (o->html)
+    if (!status && o->html)
         status = explain_write_html(o->html, &page, reason);
     if (!status && o->svg)
         status = picture_write(o->svg, &page, reason);
@@ -297,10 +304,13 @@ static enum status explain(struct explaining *e, int *code, struct reason *reaso
                       .query = of->query};
     enum status status = STATUS_OK;
     e->pool.options = e->options->engines;
-    if (e->file.trial.world.is)
-        return explain_trial_of_world(e, code, reason);
     if (!e->options->has_file)
         status = open_either(e, reason);
+    if (!status && e->options->shows && (e->file.trial.world.is || e->world.instance_count > 0))
+        return fail(reason, STATUS_UNSUPPORTED, "%s: is of a world, and pages are of scenes",
+                    of->spec);
+    if (e->file.trial.world.is)
+        return explain_trial_of_world(e, code, reason);
     if (!status && e->world.instance_count > 0)
         return explain_world(e->options, &e->world, NULL, &e->pool, code, reason);
     if (!status)
@@ -325,7 +335,7 @@ static enum status explain(struct explaining *e, int *code, struct reason *reaso
     *code = explain_decode_code(&e->decode);
     if (!status)
         status = explain_one(e, &judged, code, reason);
-    if (!status) {
+    if (!status && !e->options->shows) {
         explain_decode_print(&e->decode, &screen);
         explain_print_conclusion(e->conclusion, &e->decode, &screen);
     }
@@ -333,10 +343,38 @@ static enum status explain(struct explaining *e, int *code, struct reason *reaso
     return status;
 }
 
+enum status explain_run(struct explain_options *o, struct finding_file *file, int *code,
+                        struct reason *reason)
+{
+    /* The run takes over the file's scene and rays and frees them below. */
+    struct explaining e = {.options = o,
+                           .file = *file,
+                           .scene = file->trial.scene,
+                           .ray = file->trial.ray,
+                           .ray_count = file->trial.ray_count};
+    *file = (struct finding_file){.has_signature = false};
+    *code = EXIT_AGREE;
+    enum status status =
+        o->about_tree ? explain_tree_finding(o, &e.file, code, reason) : explain(&e, code, reason);
+    fuzz_player_close(e.player);
+    pool_free(&e.pool);
+    oracle_free(e.oracle);
+    packed_free(&e.packed);
+    bvh_free(&e.bvh);
+    tree_file_free(&e.tree);
+    scene_free(&e.scene);
+    world_free(&e.world);
+    trial_world_free(&e.file.trial.world);
+    free(e.ray);
+    return status;
+}
+
 int cmd_explain(int argc, char **argv)
 {
     struct reason reason = {""};
+    struct finding_file file = {.has_signature = false};
     struct explain_options options = {
+        .command = "explain",
         .of.build = build_options_default(),
         .engines = engine_options_default(),
     };
@@ -349,29 +387,12 @@ int cmd_explain(int argc, char **argv)
         return usage_error("explain", "--query: closest or any can be explained, not all");
     if (argc - first != 1)
         return usage_error("explain", argc == first ? "no scene given" : "one scene at a time");
-    struct explaining e = {.options = &options};
     if (tree_check_options(options.of.tree, 1, &reason) ||
-        explain_take_subject(&options, argv[first], &e.file, &reason))
+        explain_take_subject(&options, argv[first], &file, &reason))
         return usage_error("explain", "%s", reason.text);
     code = explain_check_use(&options, argv + first);
     if (code >= 0)
-        return finding_file_free(&e.file), code;
-    /* The run takes over the file's scene and rays and frees them below. */
-    e.scene = e.file.trial.scene, e.ray = e.file.trial.ray, e.ray_count = e.file.trial.ray_count;
-    code = EXIT_AGREE;
-    enum status status = options.about_tree
-                             ? explain_tree_finding(&options, &e.file, &code, &reason)
-                             : explain(&e, &code, &reason);
-    code = exit_worse(code, exit_with_reason("explain", status, &reason));
-    fuzz_player_close(e.player);
-    pool_free(&e.pool);
-    oracle_free(e.oracle);
-    packed_free(&e.packed);
-    bvh_free(&e.bvh);
-    tree_file_free(&e.tree);
-    scene_free(&e.scene);
-    world_free(&e.world);
-    trial_world_free(&e.file.trial.world);
-    free(e.ray);
-    return code;
+        return finding_file_free(&file), code;
+    enum status status = explain_run(&options, &file, &code, &reason);
+    return exit_worse(code, exit_with_reason("explain", status, &reason));
 }

@@ -7,6 +7,8 @@
 #include "ref/explain/judged.h"
 
 struct explain_decode; /* cmd/explain/cmd_explain_inner.h */
+struct finding_file;   /* fuzz/findings/finding_file.h */
+struct html;           /* bench/report/report_html.h */
 
 /* One explained ray with everything its page needs. All pointers are borrowed. */
 struct explain_page {
@@ -19,6 +21,9 @@ struct explain_page {
     const char *again; /* command that shows the page again; NULL: raydiff explain */
     const struct explain_decode *decode; /* or NULL */
     struct screen screen;
+    /* Only for explain_show_fn: all `count` rays, and the file that they come from; NULL: a scene. */
+    const struct ray *all;
+    const struct finding_file *file;
 };
 
 /* Prints the page as text. Commands are in one line. */
@@ -32,6 +37,12 @@ enum status explain_write_json(const char *path, const struct explain_page *page
  * STATUS_MEMORY. */
 enum status explain_write_html(const char *path, const struct explain_page *page,
                                struct reason *reason) MUST_USE;
+
+/* The parts of that page, for another one: its style, what is said of the answer (a heading and two
+ * lines), and the numbers: the node, the ray, the path, what was tried, the command. */
+extern const char explain_html_style[];
+void explain_html_verdict(struct html *html, const struct explain_page *page);
+void explain_html_numbers(struct html *html, const struct explain_page *page);
 
 /* How a box test on the path ended, and what is wrong with a bound ("": nothing). Static. */
 const char *explain_note_text(const struct replay_note *note);

@@ -13,7 +13,7 @@
 
 extern const char turn_shipped[]; /* cmd/explain/turn.js */
 
-static const char style[] =
+const char explain_html_style[] =
     ":root{color-scheme:light dark;--bg:#fff;--fg:#1c2127;--dim:#66707a;--line:#d9dfe5;"
     "--bad:#c4262e}\n"
     "@media (prefers-color-scheme:dark){:root{--bg:#14181c;--fg:#e4e8ec;--dim:#98a2ac;"
@@ -173,8 +173,6 @@ static enum status write_views(struct html *html, const struct explain_page *pag
 
 static void write_head(struct html *html, const struct explain_page *page)
 {
-    const struct judged_ray *ray = page->ray;
-    const char *layout = page->of->layout ? page->of->layout->name : NULL;
     fputs("<!DOCTYPE html>\n", html->out);
     html_begin(html, "html", "lang", "en", NULL);
     html_begin(html, "head", NULL, NULL);
@@ -183,10 +181,17 @@ static void write_head(struct html *html, const struct explain_page *page)
     html_element_format(html, "title", NULL, "raydiff explain %s", page->of->spec);
     html_begin(html, "style", NULL, NULL);
     fputs(picture_style, html->out);
-    fputs(style, html->out);
+    fputs(explain_html_style, html->out);
     html_end(html, "style");
     html_end(html, "head");
     html_begin(html, "body", NULL, NULL);
+    explain_html_verdict(html, page);
+}
+
+void explain_html_verdict(struct html *html, const struct explain_page *page)
+{
+    const struct judged_ray *ray = page->ray;
+    const char *layout = page->of->layout ? page->of->layout->name : NULL;
     html_element_format(html, "h1", NULL, "%s%s%s", page->of->engine->name, layout ? " on " : "",
                         layout ? layout : "");
     if (!ray->answer.finished)
@@ -298,11 +303,21 @@ static void write_again(struct html *html, const struct explain_page *page)
     html_element(html, "pre", NULL, page->again ? page->again : command);
 }
 
+void explain_html_numbers(struct html *html, const struct explain_page *page)
+{
+    const struct explanation *why = &page->ray->why;
+    if (why->end == END_BOX || why->end == END_SKIPPED)
+        write_node(html, &why->step[why->last]);
+    write_facts(html, page);
+    write_path(html, why);
+    write_tried(html, why);
+    write_again(html, page);
+}
+
 enum status explain_write_html(const char *path, const struct explain_page *page,
                                struct reason *reason)
 {
     struct file_out out;
-    const struct explanation *why = &page->ray->why;
     enum status status = file_out_open(path, &out, reason);
     if (status)
         return status;
@@ -313,12 +328,7 @@ enum status explain_write_html(const char *path, const struct explain_page *page
         file_out_discard(&out);
         return status;
     }
-    if (why->end == END_BOX || why->end == END_SKIPPED)
-        write_node(&html, &why->step[why->last]);
-    write_facts(&html, page);
-    write_path(&html, why);
-    write_tried(&html, why);
-    write_again(&html, page);
+    explain_html_numbers(&html, page);
     html_begin(&html, "script", NULL, NULL);
     fprintf(html.out, "//<![CDATA[\n%s//]]>\n", turn_shipped);
     html_end(&html, "script");

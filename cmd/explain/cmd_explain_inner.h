@@ -13,7 +13,16 @@
 /* In place of the default layout, of scenes and worlds that it cannot hold. */
 #define EXPLAIN_LARGE_LAYOUT "f32"
 
+/* Shows a page elsewhere; `exit_code` is that of the run. */
+typedef enum status explain_show_fn(void *to, const struct explain_page *page, int exit_code,
+                                    struct reason *reason);
+
 struct explain_options {
+    const char *command; /* whose options they are, for messages */
+    /* Called with the page in place of printing it. Where no answer is wrong, the page is of the
+     * first ray. Worlds are refused then. NULL: it is printed. */
+    explain_show_fn *shows;
+    void *shows_to;
     struct explain_of of;
     const struct ray_set *rays;
     const char *ray_text, *json, *html, *svg;
@@ -33,6 +42,14 @@ struct explain_options {
  * read into *file. Errors: STATUS_INPUT; those of finding_file_read. */
 enum status explain_take_subject(struct explain_options *options, const char *text,
                                  struct finding_file *file, struct reason *reason) MUST_USE;
+
+/* Explains what explain_take_subject and explain_check_use took. Frees *file. *code is the exit
+ * code so far. Errors: those of the scene, the tree and the engine, STATUS_INPUT cannot write. */
+enum status explain_run(struct explain_options *options, struct finding_file *file, int *code,
+                        struct reason *reason) MUST_USE;
+
+/* The page as JSON. The caller owns it; NULL: no memory. */
+json_t *explain_json(const struct explain_page *page, int exit_code);
 
 /* The result of explain_decode. */
 struct explain_decode {

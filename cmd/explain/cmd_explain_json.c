@@ -125,7 +125,7 @@ static json_t *judgement_json(const struct judged_ray *ray)
         judgement->displacement, json_prim(judgement->behind ? judgement->lost : ABI_NO_PRIM));
 }
 
-static json_t *page_json(const struct explain_page *page, int exit_code)
+json_t *explain_json(const struct explain_page *page, int exit_code)
 {
     const struct judged_ray *ray = page->ray;
     const struct explanation *why = &ray->why;
@@ -154,7 +154,7 @@ static json_t *page_json(const struct explain_page *page, int exit_code)
 enum status explain_write_json(const char *path, const struct explain_page *page, int exit_code,
                                struct reason *reason)
 {
-    json_t *root = page_json(page, exit_code);
+    json_t *root = explain_json(page, exit_code);
     return json_write(path, root, 17, reason);
 }
 

@@ -172,7 +172,8 @@ int explain_check_use(const struct explain_options *o, char *const *spec)
     const struct list layout = list_of_one(TABLE_LAYOUTS, o->of.layout);
     const struct list builder = list_of_one(TABLE_BUILDERS, o->of.builder);
     if (o->about_tree && (o->html || o->svg))
-        return usage_error("explain", "--%s: not used here: the finding is about a tree, on no ray",
+        return usage_error(o->command,
+                           "--%s: not used here: the finding is about a tree, on no ray",
                            o->html ? "html" : "svg");
     const struct option_use use = {.by = o->ray_text ? "--ray" : "--index",
                                    .never = o->has_file ? "" : never,
@@ -190,7 +191,7 @@ int explain_check_use(const struct explain_options *o, char *const *spec)
                  engine_is_peer(o->of.engine) ? "" : "engine ",
                  o->of.layout && o->of.layout->outside ? "" : "layout");
         const struct option_use own = {.by = "a trial, whose name says it", .never = words};
-        code = options_refused("explain", &own);
+        code = options_refused(o->command, &own);
     }
-    return code < 0 ? options_refused("explain", &use) : code;
+    return code < 0 ? options_refused(o->command, &use) : code;
 }

@@ -4,9 +4,11 @@
 
 #include "fuzz/findings/baseline.h"
 #include "fuzz/findings/findings.h"
+#include "cmd/web/cmd_web.h"
 #include "ref/outside/plugin_guard.h"
 #include "ref/outside/plugin_shader.h"
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 #include "ref/files/file.h"
 
 #include <errno.h>
@@ -225,6 +227,29 @@ static enum status draw_finding(const struct report_options *options, struct run
     return file_read_most(svg, DRAWING_MOST, out, &size, reason);
 }
 
+/* Writes the link to the page of a finding; "" if there is none in that folder. */
+static void find_page(const struct report_options *options, const char *name, char *link,
+                      size_t link_bytes)
+{
+    char file[WEB_NAME_MOST], path[4096] = "";
+    const char *slash = strrchr(options->out, '/');
+    link[0] = '\0';
+    if (!options->web)
+        return;
+    web_name(name, file);
+    if (slash && options->web[0] != '/')
+        text_append(path, sizeof path, "%.*s/", (int)(slash - options->out), options->out);
+    text_append(path, sizeof path, "%s/%s.html", options->web, file);
+    if (access(path, R_OK) != 0)
+        return;
+    for (const char *at = options->web; *at; at++) /* as addresses are written */
+        if (strchr(" %#?&\"\\", *at))
+            text_append(link, link_bytes, "%%%02X", (unsigned char)*at);
+        else
+            text_append(link, link_bytes, "%c", *at);
+    text_append(link, link_bytes, "/%s.html", file);
+}
+
 static enum status make_finding(const struct report_options *options, struct runner *runner,
                                 const struct findings *findings, size_t i, struct report *report,
                                 struct reason *reason)
@@ -238,6 +263,9 @@ static enum status make_finding(const struct report_options *options, struct run
                   entry->has_smallest ? "smallest.trial" : "first.trial", path, sizeof path);
     struct report_part part = {.kind = REPORT_FINDING, .name = name, .times = entry->count};
     struct baseline_answer answer;
+    char page[4096];
+    find_page(options, name, page, sizeof page);
+    part.page = page;
     enum status status = ask_baseline(options, findings, entry, &answer, reason);
     if (status)
         return status;

@@ -40,6 +40,7 @@ struct report_options {
     const char *title, *out, *json;
     const char *findings[FOLDERS_GIVEN];
     size_t findings_count;
+    const char *web; /* pages of raydiff web, beside the report; NULL: none */
     const char *check[FILES_GIVEN], *bench[FILES_GIVEN], *doctor; /* existing results */
     size_t check_count, bench_count;
     char *picture[PICTURES_GIVEN]; /* TITLE=FILE */

@@ -85,7 +85,7 @@ int report_check_use(const struct report_options *options)
         {plays && (wanted[REPORT_CHECK] || wanted[REPORT_BENCH] || wanted[REPORT_PICTURES]),
          machine},
         {!options->doctor && wanted[REPORT_MACHINE], " threads driver device workgroup"},
-        {options->findings_count > 0, " baseline"},
+        {options->findings_count > 0, " baseline web"},
         {options->findings_count > 0, machine},
     };
     for (size_t i = 0; options->findings_count && i < engine.count;

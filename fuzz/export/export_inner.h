@@ -3,6 +3,7 @@
 #define FUZZ_EXPORT_INNER_H
 
 #include "fuzz/export/export.h"
+#include "fuzz/export/export_rights.h"
 #include "gpu/trace/dispatch.h"
 #include "ref/judge/judge_world.h"
 
@@ -14,14 +15,6 @@ enum export_subject {
     SUBJECT_EMBREE,
     SUBJECT_EMBREE_ROBUST,
     SUBJECT_TRACER, /* another tracer, which reads text */
-};
-
-/* A right answer: triangle prim, or ABI_NO_PRIM, with t, u and v in these closed intervals; those
- * of u and v are infinite if export_is_followed. */
-struct export_right {
-    uint32_t ray, prim;
-    float t[2], u[2], v[2];
-    bool front, back; /* in a world: the sides that may be reported */
 };
 
 /* Everything that a form writes; owns its arrays (export_case_free). */

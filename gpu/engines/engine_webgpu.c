@@ -1,23 +1,14 @@
 /* Engine `webgpu`: traces with the WGSL of shaders/wgsl/, which Dawn runs in its own process. */
 #include "gpu/trace/dispatch.h"
 #include "gpu/webgpu/webgpu_card.h"
-#include "gpu/webgpu/webgpu_peer.h"
-#include "gpu/webgpu/webgpu_text.h"
+#include "gpu/webgpu/webgpu_job.h"
 #include "ref/base/text.h"
-#include "ref/store.h"
 #include "ref/twin/twin.h"
 
 #include <stdlib.h>
 
 /* Rays of one request, and so of one dispatch, at most. */
 #define RAYS_MOST ((size_t)1 << 16)
-
-/* What walk.wgsl writes. */
-struct webgpu_answer {
-    struct hit hit;
-    uint32_t flag;
-};
-_Static_assert(sizeof(struct webgpu_answer) == 20, "five words an answer");
 
 struct webgpu {
     struct webgpu_peer peer;
@@ -53,51 +44,17 @@ static enum status open(const struct engine_options *options, void **self, struc
     return status;
 }
 
-/* The triangles in scene order, nine floats each; NULL without memory. */
-static float *gather(const struct scene *scene)
-{
-    float *out = alloc_zeroed((size_t)scene->tri_count + 1, ABI_TRI_FLOATS * sizeof *out);
-    for (uint32_t i = 0; out && i < scene->tri_count; i++) {
-        float v[3][3];
-        scene_tri(scene, i, v);
-        for (uint32_t k = 0; k < ABI_TRI_FLOATS; k++)
-            out[ABI_TRI_FLOATS * (size_t)i + k] = v[k / 3][k % 3];
-    }
-    return out;
-}
-
-static enum status give(struct webgpu *w, const struct job *job, const char *text,
-                        struct reason *reason)
-{
-    const struct packed *packed = job->packed;
-    float *corners = gather(job->scene);
-    if (!corners)
-        return fail(reason, STATUS_MEMORY, "webgpu: no memory to gather triangles");
-    const size_t floats = ABI_TRI_FLOATS * (size_t)job->scene->tri_count;
-    const struct webgpu_program program = {
-        .text = text,
-        .array = {{packed->word, packed->word_count},
-                  {packed->item, packed->item_count},
-                  {(const void *)corners, floats}},
-        .into_words = sizeof(struct ray) / 4,
-        .out_words = sizeof(struct webgpu_answer) / 4,
-        .uniform = {0, packed->root, packed->ref_count, packed->item_count, job->scene->tri_count}};
-    enum status status = webgpu_give(&w->peer, &program, reason);
-    free(corners);
-    w->tri_count = job->scene->tri_count;
-    w->bytes = packed_node_bytes(packed) + packed_item_bytes(packed) + 4 * floats;
-    return status;
-}
-
 static enum status prepare(void *self, const struct job *job, struct reason *reason)
 {
     struct webgpu *w = self;
-    char *text;
+    struct webgpu_job as;
     w->prepared = false;
-    enum status status = webgpu_text(job, &text, reason);
+    enum status status = webgpu_job_make(job, &as, reason);
     if (!status)
-        status = give(w, job, text, reason);
-    free(text);
+        status = webgpu_give(&w->peer, &as.program, reason);
+    w->tri_count = job->scene->tri_count;
+    w->bytes = as.bytes;
+    webgpu_job_free(&as);
     w->prepared = !status;
     return status == STATUS_REFUSED ? STATUS_UNSUPPORTED : status;
 }

@@ -39,6 +39,23 @@ static void put_driver(char *text, const struct driver *driver)
     put_variable(text, "LD_LIBRARY_PATH", folder);
 }
 
+/* Appends the text that Node runs. */
+static enum status put_text(char *text, struct reason *reason)
+{
+    static const char *const part[] = {"core.js", "peer.js"};
+    size_t bytes = 1;
+    for (size_t i = 0; i < ARRAY_COUNT(part); i++)
+        bytes += strlen(wgsl_find(part[i]));
+    char *joined = alloc_zeroed(bytes, 1);
+    if (!joined)
+        return fail(reason, STATUS_MEMORY, "webgpu: no memory for the engine");
+    for (size_t i = 0; i < ARRAY_COUNT(part); i++)
+        text_append(joined, bytes, "%s", wgsl_find(part[i]));
+    command_word(text, COMMAND_BYTES, joined);
+    free(joined);
+    return STATUS_OK;
+}
+
 static enum status make_command(const struct engine_options *options, char *text,
                                 struct reason *reason)
 {
@@ -61,7 +78,7 @@ static enum status make_command(const struct engine_options *options, char *text
         put_driver(text, &driver);
         command_word(text, COMMAND_BYTES, node);
         text_append(text, COMMAND_BYTES, " --input-type=module -e");
-        command_word(text, COMMAND_BYTES, wgsl_find("peer.js"));
+        status = put_text(text, reason);
         text_append(text, COMMAND_BYTES, " --");
         command_word(text, COMMAND_BYTES, path);
         text_append(text, COMMAND_BYTES, driver.kind == DRIVER_HARDWARE ? " hardware" : " any");
@@ -103,12 +120,13 @@ void webgpu_stop(struct webgpu_peer *peer)
     *peer = (struct webgpu_peer){.command = NULL};
 }
 
-enum status webgpu_give(struct webgpu_peer *peer, const struct webgpu_program *program,
-                        struct reason *reason)
+enum status webgpu_words(const struct webgpu_program *program, uint32_t **out, size_t *count,
+                         struct reason *reason)
 {
     const size_t bytes = strlen(program->text), words = (bytes + 3) / 4;
     size_t total = HEAD_WORDS + words;
     uint32_t head[HEAD_WORDS] = {(uint32_t)bytes};
+    *out = NULL;
     for (uint32_t i = 0; i < WEBGPU_ARRAYS; i++) {
         head[1 + i] = (uint32_t)program->array[i].count;
         total += program->array[i].count;
@@ -118,19 +136,29 @@ enum status webgpu_give(struct webgpu_peer *peer, const struct webgpu_program *p
     memcpy(head + HEAD_WORDS - WEBGPU_UNIFORM, program->uniform, sizeof program->uniform);
     if (total > UINT32_MAX)
         return fail(reason, STATUS_LIMIT, "webgpu: more than 2^32 words");
-    free(peer->words);
-    peer->words = alloc_zeroed(total, 4);
-    if (!peer->words)
+    uint32_t *at = *out = alloc_zeroed(total, sizeof *at);
+    if (!at)
         return fail(reason, STATUS_MEMORY, "webgpu: no memory for a program");
-    char *at = peer->words;
     memcpy(at, head, sizeof head);
-    memcpy(at + sizeof head, program->text, bytes);
-    at += sizeof head + 4 * words;
+    memcpy(at + HEAD_WORDS, program->text, bytes);
+    at += HEAD_WORDS + words;
     for (uint32_t i = 0; i < WEBGPU_ARRAYS; i++) {
         if (program->array[i].count > 0) /* an empty array may be NULL */
             memcpy(at, program->array[i].word, 4 * program->array[i].count);
-        at += 4 * program->array[i].count;
+        at += program->array[i].count;
     }
+    *count = total;
+    return STATUS_OK;
+}
+
+enum status webgpu_give(struct webgpu_peer *peer, const struct webgpu_program *program,
+                        struct reason *reason)
+{
+    size_t total;
+    free(peer->words);
+    enum status status = webgpu_words(program, &peer->words, &total, reason);
+    if (status)
+        return status;
     peer->pipe.subject = (struct pipe_subject){.head = {.magic = {'R', 'D', 'R', 'Q'},
                                                         .version = PIPE_VERSION_SHADER,
                                                         .vertices = (uint32_t)total},
@@ -142,7 +170,7 @@ enum status webgpu_give(struct webgpu_peer *peer, const struct webgpu_program *p
 enum status webgpu_run(struct webgpu_peer *peer, size_t first, size_t count, const void *record,
                        void *answer, struct reason *reason)
 {
-    const uint32_t *head = (const void *)peer->words;
+    const uint32_t *head = peer->words;
     const struct pipe_rays rays = {.first = first,
                                    .count = count,
                                    .ray = record,

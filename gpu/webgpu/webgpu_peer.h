@@ -21,7 +21,7 @@ struct webgpu_program {
 struct webgpu_peer {
     struct pipe_peer pipe;
     char *command;
-    char *words; /* the program, as it is sent */
+    uint32_t *words; /* the program, as it is sent */
 };
 
 /* Starts Node with Dawn on the driver of the options. Errors: STATUS_UNSUPPORTED Node, Dawn or the
@@ -30,7 +30,12 @@ struct webgpu_peer {
 enum status webgpu_start(const struct engine_options *options, struct webgpu_peer *out,
                          struct reason *reason) MUST_USE;
 
-/* Sends a program, which is compiled. Errors: as pipe_peer_need; STATUS_LIMIT over 2^32 words. */
+/* Writes a program as gpu/webgpu/core.js takes it; the caller frees *out. Errors: STATUS_LIMIT over
+ * 2^32 words; STATUS_MEMORY. *out is NULL on error. */
+enum status webgpu_words(const struct webgpu_program *program, uint32_t **out, size_t *count,
+                         struct reason *reason) MUST_USE;
+
+/* Sends a program, which is compiled. Errors: as pipe_peer_need and webgpu_words. */
 enum status webgpu_give(struct webgpu_peer *peer, const struct webgpu_program *program,
                         struct reason *reason) MUST_USE;
 

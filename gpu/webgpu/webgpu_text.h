@@ -4,7 +4,8 @@
 
 #include "ref/engine.h"
 
-/* The files of shaders/wgsl/ and peer.js, made at build time. The last one has the name NULL. */
+/* The files of shaders/wgsl/, core.js and peer.js, made at build time. The last one has the name
+ * NULL. */
 struct wgsl_source {
     const char *name; /* "walk.wgsl" */
     const char *text;

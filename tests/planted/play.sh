@@ -87,7 +87,7 @@ compile_shaders() {
 
 # All WGSL and the program that runs it, some with the bug.
 compile_wgsl() {
-    sh gpu/webgpu/embed.sh $(for file in shaders/wgsl/*.wgsl gpu/webgpu/peer.js; do with_bug "$file"; done) \
+    sh gpu/webgpu/embed.sh $(for file in shaders/wgsl/*.wgsl gpu/webgpu/*.js; do with_bug "$file"; done) \
         >"$dir/wgsl_sources.c" && compile -c -o "$dir/unit.o" "$dir/wgsl_sources.c"
 }
 

@@ -1,0 +1,61 @@
+#!/bin/sh
+# Pages of raydiff web in headless Chromium, by SwiftShader's WebGPU: a finding of Embree, one of a layout as published,
+# one of a rounded box and a right answer. What the browser's graphics card answers is, to the bit, what Node's Dawn
+# answers to the same ray; what the page says of it is what raydiff explain says; the view is in the screenshot; keys
+# turn it; nothing is asked for, nothing is said on the console. And a browser without WebGPU.
+#   sh tests/web/browser.sh BUILD/raydiff [FOLDER]      FOLDER: where the screenshots are kept
+# Exit 77 without Chromium, Node, Dawn or SwiftShader.
+set -u
+raydiff=$1
+keep=${2-}
+. tests/scripts/expect.sh
+export RAYDIFF_WEBGPU="${RAYDIFF_WEBGPU:-$(pwd)/build/webgpu}" RAYDIFF_DRIVERS="${RAYDIFF_DRIVERS:-$(pwd)/build/drivers}"
+missing=$("$raydiff" check soup:n=9 --count 9 --engine webgpu --layout f32 --driver swiftshader 2>&1 |
+    sed -n 's/^skipped f32  *webgpu *//p')
+[ -z "$missing" ] || { echo "SKIP web_browser: $missing"; exit 77; }
+command -v chromium >/dev/null || { echo "SKIP web_browser: no chromium (make report-check)"; exit 77; }
+
+# --- findings ---------------------------------------------------------------------------------------------------------
+pages=$dir/pages
+embree=tests/web/embree.trial
+published=tests/web/published.trial
+rounded=fuzz/corpus/rounded-inward.trial
+expect 0 . web $embree $published $rounded --out "$pages"
+expect 0 . web cornell --layout f32 --out "$dir/right"
+
+browse() { # page, name, more
+    timeout 120 node tests/web/browse.js "$1" "$dir/$2.png" "$dir/profile" ${3-} >"$dir/$2.json" 2>"$dir/err"
+    code=$?
+    cp "$dir/$2.json" "$dir/out"
+    rm -rf "$dir/profile"
+    [ "$code" -eq 0 ] || bad "$2: the browser ended with $code"
+    [ -z "$keep" ] || { mkdir -p "$keep" && cp "$dir/$2.png" "$keep/$2.png"; }
+}
+
+# Compares what the browser says with raydiff explain by engine webgpu, and the view with what should be seen.
+held() { # name, file or scene, state, layouts
+    name=$1 subject=$2 state=$3
+    shift 3
+    for layout; do
+        "$raydiff" explain $subject --index "$index" --engine webgpu --layout $layout --driver swiftshader \
+            --json "$dir/node.$layout.json" >"$dir/node" 2>&1 || [ $? -eq 1 ] || bad "$name: no answer of Node on $layout"
+    done
+    perl tests/web/held.pl "$dir/$name.json" "$state" "$dir" "$@" >"$dir/out" 2>&1 || bad "$name"
+}
+
+index=0
+browse "$pages/$(sed -n 's/^expect //p' $embree).html" embree
+held embree $embree right f32
+browse "$pages/$(sed -n 's/^expect //p' $published).html" published
+held published $published shows rtrs_rf f32
+browse "$pages/$(sed -n 's/^expect //p' $rounded).html" rounded
+held rounded $rounded shows rtrs_rf_paper f32
+browse "$dir/right/cornell.html" right
+held right cornell right f32
+
+# --- without WebGPU the numbers and the view are there, and the page says why nothing is traced -----------------------
+browse "$pages/$(sed -n 's/^expect //p' $rounded).html" none none
+perl tests/web/held.pl "$dir/none.json" none "$dir" >"$dir/out" 2>&1 || bad 'without WebGPU'
+cmp -s "$dir/none.png" "$dir/rounded.png" || echo 'note: the view is drawn otherwise without WebGPU'
+echo "web_browser: $failed failed"
+[ "$failed" -eq 0 ]

@@ -1,0 +1,107 @@
+#!/bin/sh
+# raydiff web, without a browser: what it refuses, that a folder appears whole or not at all, that pages fetch nothing,
+# every number on them against the findings' files (tests/web/numbers.pl), and the report's links to them.
+#   sh tests/web/web.sh BUILD/raydiff
+set -u
+raydiff=$1
+. tests/scripts/expect.sh
+web=$dir/web
+mkdir "$web"
+
+# Nothing is left beside what was asked for.
+only() { # what, names
+    what=$1
+    shift
+    [ "$(ls -A "$web" | tr '\n' ' ')" = "$(printf '%s ' "$@" | sed 's/^ $//')" ] || bad "$what: $(ls -A "$web" | tr '\n' ' ')"
+}
+
+# --- what is refused leaves nothing -----------------------------------------------------------------------------------
+world=fuzz/corpus/inactive-instance.trial trial=fuzz/corpus/rounded-inward.trial
+expect 2 '^raydiff web: --out DIR is needed$' web $trial
+expect 2 '^raydiff web: no finding or scene given$' web --out "$web/pages"
+expect 77 . web $world --out "$web/pages"
+expect 77 . web $trial $world --out "$web/pages"
+expect 2 . web $trial "$dir/none.trial" --out "$web/pages"
+expect 2 'cannot be made' web $trial --out "$web/none/pages"
+expect 2 "cannot be a folder's name" web $trial --out "$web/pages/"
+expect 2 'brings its own' web $trial --tri woop --out "$web/pages"
+expect 2 'is no ray here' web $trial --index 99 --out "$web/pages"
+only 'what was refused'
+: >"$web/pages"
+expect 2 'exists and is no folder' web $trial --out "$web/pages" --force
+rm "$web/pages"
+mkdir "$web/pages" && echo mine >"$web/pages/mine"
+expect 2 'exists; --force replaces it' web $trial --out "$web/pages"
+expect 2 'holds mine, which is no page' web $trial --out "$web/pages" --force
+[ "$(cat "$web/pages/mine")" = mine ] || bad 'a file that is no page is gone'
+only 'a folder of others' pages
+rm -r "$web/pages"
+
+# --- pages ------------------------------------------------------------------------------------------------------------
+scenes= worlds=0
+for file in fuzz/corpus/*.trial; do
+    if grep -q '^raydiff trial 1' "$file"; then scenes="$scenes $file"; else worlds=$((worlds + 1)); fi
+done
+expect 0 . web $scenes --out "$web/pages"
+only 'pages' pages
+[ "$(ls "$web/pages" | grep -c 'html$')" -eq "$(($(echo $scenes | wc -w) + 1))" ] || bad "$(ls "$web/pages" | wc -l) files of $(echo $scenes | wc -w) findings"
+[ "$(ls "$web/pages" | grep -vc 'html$')" -eq 0 ] || bad 'something else than pages is written'
+[ "$worlds" -gt 0 ] || bad 'no world in the corpus'
+for file in $scenes; do
+    page=$(grep -lF " id=\"subject\">$file" "$web"/pages/*.html)
+    [ "$(echo "$page" | wc -w)" -eq 1 ] || { bad "$file: no page, or several"; continue; }
+    perl tests/web/numbers.pl "$page" "$file" >"$dir/out" 2>&1 || bad "$file: numbers"
+    grep -qF "href=\"$(basename "$page")\"" "$web/pages/index.html" || bad "$page is not in the list"
+done
+# Nothing is fetched; a name in a page is its own.
+grep -oE '(src|url|@import)[=(][^> ]*|https?://[a-z./0-9]*|fetch\(|XMLHttpRequest|import\(' "$web"/pages/*.html && bad 'something is fetched'
+for page in "$web"/pages/*.html; do
+    grep -q "content=\"default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'\"" "$page" || bad "$page: no policy"
+done
+# The text that traces is what Node's process has, too.
+sed -n '/^\/\/<!\[CDATA\[/,/^\/\/ The view of a page/p' "$web/pages/$(sed -n 's/^expect //p' $trial).html" | sed '1d;$d' |
+    cmp -s - gpu/webgpu/core.js || bad 'the page has another core.js'
+
+# The same again gives the same bytes; --force replaces.
+cp -r "$web/pages" "$dir/before"
+expect 2 . web $scenes --out "$web/pages"
+expect 0 . web $trial --out "$web/pages" --force
+[ "$(ls "$web/pages" | wc -l)" -eq 2 ] || bad '--force leaves pages of before'
+expect 0 . web $scenes --out "$web/pages" --force
+diff -r "$dir/before" "$web/pages" >"$dir/out" || bad 'pages are not the same again'
+expect 0 . web $trial --out "$web/new" --force
+only 'after --force' new pages
+[ "$(stat -c %a "$web/new")" = "$(umask 022; mkdir "$dir/mode"; stat -c %a "$dir/mode")" ] || bad 'the folder has other rights than a new one'
+
+# Scenes, an answer that is right, one name for two pages, Embree's.
+expect 0 . web sphere:n=4 sphere:n=4 cornell --layout f32 --out "$web/scenes"
+[ "$(ls "$web/scenes" | tr '\n' ' ')" = 'cornell.html index.html sphere-n-4-2.html sphere-n-4.html ' ] || bad "names: $(ls "$web/scenes")"
+grep -q '<p>right</p>' "$web/scenes/cornell.html" || bad 'an answer that is right has no page'
+expect 0 . web 'sphere:n=4' --ray '0,0,-9 0,0,1' --out "$web/ray"
+expect 0 . web sphere:n=8 --layout rtrs_rf --rays edges --out "$web/published"
+grep -q 'class="bad">WRONG' "$web"/published/sphere-n-8.html || bad 'a layout as published loses nothing'
+
+# --- folders of findings, and the report ------------------------------------------------------------------------------
+"$raydiff" fuzz --trials 60 --engine cpu --layout rtrs_rf --faithful --dir "$dir/found" --jobs 1 --until 1 --no-shrink \
+    --corpus none >"$dir/out" 2>&1
+expect 0 . web "$dir/found" --out "$dir/found-pages"
+for finding in "$dir"/found/*/; do
+    name=$(basename "$finding" | tr '=' '-')
+    file=$finding/smallest.trial
+    [ -e "$file" ] || file=$finding/first.trial
+    if grep -q '^raydiff trial 1' "$file" && [ -e "$dir/found-pages/$name.html" ]; then
+        perl tests/web/numbers.pl "$dir/found-pages/$name.html" "$file" >"$dir/out" 2>&1 || bad "$name: numbers"
+    else
+        grep -q "no page: " "$dir/found-pages/index.html" || bad "$name: neither a page nor a reason"
+    fi
+done
+pages=$(ls "$dir/found-pages" | grep -vc '^index.html$')
+[ "$pages" -ge 1 ] || bad 'no page of a folder of findings'
+"$raydiff" report --findings "$dir/found" --web found-pages --out "$dir/report.html" --parts check >"$dir/out" 2>&1
+grep -o '<a class="page" href="[^"]*"' "$dir/report.html" | sed 's/.*href="//; s/"$//' | sort >"$dir/links"
+ls "$dir/found-pages" | grep -v '^index.html$' | sed 's|^|found-pages/|' | sort | cmp -s - "$dir/links" || bad "the report links to $(tr '\n' ' ' <"$dir/links")"
+"$raydiff" report --findings "$dir/found" --web nowhere --out "$dir/report.html" --parts check >"$dir/out" 2>&1
+grep -q '<a class="page"' "$dir/report.html" && bad 'the report links to a page that is not there'
+expect 2 -- report sphere:n=4 --web found-pages --out "$dir/x.html"
+echo "web: $failed failed"
+[ "$failed" -eq 0 ]
