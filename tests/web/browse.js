@@ -110,7 +110,8 @@ function look(picture, view, data) {
     if (e.way.length) {
         const step = e.way[e.last];
         const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => place([0, 1, 2].map((k) => floatAt((i >> k & 1 ? step.hi : step.lo)[k].decoded.bits))));
-        const shown = corners.filter(inside);
+        // What the dot of the hit or a line of the ray covers is left out.
+        const shown = corners.filter((p) => inside(p) && count(picture, p, 9, parse('#16803c')) + count(picture, p, 3, parse('#0b3d91')) === 0);
         seen.corners = shown.length;
         seen.away = shown.filter((p) => count(picture, p, 3, parse('#c4262e')) > 2).length;
     }
@@ -156,5 +157,6 @@ function look(picture, view, data) {
         m.method === 'Log.entryAdded').map((m) => JSON.stringify(m.params).slice(0, 300));
     out.requests = heard.filter((m) => m.method === 'Network.requestWillBeSent').map((m) => m.params.request.url);
     console.log(JSON.stringify(out, null, 1));
-    end(0);
+    child.removeAllListeners('exit').on('exit', () => process.exit(0));
+    await ask('Browser.close'); // so that nothing is written to the profile any more
 })().catch((error) => { console.error(error.message); end(4); });

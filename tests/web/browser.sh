@@ -18,16 +18,17 @@ command -v chromium >/dev/null || { echo "SKIP web_browser: no chromium (make re
 # --- findings ---------------------------------------------------------------------------------------------------------
 pages=$dir/pages
 embree=tests/web/embree.trial
+embree_robust=tests/web/embree_robust.trial
 published=tests/web/published.trial
 rounded=fuzz/corpus/rounded-inward.trial
-expect 0 . web $embree $published $rounded --out "$pages"
+expect 0 . web $embree $embree_robust $published $rounded --out "$pages"
 expect 0 . web cornell --layout f32 --out "$dir/right"
 
 browse() { # page, name, more
     timeout 120 node tests/web/browse.js "$1" "$dir/$2.png" "$dir/profile" ${3-} >"$dir/$2.json" 2>"$dir/err"
     code=$?
     cp "$dir/$2.json" "$dir/out"
-    rm -rf "$dir/profile"
+    rm -rf "$dir/profile" 2>/dev/null
     [ "$code" -eq 0 ] || bad "$2: the browser ended with $code"
     [ -z "$keep" ] || { mkdir -p "$keep" && cp "$dir/$2.png" "$keep/$2.png"; }
 }
@@ -37,21 +38,25 @@ held() { # name, file or scene, state, layouts
     name=$1 subject=$2 state=$3
     shift 3
     for layout; do
-        "$raydiff" explain $subject --index "$index" --engine webgpu --layout $layout --driver swiftshader \
-            --json "$dir/node.$layout.json" >"$dir/node" 2>&1 || [ $? -eq 1 ] || bad "$name: no answer of Node on $layout"
+        for engine in 'webgpu --driver swiftshader' cpu; do
+            "$raydiff" explain $subject --index 0 --engine $engine --layout $layout --json "$dir/told.json" >"$dir/out" 2>&1 ||
+                [ $? -eq 1 ] || bad "$name: no answer of $engine on $layout"
+            [ "$engine" = cpu ] && mv "$dir/told.json" "$dir/c.$layout.json" || mv "$dir/told.json" "$dir/node.$layout.json"
+        done
     done
     perl tests/web/held.pl "$dir/$name.json" "$state" "$dir" "$@" >"$dir/out" 2>&1 || bad "$name"
 }
 
-index=0
 browse "$pages/$(sed -n 's/^expect //p' $embree).html" embree
 held embree $embree right f32
+browse "$pages/$(sed -n 's/^expect //p' $embree_robust).html" embree_robust
+held embree_robust $embree_robust right f32
 browse "$pages/$(sed -n 's/^expect //p' $published).html" published
 held published $published shows rtrs_rf f32
 browse "$pages/$(sed -n 's/^expect //p' $rounded).html" rounded
 held rounded $rounded shows rtrs_rf_paper f32
 browse "$dir/right/cornell.html" right
-held right cornell right f32
+held right "cornell --count 20000" right f32
 
 # --- without WebGPU the numbers and the view are there, and the page says why nothing is traced -----------------------
 browse "$pages/$(sed -n 's/^expect //p' $rounded).html" none none

@@ -1,6 +1,6 @@
 #!/usr/bin/perl
 # Holds what tests/web/browse.js saw against raydiff explain by engine webgpu in Node. Prints what differs.
-#   perl tests/web/held.pl SEEN.json STATE FOLDER LAYOUT...      FOLDER/node.LAYOUT.json: the explanations
+#   perl tests/web/held.pl SEEN.json STATE FOLDER LAYOUT...      FOLDER/node.LAYOUT.json, c.LAYOUT.json: the explanations
 use strict;
 use warnings;
 use JSON::PP;
@@ -23,7 +23,10 @@ for my $job (@{ $seen->{jobs} }) {
     same("$job->{layout}: the browser's answer", join(' ', @{$job}{qw(prim t u v)}), $want);
     same("$job->{layout}: finished", $job->{flag}, $node->{finished} ? 1 : 0);
     same("$job->{layout}: the verdict", $job->{verdict}, $node->{judgement}{verdict} eq 'wrong' ? 'WRONG' : 'right');
-    same("$job->{layout}: other bits than C's", $job->{other}, 0);
+    # SwiftShader flushes subnormals, and only these: told of a single ray by C's answer.
+    my $c = json("$folder/c.$job->{layout}.json")->{answer};
+    my $same = !grep { JSON::PP->new->canonical->encode([$c->{$_}]) ne JSON::PP->new->canonical->encode([$answer->{$_}]) } qw(prim t u v);
+    same("$job->{layout}: other bits than C's", $job->{other}, $job->{rays} == 1 && !$same ? 1 : 0);
     $wrong++ if $node->{judgement}{verdict} eq 'wrong';
     bad("$job->{layout}: no rays") unless $job->{rays} > 0;
     # Five words a ray, in the line's data.
@@ -42,7 +45,7 @@ if ($state eq 'none') {
 my $view = $seen->{seen};
 bad("the exact hit is not to be seen: $view->{exact} pixels") if defined $view->{exact} && $view->{exact} < 20;
 bad("the node is not to be seen: $view->{away} of $view->{corners} corners")
-    if defined $view->{corners} && ($view->{corners} < 4 || $view->{away} < $view->{corners});
+    if defined $view->{corners} && ($view->{corners} < 2 || $view->{away} < $view->{corners});
 bad('neither a hit nor a node') unless defined $view->{exact} || defined $view->{corners};
 # Keys: a box up, a turn, nearer, as at first.
 my ($first, $keys) = @{$seen}{qw(view keys)};
@@ -53,5 +56,5 @@ same('turn after 0', $keys->{0}{turn}, $first->{turn});
 
 # Nothing is asked for but the page, nothing is said.
 same('requests', scalar(@{ $seen->{requests} }), 1);
-bad("console: $_") for @{ $seen->{console} };
+bad("console: $_") for grep { $state ne 'none' || !/No available adapters/ } @{ $seen->{console} };
 exit $bad;

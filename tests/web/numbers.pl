@@ -68,7 +68,7 @@ same('query', $e->{subject}{query}, $line{query});
 
 # --- what is shown ----------------------------------------------------------------------------------------------------
 sub shown { my ($what, $want) = @_; bad("no $what: $want") if index($html, $want) < 0 }
-sub g9 { my $x = float($_[0]); my $t = sprintf '%.9g', $x; $t =~ s/^Inf/inf/; $t =~ s/^-Inf/-inf/; $t =~ s/^NaN/nan/i; $t }
+sub g9 { my $x = float($_[0]); my $t = sprintf '%.9g', $x; $t =~ s/^Inf/inf/; $t =~ s/^-Inf/-inf/; $t = ($_[0] >> 31 ? '-' : '') . 'nan' if $x != $x; $t }
 my @r = @rays[8 * $index .. 8 * $index + 7];
 my $nan = grep { my $x = float($_); $x != $x } @r;
 shown('ray', sprintf 'from (%s, %s, %s) along (%s, %s, %s), t from %s to %s', map { g9($_) } @r[0, 1, 2, 4, 5, 6, 3, 7]) unless $nan;
@@ -95,18 +95,21 @@ sub is_right {
     return 1 unless @of;
     for my $right (grep { $_->{prim} == $prim } @of) {
         return 1 if $prim == 0xFFFFFFFF;
-        return 1 unless grep { $v[$_] < $right->{range}[2 * $_] || $v[$_] > $right->{range}[2 * $_ + 1] } 0 .. 2;
+        return 1 unless grep { !($v[$_] >= $right->{range}[2 * $_] && $v[$_] <= $right->{range}[2 * $_ + 1]) } 0 .. 2; # NaN is none
     }
     return 0;
 }
-# An exact hit is right; the judge's word of the engine's answer is that of the list.
+# An exact hit is right. What the judge allows of an engine, WGSL's bounds, which are wider than C's, allow too; what is
+# WRONG is wrong by them but for a hit so near an edge that WGSL may miss it, which is told.
 my ($exact) = grep { $_->{ray} == $data->{shown} && $_->{prim} == ($e->{truth}{prim} // -1) } @rights;
 bad('the exact hit is not right') if defined $e->{truth}{prim} && grep({ $_->{ray} == $data->{shown} } @rights) &&
     !($exact && $exact->{range}[0] <= $e->{truth}{t_hi} && $exact->{range}[1] >= $e->{truth}{t_lo});
 if ($e->{finished} && $e->{subject}{engine} =~ /^(cpu|embree)/) {
     my $prim = $answer->{prim} // 0xFFFFFFFF;
     my $right = is_right($data->{shown}, $prim, map { float(hex($answer->{$_}{bits} // '0x0')) } qw(t u v));
-    same('the judgement', $right ? 'allowed' : 'wrong', $e->{judgement}{verdict} eq 'wrong' ? 'wrong' : 'allowed');
+    my $wrong = $e->{judgement}{verdict} eq 'wrong';
+    bad('the judge allows what the list does not') if !$wrong && !$right;
+    print "looser $page\n" if $wrong && $right;
 }
 
 # --- what the graphics card gets --------------------------------------------------------------------------------------
@@ -143,7 +146,7 @@ for my $job (@{ $data->{jobs} }) {
         }
     }
     # The root of f32 holds every triangle, and its items are all of them.
-    if ($layout eq 'f32' && $nodes) {
+    if ($layout eq 'f32' && $nodes && $line{builder} !~ /^rtrs /) { # that one cuts boxes
         for my $k (0 .. 2) {
             my @x = map { float($corners[3 * $_ + $k]) } 0 .. @corners / 3 - 1;
             my ($lo, $hi) = (float($node[8 * $root + $k]), float($node[8 * $root + 4 + $k]));
