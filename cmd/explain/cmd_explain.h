@@ -21,7 +21,7 @@ struct explain_page {
     const char *again; /* command that shows the page again; NULL: raydiff explain */
     const struct explain_decode *decode; /* or NULL */
     struct screen screen;
-    /* Only for explain_show_fn: all `count` rays, and the file that they come from; NULL: a scene. */
+    /* Only for explain_show_fn: all `count` rays, and their file; NULL: those of a scene. */
     const struct ray *all;
     const struct finding_file *file;
 };

@@ -148,25 +148,32 @@ static enum status add_entry(struct web *web, char *spec, struct reason *reason)
     return entry->subject ? STATUS_OK : fail(reason, STATUS_MEMORY, "no memory for a page");
 }
 
+/* Reads a subject and refuses options that it does not use; web->code is then what was told. */
+static enum status take(struct web *web, char *spec, struct explain_options *options,
+                        struct finding_file *file, struct reason *reason)
+{
+    *options = web->options->explain;
+    *file = (struct finding_file){.has_signature = false};
+    enum status status = explain_take_subject(options, spec, file, reason);
+    if (status)
+        return status;
+    web->code = explain_check_use(options, &spec);
+    if (web->code < 0 && !options->about_tree)
+        return STATUS_OK;
+    finding_file_free(file);
+    return fail(reason, STATUS_UNSUPPORTED, "%s: it is about a tree, on no ray", spec);
+}
+
 static enum status make_page(struct web *web, char *spec, struct reason *reason)
 {
-    struct explain_options options = web->options->explain;
-    struct finding_file file = {.has_signature = false};
+    struct explain_options options;
+    struct finding_file file;
     int code;
-    options.shows_to = web;
     enum status status = add_entry(web, spec, reason);
     if (!status)
-        status = explain_take_subject(&options, spec, &file, reason);
-    if (!status && options.about_tree) {
-        status = fail(reason, STATUS_UNSUPPORTED, "%s: it is about a tree, on no ray", spec);
-    } else if (!status) {
-        web->code = explain_check_use(&options, &spec);
-        if (web->code < 0)
-            return explain_run(&options, &file, &code, reason);
-        status = STATUS_INPUT;
-    }
-    finding_file_free(&file);
-    return status;
+        status = take(web, spec, &options, &file, reason);
+    options.shows_to = web;
+    return status ? status : explain_run(&options, &file, &code, reason);
 }
 
 static bool is_findings(const char *path)
@@ -221,10 +228,29 @@ static enum status write_index(struct web *web, struct reason *reason)
     return file_out_commit(&out, reason);
 }
 
+/* Refuses what can be refused before anything is made. */
+static enum status check_all(struct web *web, char *const *spec, size_t count,
+                             struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < count && !status; i++) {
+        struct explain_options options;
+        struct finding_file file;
+        if (is_findings(spec[i]))
+            continue;
+        status = take(web, spec[i], &options, &file, reason);
+        if (!status)
+            finding_file_free(&file);
+    }
+    return status;
+}
+
 static enum status make_all(struct web *web, char *const *spec, size_t count, struct reason *reason)
 {
     const struct web_options *o = web->options;
-    enum status status = web_folder_open(o->out, o->force, &web->folder, reason);
+    enum status status = check_all(web, spec, count, reason);
+    if (!status)
+        status = web_folder_open(o->out, o->force, &web->folder, reason);
     if (!status)
         status = folder_open(web->folder.path, false, &web->open, reason);
     for (size_t i = 0; i < count && !status && web->code < 0; i++)

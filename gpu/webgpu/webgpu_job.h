@@ -12,8 +12,8 @@ struct webgpu_answer {
 };
 _Static_assert(sizeof(struct webgpu_answer) == 20, "five words an answer");
 
-/* Owns its text and corners (webgpu_job_free); the arrays of the tree are the job's. Records that go
- * in are struct ray, those that come out struct webgpu_answer. */
+/* Owns its text and corners (webgpu_job_free); the arrays of the tree are the job's. Records that
+ * go in are struct ray, those that come out struct webgpu_answer. */
 struct webgpu_job {
     struct webgpu_program program;
     char *text;

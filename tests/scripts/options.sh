@@ -10,7 +10,7 @@ files=$dir/files
 mkdir "$files"
 runs=0 pairs=0 done= input=/dev/null
 
-commands='check explain bisect fuzz merge min replay export conform judge gen verify bench construct report precompute diff
+commands='check explain bisect fuzz merge min replay export conform judge gen verify bench construct report web precompute diff
     render scene leaks list doctor'
 for command in $commands; do
     "$raydiff" $command --help >"$dir/help"
@@ -50,7 +50,7 @@ look() { # name, command line
     "$raydiff" "$@" >"$dir/out" 2>"$dir/err" <"$input"
     code=$?
     runs=$((runs + 1))
-    { echo "$code"; cat "$dir/out" "$dir/err"; cd "$files" && find . -type f -size +0 && cat tree* 2>/dev/null | cksum; } |
+    { echo "$code"; cat "$dir/out" "$dir/err"; cd "$files" && find . -type f -size +0 && cat tree* w/*.html 2>/dev/null | cksum; } |
         sed -E 's/[0-9]+\.[0-9]+(e[+-]?[0-9]+)?/#/g' >"$dir/seen"
 }
 
@@ -190,6 +190,9 @@ walk 'scene info soup:n=9' 'json seed=3'
 walk 'list builders' ''
 trial=fuzz/corpus/slot-not-read.trial
 walk "export $trial --form text" 'to=@ ~form=text engine=embree ~ray=0'
+walk "web $trial --out $files/w" '~index=0 engine=brute layout=f32 out=@ ~threads=1 ~force'
+walk "web soup:n=40 --index 3 --engine cpu --layout f32 --out $files/w" 'rays=random index=4 engine=fast layout=rf16 box=watertight tri=woop out=@
+    ~threads=1 ~force'
 walk "replay $trial --engine cpu" 'engine=brute layout=f32 ~time=9 brief as-expected json=@ ~threads=1 ~wide color=always'
 walk "min $trial --asks 5 --out $files/m.trial" \
     'out=@ asks=6 ~time=9 ~trial-time=9 ~memory=999 ~engine=cpu json=@ ~threads=1'
