@@ -28,7 +28,7 @@ static const struct command commands[] = {
     {"bench", "speed, bytes, memory and errors, engines interleaved", cmd_bench, NULL},
     {"report", "all in one HTML file: agreement, speed, size, pictures, findings", cmd_report,
      NULL},
-    {"web", "pages on which a browser shows a finding and traces it by its own GPU", cmd_web, NULL},
+    {"web", "pages of findings in 3-D, which the visitor's own GPU traces", cmd_web, NULL},
     {"render", "pictures of a scene by any engine, with shadows and reflections", cmd_render, NULL},
     {"diff", "two pictures, or engines on a scene: which pixel differs", cmd_diff, "render"},
     {"scene", "what a scene is, from one format to another, and which there are", cmd_scene, NULL},
