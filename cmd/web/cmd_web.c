@@ -308,6 +308,7 @@ int cmd_web(int argc, char **argv)
         return fprintf(stderr, "raydiff web: out of memory\n"), EXIT_INTERNAL;
     web->options = &options;
     web->code = -1;
+    web->folder.held = -1;
     enum status status = make_all(web, argv + first, (size_t)(argc - first), &reason);
     if (!status)
         print(web);

@@ -5,6 +5,7 @@
 #include "cmd/common/cmd_tables.h"
 #include "cmd/explain/cmd_explain_inner.h"
 #include "fuzz/export/export_rights.h"
+#include "ref/files/folder.h"
 
 #include <stdio.h>
 
@@ -63,9 +64,9 @@ void web_name(const char *text, char name[WEB_NAME_MOST]);
 
 /* A folder that takes its name when all its files are written. */
 struct web_folder {
-    const char *goal;
+    char goal[FOLDER_PATH_MOST];
     char *path; /* its temporary name */
-    int held;
+    int held;   /* keeps the lock on it; -1: none */
     bool force;
 };
 
@@ -77,7 +78,7 @@ enum status web_folder_open(const char *goal, bool force, struct web_folder *out
 /* Gives it its name. Errors: STATUS_INPUT. */
 enum status web_folder_commit(struct web_folder *folder, struct reason *reason) MUST_USE;
 
-/* Removes it, if it was not committed. A zero one is fine. */
+/* Removes it, if it was not committed. One without a path is fine. */
 void web_folder_discard(struct web_folder *folder);
 
 #endif

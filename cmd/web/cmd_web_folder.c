@@ -43,25 +43,38 @@ static enum status check_goal(const char *goal, bool force, struct reason *reaso
     return status;
 }
 
+/* Splits the goal into its folder and its name. */
+static void split(const char *goal, char parent[FOLDER_PATH_MOST], const char **name)
+{
+    const char *slash = strrchr(goal, '/');
+    *name = slash ? slash + 1 : goal;
+    snprintf(parent, FOLDER_PATH_MOST, "%.*s", slash ? (int)(slash - goal) : 1, slash ? goal : ".");
+    if (slash == goal)
+        strcpy(parent, "/");
+}
+
 enum status web_folder_open(const char *goal, bool force, struct web_folder *out,
                             struct reason *reason)
 {
-    char parent[FOLDER_PATH_MOST], *slash;
-    *out = (struct web_folder){.goal = goal, .held = -1, .force = force};
-    if (!goal[0] || strlen(goal) >= sizeof parent || goal[strlen(goal) - 1] == '/')
+    char parent[FOLDER_PATH_MOST], hidden[FOLDER_PATH_MOST];
+    const char *name;
+    size_t length = strlen(goal);
+    *out = (struct web_folder){.held = -1, .force = force};
+    while (length > 1 && goal[length - 1] == '/')
+        length--;
+    if (length == 0 || length + 32 > sizeof out->goal || strcmp(goal, "/") == 0)
         return fail(reason, STATUS_INPUT, "'%s' cannot be a folder's name", file_label(goal));
-    enum status status = check_goal(goal, force, reason);
+    memcpy(out->goal, goal, length);
+    enum status status = check_goal(out->goal, force, reason);
     if (status)
         return status;
-    strcpy(parent, goal);
-    slash = strrchr(parent, '/');
-    if (slash)
-        *slash = '\0';
-    const char *const in = !slash ? "." : slash == parent ? "/" : parent;
-    out->held = temporary_folder(in, slash ? slash + 1 : parent, &out->path);
+    split(out->goal, parent, &name);
+    snprintf(hidden, sizeof hidden, ".%.4000s.raydiff", name); /* no name that a user gives */
+    out->held = temporary_folder(parent, hidden, &out->path);
     if (out->held >= 0)
         return STATUS_OK;
-    return fail(reason, STATUS_INPUT, "%s: cannot be made: %s", file_label(goal), strerror(errno));
+    return fail(reason, STATUS_INPUT, "%s: cannot be made: %s", file_label(out->goal),
+                strerror(errno));
 }
 
 enum status web_folder_commit(struct web_folder *folder, struct reason *reason)
@@ -89,8 +102,8 @@ void web_folder_discard(struct web_folder *folder)
 {
     if (folder->path)
         (void)!temporary_folder_remove(folder->path);
-    if (folder->held > 0)
+    if (folder->held >= 0)
         close(folder->held);
     free(folder->path);
-    *folder = (struct web_folder){.goal = NULL};
+    *folder = (struct web_folder){.held = -1};
 }

@@ -11,7 +11,7 @@
 #   explain BUG UNIT CAUSE CODE ARGUMENTS        raydiff explain must name the cause and exit with the code
 #   told    BUG UNIT CAUSE ARGUMENTS             so must the command that raydiff check prints
 #   watched LINE                                 with the GPU's memory watched
-# UNIT: the C file, the file of WGSL, or the shaders with commas between, that are compiled with the bug. What they include
+# UNIT: the C file, the file of WGSL or a script of a page, or the shaders with commas between, that are compiled with the bug. What they include
 # has it, too.
 set -u
 build=$1 list=$2 line=$3
@@ -91,8 +91,17 @@ compile_wgsl() {
         >"$dir/wgsl_sources.c" && compile -c -o "$dir/unit.o" "$dir/wgsl_sources.c"
 }
 
+# The script of a page, as the Makefile makes it part of the program.
+compile_script() {
+    shipped=$(basename "$unit" .js)_shipped
+    { echo "extern const char ${shipped}[];"; echo "const char ${shipped}[] ="
+      sed -e 's/[\\"?]/\\&/g' -e 's/^/    "/' -e 's/$/\\n"/' "$(with_bug "$unit")"; echo ';'; } >"$dir/script.c" &&
+        compile -c -o "$dir/unit.o" "$dir/script.c"
+}
+
 make_unit() {
     case $unit in
+    cmd/*.js) made "$dir/unit" compile_script ;;
     *.wgsl | *.js) made "$dir/unit" compile_wgsl ;;
     *.c) made "$dir/unit" compile_unit ;;
     *) made "$dir/unit" compile_shaders ;;

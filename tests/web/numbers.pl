@@ -2,7 +2,7 @@
 # A second reading of a page of raydiff web, against the file of the finding and against the page itself: rays and
 # triangles to the bit, the words that the browser's graphics card gets, what C answers on them, what is right, and every
 # number that is shown. Prints what differs; exit 1 if there is anything.
-#   perl tests/web/numbers.pl PAGE.html FILE.trial
+#   perl tests/web/numbers.pl PAGE.html [FILE.trial]      without a file, of a scene: the page against itself
 use strict;
 use warnings;
 use JSON::PP;
@@ -28,7 +28,7 @@ sub number { # of the file, as bits
     return bits($value);
 }
 my (@vertex, @triangle, @ray, %line, $list, $left);
-for (split /\n/, slurp($file)) {
+for (split /\n/, defined $file ? slurp($file) : '') {
     s/#.*// unless /^(recipe|with) /;
     next unless /\S/;
     my @word = split;
@@ -50,8 +50,16 @@ my $html = slurp($page);
 my ($text) = $html =~ m{<script type="application/json" id="data">\s*(.*?)\s*</script>}s or die "$page: no data\n";
 my $data = JSON::PP->new->allow_nonref->decode($text);
 my $e = $data->{explained};
+bad('data have characters of HTML') if $text =~ /[<>&]/;
 my @shown_rays = words($data->{rays});
 my $index = $e->{subject}{index};
+if (!defined $file) {
+    @rays = ((0) x (8 * $data->{first}), @shown_rays);
+    @corners = words($data->{triangles});
+    @triangle = (1) x (@corners / 9);
+    %line = (expect => 'clean', tri => $e->{subject}{tri}, query => $e->{subject}{query}, builder => $e->{subject}{builder});
+    @ray = (1) x ($html =~ m{; ray \d+ of (\d+), })[0];
+}
 same('number of the ray', $data->{first} + $data->{shown}, $index);
 same('rays', "@shown_rays", join ' ', @rays[8 * $data->{first} .. 8 * $data->{first} + $#shown_rays]);
 same('triangles', join(' ', words($data->{triangles})), "@corners");
@@ -116,6 +124,8 @@ if ($e->{finished} && $e->{subject}{engine} =~ /^(cpu|embree)/) {
 my %file_of = (f32 => 'layout_f32', rf16 => 'layout_rf16', cwbvh80 => 'layout_cwbvh80', rtrs_direct => 'layout_rtrs_direct',
     rtrs_rf => 'layout_rtrs_rf', rtrs_rf_paper => 'layout_rtrs_rf_paper');
 my %quads = (f32 => 2, rf16 => 1, cwbvh80 => 5, rtrs_direct => 3, rtrs_rf => 1, rtrs_rf_paper => 1);
+same('the first layout', $data->{jobs}[0]{layout}, defined $e->{subject}{layout} ?
+    $e->{subject}{layout} . (($e->{subject}{store} // 'indexed') eq 'indexed' ? '' : ":$e->{subject}{store}") : 'f32');
 my $last = $data->{jobs}[-1];
 same('the last layout', $last->{layout}, 'f32');
 for my $job (@{ $data->{jobs} }) {

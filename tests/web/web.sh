@@ -23,7 +23,8 @@ expect 77 . web $world --out "$web/pages"
 expect 77 . web $trial $world --out "$web/pages"
 expect 2 . web $trial "$dir/none.trial" --out "$web/pages"
 expect 2 'cannot be made' web $trial --out "$web/none/pages"
-expect 2 "cannot be a folder's name" web $trial --out "$web/pages/"
+expect 2 "cannot be a folder's name" web $trial --out ''
+expect 2 "cannot be a folder's name" web $trial --out /
 expect 2 'brings its own' web $trial --tri woop --out "$web/pages"
 expect 2 'is no ray here' web $trial --index 99 --out "$web/pages"
 only 'what was refused'
@@ -71,17 +72,38 @@ expect 0 . web $trial --out "$web/pages" --force
 [ "$(ls "$web/pages" | wc -l)" -eq 2 ] || bad '--force leaves pages of before'
 expect 0 . web $scenes --out "$web/pages" --force
 diff -r "$dir/before" "$web/pages" >"$dir/out" || bad 'pages are not the same again'
-expect 0 . web $trial --out "$web/new" --force
-only 'after --force' new pages
+# A folder of a name like those that are made beside is the user's.
+mkdir "$web/new.backup" && : >"$web/new.backup/mine.html"
+expect 0 . web $trial --out "$web/new/" --force
+only 'after --force' new new.backup pages
+[ -e "$web/new.backup/mine.html" ] || bad "a folder of the user's is swept"
 [ "$(stat -c %a "$web/new")" = "$(umask 022; mkdir "$dir/mode"; stat -c %a "$dir/mode")" ] || bad 'the folder has other rights than a new one'
 
 # Scenes, an answer that is right, one name for two pages, Embree's.
 expect 0 . web sphere:n=4 sphere:n=4 cornell --layout f32 --out "$web/scenes"
 [ "$(ls "$web/scenes" | tr '\n' ' ')" = 'cornell.html index.html sphere-n-4-2.html sphere-n-4.html ' ] || bad "names: $(ls "$web/scenes")"
 grep -q '<p>right</p>' "$web/scenes/sphere-n-4.html" || bad 'an answer that is right has no page'
+perl tests/web/numbers.pl "$web/scenes/sphere-n-4.html" >"$dir/out" 2>&1 || bad 'numbers of a scene'
+# The ray that is shown is among the 256 of a page, wherever it stands in its set.
+expect 0 . web sphere:n=4 --index 300 --layout rf16 --out "$web/later"
+perl tests/web/numbers.pl "$web/later/sphere-n-4.html" >"$dir/out" 2>&1 || bad 'numbers of a later ray'
+grep -q '^"first":45,$' "$web/later/sphere-n-4.html" || bad 'a later ray is not the last of its page'
 expect 0 . web 'sphere:n=4' --ray '0,0,-9 0,0,1' --out "$web/ray"
 expect 0 . web sphere:n=8 --layout rtrs_rf --rays edges --out "$web/published"
 grep -q 'class="bad">WRONG' "$web"/published/sphere-n-8.html || bad 'a layout as published loses nothing'
+
+"$raydiff" web tests/web/embree.trial tests/web/embree_robust.trial --out "$web/embree" >"$dir/out" 2>"$dir/err"
+case $? in
+0)
+    for name in embree embree_robust; do
+        perl tests/web/numbers.pl "$web/embree/$(sed -n 's/^expect //p' tests/web/$name.trial).html" tests/web/$name.trial \
+            >"$dir/out" 2>&1 || bad "$name: numbers"
+    done ;;
+77) cat "$dir/err" ;; # built without it
+*) bad 'no page of a finding of Embree' ;;
+esac
+expect 0 . web tests/web/published.trial --out "$web/index-shifted"
+perl tests/web/numbers.pl "$web"/index-shifted/cpu*.html tests/web/published.trial >"$dir/out" 2>&1 || bad 'numbers of published'
 
 # --- folders of findings, and the report ------------------------------------------------------------------------------
 "$raydiff" fuzz --trials 60 --engine cpu --layout rtrs_rf --faithful --dir "$dir/found" --jobs 1 --until 1 --no-shrink \
