@@ -203,6 +203,7 @@ static enum status prepare(struct fuzz_command *c, struct reason *reason)
         const struct list own = table_all(TABLE_ENGINES);
         const struct option_use use = {.engine = option_was_given("engine") ? &c->engine : &own,
                                        .layout = &c->layout,
+                                       .unnamed = !option_was_given("engine"),
                                        .seeded = true};
         status = options_check(&use, reason);
     }

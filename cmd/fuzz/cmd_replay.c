@@ -285,7 +285,8 @@ int cmd_replay(int argc, char **argv)
     if (first == argc)
         return usage_error("replay", "no file given");
     options.any_engine = option_was_given("engine");
-    const struct option_use use = {.engine = &options.engine, .layout = &options.layout};
+    const struct option_use use = {
+        .engine = &options.engine, .layout = &options.layout, .unnamed = !options.any_engine};
     code = options_refused("replay", &use);
     if (code >= 0)
         return code;
