@@ -42,7 +42,15 @@
                     prim: mine[3] === NO_PRIM ? 'none' : mine[3], rays: count, ...sums, words: [...words].map(hex).join(' ') },
              [done(shown) ? told(mine) : 'not finished', verdict, c ? told(c.slice(HIT * shown, HIT * shown + HIT)) : '-', count,
               sums.wrong, c ? other : '-']);
-        return wrong[shown];
+        return { wrong: wrong[shown], mine };
+    }
+
+    // A WRONG answer that is explained may be one that WGSL's wider bounds allow.
+    function isExplained(answer) {
+        const e = pageData.explained, prim = e.answer.prim ?? NO_PRIM;
+        const words = ['t', 'u', 'v'].map((name) => Number(e.answer[name].bits));
+        return e.finished && e.judgement.verdict === 'wrong' && prim === answer[3] &&
+            (prim === NO_PRIM || words.every((word, k) => word === answer[k]));
     }
 
     function line(job, numbers, cells) {
@@ -76,7 +84,7 @@
 
     try {
         const runner = await open();
-        let shows = false, ran = 0;
+        let shows = false, same = false, ran = 0;
         for (const job of pageData.jobs) {
             if (job.words === null) {
                 line(job, { verdict: 'none' }, [`not traced: ${job.why}`, '', '', '', '', '']);
@@ -84,7 +92,9 @@
             }
             await runner.prepare(wordsOf(job.words));
             const bytes = await runner.run(rays, count);
-            shows = compare(job, new Uint32Array(bytes.buffer, bytes.byteOffset, ANSWER * count)) || shows;
+            const { wrong, mine } = compare(job, new Uint32Array(bytes.buffer, bytes.byteOffset, ANSWER * count));
+            shows ||= wrong;
+            same ||= isExplained(mine);
             ran++;
         }
         const card = section.dataset.adapter || 'it does not say what it is';
@@ -92,6 +102,9 @@
             say('none', 'Nothing was traced: no layout here has WGSL.');
         else if (shows)
             say('shows', `Your graphics card (${card}) answers WRONG: it shows the finding.`);
+        else if (same)
+            say('right', `Your graphics card (${card}) gives the WRONG answer that is explained here, which the bounds of ` +
+                'WGSL allow: it does not show the finding.');
         else
             say('right', `Your graphics card (${card}) does not show ${pageData.finding ? 'the finding' : 'a wrong answer'}.`);
     } catch (error) {

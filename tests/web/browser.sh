@@ -19,6 +19,7 @@ published=tests/web/published.trial
 rounded=fuzz/corpus/rounded-inward.trial
 expect 0 . web $published $rounded --out "$pages"
 expect 0 . web cornell --layout f32 --out "$dir/right"
+expect 0 . web sphere:n=8 --rays random --layout rtrs_rf --out "$dir/deep"
 "$raydiff" web $embree $embree_robust --out "$dir/embree" >"$dir/out" 2>"$dir/err"
 case $? in
 0) mv "$dir"/embree/embree*.html "$pages" ;;
@@ -36,6 +37,7 @@ browse() { # page, name, more
     timeout 120 node tests/web/browse.js "$1" "$dir/$2.png" "$dir/profile" ${3-} >"$dir/$2.json" 2>"$dir/err"
     code=$?
     cp "$dir/$2.json" "$dir/out"
+    cp "$1" "$dir/$2.html"
     rm -rf "$dir/profile" 2>/dev/null
     [ "$code" -eq 0 ] || bad "$2: the browser ended with $code"
     [ -z "$keep" ] || { mkdir -p "$keep" && cp "$dir/$2.png" "$keep/$2.png"; }
@@ -46,8 +48,9 @@ held() { # name, file or scene, state, layouts
     name=$1 subject=$2 state=$3
     shift 3
     for layout; do
+        index=$(awk -F'[:,]' '/^"(first|shown)":/ {sum += $2} END {print sum}' "$dir/$name.html")
         for engine in 'webgpu --driver swiftshader' cpu; do
-            "$raydiff" explain $subject --index 0 --engine $engine --layout $layout --json "$dir/told.json" >"$dir/out" 2>&1 ||
+            "$raydiff" explain $subject --index $index --engine $engine --layout $layout --json "$dir/told.json" >"$dir/out" 2>&1 ||
                 [ $? -eq 1 ] || bad "$name: no answer of $engine on $layout"
             [ "$engine" = cpu ] && mv "$dir/told.json" "$dir/c.$layout.json" || mv "$dir/told.json" "$dir/node.$layout.json"
         done
@@ -65,6 +68,9 @@ browse "$pages/$(sed -n 's/^expect //p' $rounded).html" rounded
 held rounded $rounded shows rtrs_rf_paper f32
 browse "$dir/right/cornell.html" right
 held right "cornell --count 20000" right f32
+browse "$dir/deep/sphere-n-8.html" deep
+held deep "sphere:n=8 --rays random --count 20000" shows rtrs_rf f32
+grep -qE '"boxes": "([2-9]|1[0-9])' "$dir/deep.json" || bad 'no boxes on the way'
 
 # --- without WebGPU the numbers and the view are there, and the page says why nothing is traced -----------------------
 browse "$pages/$(sed -n 's/^expect //p' $rounded).html" none none
