@@ -26,6 +26,7 @@ case $? in
 77) embree= && cat "$dir/err" ;; # built without it
 *) bad 'no page of a finding of Embree' ;;
 esac
+[ -s "$dir/right/cornell.html" ] || bad 'no pages'
 [ "$failed" -eq 0 ] || exit 1
 missing=$("$raydiff" check soup:n=9 --count 9 --engine webgpu --layout f32 --driver swiftshader 2>&1 |
     sed -n 's/^skipped f32  *webgpu *//p')
