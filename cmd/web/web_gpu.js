@@ -82,8 +82,10 @@
         return runnerOf(device, { GPUBufferUsage, GPUMapMode, GPUShaderStage });
     }
 
+    says.textContent = 'This browser opens the graphics card ...';
     try {
         const runner = await open();
+        says.textContent = 'The graphics card traces ...';
         let shows = false, same = false, ran = 0;
         for (const job of pageData.jobs) {
             if (job.words === null) {
