@@ -11,6 +11,7 @@ mkdir -p "$logs"
 rm -f "$logs"/*.word
 : >"$logs/queue"
 : >"$logs/alone"
+: >"$logs/waits"
 
 # name, command...: a suite, which passes with 0 and is skipped with 77. It runs beside others.
 queue=$logs/queue
@@ -23,6 +24,12 @@ suite() {
 # So, too, but when nothing else runs: it measures times, or takes every processor itself.
 alone() {
     queue=$logs/alone
+    suite "$@"
+    queue=$logs/queue
+}
+# So, too, but it mostly waits, and runs beside as many others as there are processors.
+waits() {
+    queue=$logs/waits
     suite "$@"
     queue=$logs/queue
 }
@@ -216,18 +223,21 @@ for test in "$build"/tests/test_*; do
     case $mode in plain | made_up) checked="env $(heap_of "$name")" ;; esac # made_up: tests/house/runner.sh
     case $name in
     test_pipe | test_pipe_later | test_guardian | test_fuzz_shrink_apart) alone "$name" $checked "$test" ;;
+    test_fuzz_campaign_deaths) waits "$name" $checked "$test" ;;
     *) suite "$name" $checked "$test" ;;
     esac
 done
 
 # Beside each other they share processors: who waits for another thread sleeps.
 jobs=$(env -u OMP_NUM_THREADS nproc 2>/dev/null || echo 2)
+OMP_WAIT_POLICY=${OMP_WAIT_POLICY-passive} play "$logs/waits" 1 &
 OMP_WAIT_POLICY=${OMP_WAIT_POLICY-passive} play "$logs/queue" "$jobs"
+wait
 play "$logs/alone" 1
 
 count() { cat "$logs"/*.word 2>/dev/null | grep -c "^$1$"; }
 failed=$(count FAILED)
-untold=$(($(cat "$logs/queue" "$logs/alone" | wc -l) - $(cat "$logs"/*.word | wc -l)))
+untold=$(($(cat "$logs/queue" "$logs/waits" "$logs/alone" | wc -l) - $(cat "$logs"/*.word | wc -l)))
 [ "$untold" -eq 0 ] || echo "FAILED   $untold suites were not played to their end"
 echo "logs: $logs"
 echo "$(count passed) passed, $((failed + untold)) failed, $(count skipped) skipped"

@@ -12,12 +12,14 @@ tests: $(TESTS) $(SAMPLES)
 $(foreach object,$(TEST_OBJ),$(eval $(B)/tests/$(basename $(notdir $(object))): $(object)))
 $(TESTS): $(B)/libraydiff.a
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LDLIBS) $(CMOCKA_LIBS) $(TEST_LIBS)
+	$(CC) $(CFLAGS) $(TEST_LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LDLIBS) $(CMOCKA_LIBS) $(TEST_LIBS)
 	@mkdir -p $(B)/links; echo '$(filter-out %/$(@F).o,$(filter %.o,$^)) $(filter %.a,$^) $(LDLIBS) $(CMOCKA_LIBS) $(TEST_LIBS)' >$(B)/links/$(@F)
 
-# A test runs for seconds, most of them in the library: less of the optimiser ends sooner.
+# A test runs for seconds, most of them in the library: less of the optimiser ends sooner, and so does what has no
+# symbols for a debugger (config=debug has).
 ifeq ($(config),release)
-$(TEST_OBJ): CFLAGS := $(CFLAGS:-O3=-O1)
+$(TEST_OBJ): CFLAGS := $(filter-out -g,$(CFLAGS:-O3=-O1))
+TEST_LDFLAGS := -Wl,-S
 endif
 
 $(TEST_OBJ): | test_libs

@@ -35,6 +35,15 @@ made_up good '[ "$MALLOC_CHECK_" = 3 ]' # tests/heap.sh
 made_up vulkan '[ -z "${MALLOC_CHECK_:-}" ]'
 expect 0 '3 passed, 0 failed, 1 skipped'
 rm "$dir/tests/test_vulkan"
+made_up fuzz_campaign_deaths 'sleep 2; [ "${OMP_WAIT_POLICY-}" = passive ]' # beside the others, which end before
+made_up good 'exit 0'
+expect 0 '3 passed, 0 failed, 1 skipped'
+[ "$(grep -n 'test_fuzz_campaign_deaths' "$dir/out" | cut -d: -f1)" -gt "$(grep -n test_good "$dir/out" | cut -d: -f1)" ] ||
+    bad 'a suite that waits holds up others'
+made_up fuzz_campaign_deaths 'exit 5'
+expect 1 '2 passed, 1 failed, 1 skipped'
+rm "$dir/tests/test_fuzz_campaign_deaths"
+made_up good '[ "$MALLOC_CHECK_" = 3 ]'
 made_up wrong 'echo "here it is wrong"; exit 1'
 expect 1 '2 passed, 1 failed, 1 skipped'
 grep -q 'here it is wrong' "$dir/out" || bad 'the log of what failed is not shown'

@@ -158,7 +158,7 @@ perl tests/mutation/order.pl "$build/mutate" tests/mutation/equivalent.txt check
     $({ git ls-files 'ref/judge/*.c' 'ref/tree/*.c' 'shaders/w*.glsl' 'shaders/slab.glsl' 'ref/oracle/placed_filter.c'; sed -n 's/^[^#]* ;; \([a-z][^ ;]*\.[a-z]*\) ;; .*/\1/p' tests/mutation/equivalent.txt; } | sort -u) >"$dir/invariants" ||
     bad "tests/mutation/equivalent.txt"
 while read -r name suite; do
-    [ -x "$build/tests/$suite" ] || grep -qE "^ *(suite|alone) $suite " tests/run.sh || bad "invariant $name: no suite $suite"
+    [ -x "$build/tests/$suite" ] || grep -qE "^ *(suite|waits|alone) $suite " tests/run.sh || bad "invariant $name: no suite $suite"
 done <"$dir/invariants"
 
 for file in $files; do
