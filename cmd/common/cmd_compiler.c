@@ -1,4 +1,4 @@
-#include "cmd/common/cmd_compiler.h"
+#include "cmd/common/cmd_compiler_inner.h"
 
 #include "gpu/engines/compiled.h"
 #include "gpu/shaders/compiler.h"
@@ -6,6 +6,7 @@
 #include "ref/store.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define ROWS_OF struct compiler_options
@@ -187,14 +188,6 @@ static const struct column columns[] = {
     [COL_RATIO] = {"speed", .least = 6},
 };
 
-/* The rows of compiled engines that ran, and all rows. */
-struct compiled_rows {
-    const struct row *all;
-    size_t all_count;
-    const struct row *row[LIST_MOST];
-    size_t count;
-};
-
 /* The row of the same members with the shaders of the build, or NULL. */
 static const struct row *raw_of(const struct compiled_rows *rows, const struct row *row)
 {
@@ -209,10 +202,21 @@ static const struct row *raw_of(const struct compiled_rows *rows, const struct r
     return NULL;
 }
 
-static void write_number(const struct compiled_rows *rows, const struct row *row, size_t column,
-                         char *text)
+double compiled_speed(const struct compiled_rows *rows, size_t i)
 {
-    const struct row *raw = raw_of(rows, row);
+    const struct row *row = rows->row[i], *raw = raw_of(rows, row);
+    return raw && raw->mrays[0] > 0 ? row->mrays[0] / raw->mrays[0] : 0;
+}
+
+bool compiled_equal(const struct row *row)
+{
+    return row->bits && row->bit_differences == 0;
+}
+
+static void write_number(const struct compiled_rows *rows, size_t i, size_t column, char *text)
+{
+    const struct row *row = rows->row[i];
+    const double speed = compiled_speed(rows, i);
     const struct engine_compiled *compiled = &row->compiled;
     switch (column) {
     case COL_SOURCE:
@@ -228,7 +232,7 @@ static void write_number(const struct compiled_rows *rows, const struct row *row
         snprintf(text, CELL_MOST, "%u", row->compiled.foreign);
         break;
     case COL_BITS:
-        if (row->bits && row->bit_differences == 0)
+        if (compiled_equal(row))
             cell_put(text, "equal");
         else
             snprintf(text, CELL_MOST, "%zu%s", row->bits ? row->bit_differences : row->moved,
@@ -238,8 +242,8 @@ static void write_number(const struct compiled_rows *rows, const struct row *row
         snprintf(text, CELL_MOST, "%zu", row->count[VERDICT_WRONG]);
         break;
     default:
-        if (raw && raw->mrays[0] > 0 && row->mrays[0] > 0)
-            snprintf(text, CELL_MOST, "%.2f", row->mrays[0] / raw->mrays[0]);
+        if (speed > 0)
+            snprintf(text, CELL_MOST, "%.2f", speed);
         else
             cell_put(text, "-");
         break;
@@ -274,7 +278,7 @@ static void write_cell(const void *data, size_t i, size_t column, char *text)
         cell_put(text, query_name(row->options.query));
         break;
     default:
-        write_number(rows, row, column, text);
+        write_number(rows, i, column, text);
         break;
     }
 }
@@ -288,15 +292,21 @@ static enum paint paint_of(const void *data, size_t i)
 void compilers_print(const struct row *row, size_t count, const char *title, const char *driver,
                      const struct screen *screen)
 {
-    struct compiled_rows rows = {.all = row, .all_count = count};
-    for (size_t i = 0; i < count && rows.count < LIST_MOST; i++)
+    struct compiled_rows rows = {
+        .all = row, .all_count = count, .row = alloc_zeroed(count + 1, sizeof *rows.row)};
+    for (size_t i = 0; i < count && rows.row; i++)
         if (row[i].compiled.words > 0 && row[i].status == ROW_OK)
             rows.row[rows.count++] = &row[i];
-    if (rows.count == 0)
-        return;
     const struct table_text table = {
         columns, ARRAY_COUNT(columns), rows.count, &rows, write_cell, NULL, paint_of};
-    screen_text(screen, "compilers, %s, driver %s: speed beside the shaders as built\n", title,
-                driver ? driver : "any");
-    table_text_print(&table, screen);
+    enum status status = rows.row ? STATUS_OK : STATUS_MEMORY;
+    if (rows.count > 0) {
+        screen_text(screen, "compilers, %s, driver %s: speed beside the shaders as built\n", title,
+                    driver ? driver : "any");
+        table_text_print(&table, screen);
+        status = compiled_sums_print(&rows, screen);
+    }
+    if (status)
+        screen_text(screen, "compilers: no memory for their table\n");
+    free(rows.row);
 }

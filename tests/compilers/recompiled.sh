@@ -23,6 +23,24 @@ expect 0 . check $scene --engine vulkan,vulkan_stackless,vulkan_brute --compiler
 has opt '^agrees +f32 +vulkan:opt ' '^agrees +rf16 +vulkan_stackless:size ' '^agrees +- +vulkan_brute:opt ' \
     '^compilers, sphere:n=8, driver any' '^opt +vulkan +f32 +[0-9]+ +([0-9]+) of \1 +0 equal +0 ' \
     '^size +vulkan_brute +- +[0-9]+ +([0-9]+) of \1 +0 equal +0 '
+# The line of all rows of a compiler and an engine, from its rows.
+awk '/^what it means/ { exit } /^compilers, / { rows = 1; next } /^all rows of a compiler/ { rows = 0; sums = 1; next } /^[^a-z]/ { next }
+    rows && / of / {
+        key = $1 " " $2
+        n[key]++; kept[key] += $5; ops[key] += $7; open[key] += $8; equal[key] += $9 == "equal"; wrong[key] += $10
+        if (!(key in least) || $11 + 0 < least[key]) least[key] = $11 + 0
+        if ($11 + 0 > most[key]) most[key] = $11 + 0
+        one = key
+    }
+    sums && / of / {
+        key = $1 " " $2
+        seen++
+        if ($3 != n[key] || $4 != kept[key] || $6 != ops[key] || $7 != open[key] || $8 != equal[key] || $9 != 0 || $10 != wrong[key] ||
+            $12 != sprintf("%.2f-%.2f", least[key], most[key]) || n[key] == 2 && ($11 - (least[key] + most[key]) / 2) ^ 2 > 0.0101 ^ 2) {
+            print "FAILED  sums: " $0; exit 1
+        }
+    }
+    END { exit seen != 4 }' "$dir/out" || bad 'a line of all rows is not their sum, or is not there'
 [ "$(grep -c '^ *"compiler": ' "$dir/all.json")" -eq 10 ] || bad 'JSON: a compiler a compiled row'
 [ "$(grep -c '^ *"lost": 0' "$dir/all.json")" -eq 10 ] || bad 'JSON: something lost'
 expect 0 . check $scene --engine vulkan --compiler raw --layout f32
@@ -50,8 +68,9 @@ expect 1 . check $scene --engine vulkan --layout f32 --compiler "passes:ccp+$dir
 has drop '^PRECISE ' 'NoContraction, 0 of open' '^passes:.*/drop +vulkan +f32 +([0-9]+ +|)109 of 110 +0 '
 expect 1 . check $scene --engine vulkan --layout f32 --compiler "passes:$dir/contract"
 has contract '^PRECISE ' '1 of open rounding'
-expect 1 . check $scene --engine vulkan --layout f32 --compiler "passes:$dir/reassociate" --json "$dir/re.json"
-has reassociate "^BITS differ from engine vulkan's: closest.vulkan:passes:" 'against the shaders as built: [1-9]'
+expect 1 . check $scene --engine vulkan --layout f32,rf16 --compiler "passes:$dir/reassociate" --json "$dir/re.json"
+# A row, and the line of both: none is equal, and so many bits are other.
+has reassociate ' rf16 .* of [0-9]+ +0 +[1-9][0-9]* +0 ' 'vulkan +2 .* of [0-9]+ +0 +0 +[1-9][0-9]* +0 ' "^BITS differ from engine vulkan's: closest.vulkan:passes:" 'against the shaders as built: [1-9]'
 grep -q '"against": "vulkan"' "$dir/re.json" || bad 'reassociate: JSON does not say against what'
 expect 3 . check $scene --engine vulkan --layout f32 --compiler "passes:$dir/invalid"
 has invalid 'spirv-val ended with exit code 1'

@@ -257,7 +257,8 @@ walk "report soup:n=40 --out $files/r.html --parts machine" "~title=T parts=chec
     ~picture=P=$dir/p.png ~doctor=$dir/doctor.json ~findings=$dir/found"
 walk "report --findings $dir/found --out $files/r.html" "~title=T ~peer-memory=999 ~peer-time=9 ~parts=machine json=@ out=@
     ~driver=stock ~device=0 ~workgroup=32 ~threads=1 ~time=99 check=$dir/check.json bench=$dir/bench.json benchmark=$dir/benchmark.json
-    ~picture=P=$dir/p.png ~doctor=$dir/doctor.json ~findings=$dir/found ~baseline=fuzz/baseline.txt"
+    ~picture=P=$dir/p.png ~doctor=$dir/doctor.json ~findings=$dir/found ~baseline=fuzz/baseline.txt
+    ~web=pages"
 
 echo "options: $pairs pairs of run and option, $runs runs, $failed failed"
 [ "$failed" -eq 0 ]
