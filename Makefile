@@ -135,6 +135,7 @@ include tests/checks.mk           # check and slower checks
 include tests/planted/planted.mk  # planted, planted-quick
 include tests/readers/readers.mk     # test programs of file readers
 include tests/mutation/mutation.mk   # mutation
+include tests/shader_mutants/shader_mutants.mk # shader-mutants
 
 # --- targets for users ------------------------------------------------------------------------
 

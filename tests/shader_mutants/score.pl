@@ -1,0 +1,81 @@
+#!/usr/bin/perl
+# The score of played mutants: perl tests/shader_mutants/score.pl EQUIVALENT FILE.csv...
+# A line a shader, in per cent of those that are not equivalent, all and by kind; then who killed how many, and the
+# survivors. EQUIVALENT (tests/shader_mutants/equivalent.txt) says which are proven to be equivalent, and why.
+# Exit code 1: a shader's score is below 95, a proof is of a mutant that was killed, or the text of one is another.
+use strict;
+use warnings;
+
+my @kinds = qw(decoration contraction operands comparison literal operation store branch index conversion barrier);
+my ($equivalents, @files) = @ARGV;
+my (@proof, $bad, %by, @survivors, %used);
+
+sub pattern { my $text = quotemeta shift; $text =~ s/\\\*/.*/g; $text =~ s/\\\?/./g; qr/^$text$/ }
+
+open my $in, '<', $equivalents or die "$equivalents: $!\n";
+while (<$in>) {
+    next if /^#/ || !/\S/;
+    /^(\S+) (\S+) "([^"]*)" (\S.*)$/ or die "$equivalents:$.: SHADERS NAME \"TEXT\" REASON\n";
+    push @proof, { shaders => pattern($1), name => pattern($2), text => pattern($3), reason => $4, line => $. };
+}
+close $in;
+
+sub proof_of {
+    my ($shader, $name, $text) = @_;
+    for my $proof (@proof) {
+        return $proof if $shader =~ $proof->{shaders} && $name =~ $proof->{name} && $text =~ $proof->{text};
+    }
+    return undef;
+}
+
+sub rate {
+    my ($count) = @_;
+    my $of = ($count->{killed} // 0) + ($count->{survived} // 0);
+    return $of ? sprintf('%.0f', int(100 * ($count->{killed} // 0) / $of)) : '-';
+}
+
+printf "%-20s %6s %4s %3s %5s  %s\n", 'shader', 'killed', 'of', 'eq.', '%', join ' ', map { substr $_, 0, 3 } @kinds;
+my %total;
+for my $file (@files) {
+    (my $shader = $file) =~ s{.*/|\.csv$}{}g;
+    my (%count, %of, %line, @order);
+    open my $csv, '<', $file or die "$file: $!\n";
+    while (<$csv>) {
+        /^([^,]+),/ or next;
+        push @order, $1 unless exists $line{$1};
+        $line{$1} = $_; # the last counts
+    }
+    for (@line{@order}) {
+        /^([^,]+),([^,]+),([^,]+),([^,]*),(\d+),([\d.]+),"(.*)"$/ or next;
+        my ($name, $kind, $word, $by, $text) = ($1, $2, $3, $4, $7);
+        next if $word eq 'invalid';
+        my $proof = proof_of($shader, $name, $text);
+        if ($proof && $word eq 'killed') {
+            print STDERR "$shader $name ($text) is said to be equivalent, and is killed by $by\n";
+            $bad = 1;
+        }
+        $word = 'equivalent' if $proof && $word eq 'survived';
+        $count{$word}++;
+        $of{$kind}{$word}++;
+        $total{$kind}{$word}++;
+        if ($word eq 'killed') {
+            my $how = $by =~ s/ (hangs|crashes)$// ? " $1" : '';
+            my $who = $by =~ /^hard\./ ? 'hard cases' : $by =~ /^test_/ ? $by : 'conform';
+            $by{"$who$how"}++;
+        }
+        push @survivors, "$shader $name: $text" if $word eq 'survived';
+    }
+    close $csv;
+    my $of = ($count{killed} // 0) + ($count{survived} // 0);
+    my $rate = $of ? 100 * ($count{killed} // 0) / $of : 0;
+    $bad = 1 if $rate < 95;
+    printf "%-20s %6d %4d %3d %5.1f  %s\n", $shader, $count{killed} // 0, $of, $count{equivalent} // 0, $rate,
+        join ' ', map { sprintf '%3s', rate($of{$_} // {}) } @kinds;
+    $total{all}{$_} += $count{$_} // 0 for qw(killed survived equivalent);
+}
+printf "%-20s %6d %4d %3d %5.1f  %s\n", 'all', $total{all}{killed}, $total{all}{killed} + $total{all}{survived},
+    $total{all}{equivalent}, 100 * $total{all}{killed} / (($total{all}{killed} + $total{all}{survived}) || 1),
+    join ' ', map { sprintf '%3s', rate($total{$_} // {}) } @kinds;
+print 'killed by ', join(', ', map { "$_ $by{$_}" } sort { $by{$b} <=> $by{$a} || $a cmp $b } keys %by), "\n";
+print "survived: $_\n" for @survivors;
+exit($bad ? 1 : 0);
