@@ -198,8 +198,8 @@ static void take_member(void *user, const struct hard_case *one, const struct ha
         adding->status = add_case(cases, &c, adding->reason);
 }
 
-/* conform --hard --quick --engine E --layout L --builder median: of a family of layouts one comes by
- * turns. */
+/* conform --hard --quick --engine E --layout L --builder median: layouts of a
+ * family come by turns. */
 static enum status add_hard(struct mutant_cases *cases, bool quick, struct reason *reason)
 {
     const struct list layout = layouts_of(cases);

@@ -41,8 +41,8 @@ struct mutant_cases {
 
 /* Collects and prepares them: of "trace_f32" all of engine vulkan on layouts with that shader, of
  * "stackless_f32" those of vulkan_stackless, of "trace_brute" those of vulkan_brute. `quick`: a
- * handful, for a test of the tests. Everything lives until the process ends. Errors: STATUS_INPUT no
- * such shader; those of conform. */
+ * handful, for a test of the tests. Everything lives until the process ends. Errors: STATUS_INPUT
+ * no such shader; those of conform. */
 enum status mutant_cases_make(const char *shader, bool quick, struct spirv_code *code,
                               struct mutant_cases *out, struct reason *reason) MUST_USE;
 

@@ -5,7 +5,7 @@
  *       survivors. PIPELINES: so many of a mutant's at most. quick: a handful of cases.
  *   shader_mutants list SHADER          all mutants, a line each
  *   shader_mutants one SHADER NAME          plays one on a handful of cases
- *   shader_mutants write SHADER NAME FILE   the module of one, for tests/shader_mutants/swap_layer.c
+ *   shader_mutants write SHADER NAME FILE   the module of one, for swap_layer.c
  * Exit codes: 0; 1 a survivor (of play); 2 usage; 4 memory; 77 no Vulkan device. */
 #include "tests/shader_mutants/mutant_play.h"
 
@@ -88,7 +88,7 @@ static int give_up(enum status status, const struct reason *reason)
     return exit_of_status(status);
 }
 
-struct playing {
+struct mutant_run {
     struct mutant_cases cases;
     struct spirv_code code;
     struct spirv_mutants all;
@@ -99,7 +99,7 @@ struct playing {
     bool again; /* survivors are played once more */
 };
 
-static enum status play_drawn(struct playing *p, const size_t *order, struct reason *reason)
+static enum status play_drawn(struct mutant_run *p, const size_t *order, struct reason *reason)
 {
     enum status status = STATUS_OK;
     for (size_t i = 0; i < p->all.count && !status; i++) {
@@ -125,7 +125,7 @@ static enum status play_drawn(struct playing *p, const size_t *order, struct rea
 static int play(const char *folder, const char *shader, size_t count, uint64_t seed,
                 size_t pipelines, const char *how)
 {
-    static struct playing p;
+    static struct mutant_run p;
     const bool quick = strcmp(how, "quick") == 0;
     struct reason reason;
     char path[512];
@@ -194,7 +194,7 @@ static int list(const char *shader, const char *name, const char *path)
 /* Plays one on a handful of cases. */
 static int play_one(const char *shader, const char *name)
 {
-    static struct playing p;
+    static struct mutant_run p;
     struct reason reason;
     enum status status = mutant_cases_make(shader, true, &p.code, &p.cases, &reason);
     if (!status)

@@ -4,4 +4,4 @@ SHADER_MUTANTS_SRC := $(filter-out %/test_spirv_mutant.c %/swap_layer.c,$(wildca
 SHADER_MUTANTS_OBJ := $(SHADER_MUTANTS_SRC:%.c=$(B)/obj/%.o)
 $(B)/shader_mutants: $(SHADER_MUTANTS_OBJ) $(if $(filter mutation,$(config)),,$(B)/libcommands.a) $(B)/libraydiff.a
 	$(CC) $(CFLAGS) -o $@ $^ $(LDLIBS) $(PROGRAM_LIBS)
-$(B)/tests/test_spirv_mutant: $(addprefix $(B)/obj/tests/shader_mutants/,spirv_mutant.o spirv_mutant_values.o spirv_live.o)
+$(B)/tests/test_spirv_mutant: $(addprefix $(B)/obj/tests/shader_mutants/,spirv_mutant.o spirv_mutant_operands.o spirv_mutant_values.o spirv_live.o)

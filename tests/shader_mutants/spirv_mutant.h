@@ -57,7 +57,7 @@ enum status spirv_mutate(const struct spirv_code *code, const struct spirv_mutan
 /* "slab_robust.comparison.3". */
 void spirv_mutant_name(const struct spirv_mutant *mutant, char text[MUTANT_TEXT]);
 
-/* --- for spirv_mutant.c and spirv_mutant_values.c alone ----------------------------------------- */
+/* --- for spirv_mutant*.c alone ----------------------------------------------------------------- */
 
 /* A module that is looked at. */
 struct mutant_look {
@@ -82,6 +82,10 @@ struct spirv_mutant mutant_of(const struct mutant_look *look, enum mutant_kind k
 /* Adds it, with its text. */
 void mutant_add(struct mutant_look *look, struct spirv_mutant *mutant, const char *format, ...)
     PRINTF_LIKE(3, 4);
+
+/* Adds those of swapped operands, and of a sum of a product. */
+void mutant_swap_operands(struct mutant_look *look, size_t at);
+void mutant_contract(struct mutant_look *look, size_t at);
 
 /* Adds those of literals, indices and conversions of instruction `at`. */
 void mutant_values(struct mutant_look *look, size_t at);

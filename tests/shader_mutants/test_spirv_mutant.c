@@ -52,8 +52,8 @@ static uint32_t *made(const struct spirv_code *code, const struct spirv_mutant *
     return word;
 }
 
-/* Of the source one instruction goes at most; of those that come one stands in its place, and one in
- * front of it or of all functions. */
+/* Of the source one instruction goes at most; of those that come one stands in its place, and one
+ * in front of it or of all functions. */
 static void each_is_one_change(void **state)
 {
     static const char *const names[] = {"trace_rf16", "trace_brute"};
