@@ -5,7 +5,7 @@
 set -u
 build=$1 folder=$2 shader=$3
 shift 3
-tests=${*:-test_vulkan_trace test_vulkan_stores test_vulkan_slots test_stackless test_vulkan_tasks test_vulkan_watertight test_vulkan_trace_ends}
+tests=${*:-test_vulkan_shaders test_vulkan_drivers test_vulkan_trace test_vulkan_stores test_vulkan_slots test_stackless test_vulkan_tasks test_vulkan_watertight test_vulkan_trace_ends test_lists_exact}
 dir=$(mktemp -d) || exit 4
 trap 'rm -rf "$dir"' EXIT
 ${CC:-cc} -D_GNU_SOURCE -shared -fPIC -O1 -o "$dir/libswap.so" tests/shader_mutants/swap_layer.c ||
@@ -15,7 +15,7 @@ cat >"$dir/swap.json" <<END
  "library_path": "$dir/libswap.so", "api_version": "1.3.0", "implementation_version": "1", "description": "swap"}}
 END
 export VK_LAYER_PATH="$dir" VK_INSTANCE_LAYERS=VK_LAYER_RAYDIFF_swap SWAP_FROM="$build/spv/$shader.spv" \
-    SWAP_TO="$dir/mutant.spv" SWAP_SEEN="$dir/seen" OMP_NUM_THREADS=1
+    SWAP_TO="$dir/mutant.spv" SWAP_SEEN="$dir/seen" OMP_NUM_THREADS=1 SHADER="$shader"
 touch "$folder/$shader.own"
 red() { # test
     timeout -k 5 "${LIMIT:-120}" "$build/tests/$1" >"$dir/log" 2>&1 </dev/null

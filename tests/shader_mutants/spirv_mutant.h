@@ -57,7 +57,7 @@ enum status spirv_mutate(const struct spirv_code *code, const struct spirv_mutan
 /* "slab_robust.comparison.3". */
 void spirv_mutant_name(const struct spirv_mutant *mutant, char text[MUTANT_TEXT]);
 
-/* --- for spirv_mutant*.c alone ----------------------------------------------------------------- */
+/* --- for spirv_mutant*.c alone ------------------------------------------------------------- */
 
 /* A module that is looked at. */
 struct mutant_look {

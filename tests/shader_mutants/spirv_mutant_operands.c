@@ -4,7 +4,14 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { OP_COMPOSITE_CONSTRUCT = 80, OP_FCONVERT = 115, OP_FSUB = 131, OP_FMUL = 133 };
+enum {
+    OP_COMPOSITE_CONSTRUCT = 80,
+    OP_FCONVERT = 115,
+    OP_FSUB = 131,
+    OP_FMUL = 133,
+    OP_ANY = 154,
+    OP_ALL
+};
 
 /* --- operands --------------------------------------------------------------------------------- */
 
@@ -31,12 +38,20 @@ static bool swaps(uint32_t op)
            op == OP_FUNCTION_CALL;
 }
 
-/* both() of shaders/pick.glsl is And: its arguments may be swapped. */
-static bool is_both(const struct mutant_look *look, uint32_t function)
+/* Whether operands may be swapped all the same: arguments of both(), which is And, of tri_sum(),
+ * whose products commute; a vector of which Any or All is taken at once. */
+static bool may_be_swapped(const struct mutant_look *look, size_t at)
 {
-    char name[SPIRV_SAY_MOST];
-    spirv_function(look->code, look->maker[function], name);
-    return strcmp(name, "both") == 0;
+    const uint32_t *word = spirv_words(look->code, at);
+    const uint32_t op = spirv_op(look->code, at);
+    char name[SPIRV_SAY_MOST] = "";
+    if (op == OP_FUNCTION_CALL)
+        spirv_function(look->code, look->maker[word[3]], name);
+    const uint32_t *next = at + 1 < look->code->count ? spirv_words(look->code, at + 1) : word;
+    const uint32_t taken = next[0] & 0xFFFFu;
+    return strcmp(name, "both") == 0 || strcmp(name, "tri_sum") == 0 ||
+           (op == OP_COMPOSITE_CONSTRUCT && (taken == OP_ANY || taken == OP_ALL) &&
+            next[3] == word[2]);
 }
 
 void mutant_swap_operands(struct mutant_look *look, size_t at)
@@ -44,7 +59,7 @@ void mutant_swap_operands(struct mutant_look *look, size_t at)
     const uint32_t op = spirv_op(look->code, at);
     const uint32_t *word = spirv_words(look->code, at);
     const uint32_t first = op == OP_FUNCTION_CALL || op == OP_SELECT ? 4 : 3;
-    if (!swaps(op) || (op == OP_FUNCTION_CALL && is_both(look, word[3])))
+    if (!swaps(op) || may_be_swapped(look, at))
         return;
     for (uint32_t k = first; k + 1 < spirv_length(look->code, at); k++) {
         struct spirv_mutant m = mutant_of(look, MUTANT_OPERANDS, at);

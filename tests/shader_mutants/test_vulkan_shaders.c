@@ -1,0 +1,136 @@
+/* Every shader that traces scenes has C's bits on the running driver, if that is IEEE: each module
+ * has been compiled by itself, so what holds of one holds of no other. Rays of any bits take part:
+ * what is out of contract shows how a comparison ends with NaN. SHADER=trace_f32 plays one. */
+#include "ref/packed/packed_walk.h"
+#include "tests/gpu/vulkan_trace_fixture.h"
+
+#include "ref/primitives/primitives.h"
+
+#define KINDS 4
+
+/* Rays of a set, rays some of whose words are any bits, rays along axes from planes of boxes. */
+static void mix_rays(struct gpu_case *f)
+{
+    static const float component[] = {0.0f, -0.0f, 1.0f, -1.0f, 0x1p-61f, 0x1p-59f, -0x1p-60f};
+    uint32_t word = 1;
+    for (size_t i = 0; i < f->ray_count; i++)
+        for (uint32_t k = 0; k < 8; k++) {
+            float *value = (float *)&f->ray[i] + k;
+            word = word * 1664525u + 1013904223u;
+            if (i % KINDS == 1 && (word >> 8) % 3 == 0)
+                *value = float_from_bits(word ^ word >> 15);
+            const struct box *bounds = &f->bvh.node[i % f->bvh.node_count].bounds;
+            if (i % KINDS == 2 && k < 3)
+                *value = i & 4 ? bounds->lo[k] : bounds->hi[(k + i) % 3];
+            if (i % KINDS == 2 && k >= 4 && k < 7)
+                *value = component[(word >> 16) % ARRAY_COUNT(component)];
+        }
+}
+
+static bool wanted(const char *prefix, const char *name)
+{
+    const char *only = getenv("SHADER");
+    char text[64];
+    snprintf(text, sizeof text, "%s_%.40s", prefix, name);
+    return shader_find(text) && (!only || strcmp(only, text) == 0);
+}
+
+/* Whether no layout before this one has its shader. */
+static bool first_of_shader(size_t l)
+{
+    for (size_t k = 0; k < l; k++)
+        if (strcmp(layout_shader(layouts_all[k]), layout_shader(layouts_all[l])) == 0)
+            return false;
+    return !layouts_all[l]->outside;
+}
+
+/* Each triangle test once and each box test, which come by turns of the layouts. */
+static void all_mixes(struct tracer *tracer, struct gpu_case *f, const uint32_t *parent, size_t l)
+{
+    static const char *const box[] = {"watertight", "robust", "rtrs"};
+    for (size_t t = 0; tri_tests[t]; t++) {
+        struct job job = job_of(f, box[(l + t) % 3], tri_tests[t]->name,
+                                (l + t / 3) % 2 ? QUERY_ANY : QUERY_CLOSEST);
+        job.parent = parent;
+        (void)must_agree(tracer, f, &job);
+    }
+}
+
+static void every_layouts_shaders_have_the_bits_of_c(void **state)
+{
+    (void)state;
+    struct vk_options options = gpu_options();
+    struct vk *vk = gpu_open(&options);
+    const bool ieee = gpu_is_lavapipe(vk);
+    gpu_close(vk);
+    if (!ieee)
+        skip();
+    struct tracer *tracer = gpu_tracer(&options, 0);
+    for (size_t l = 0; layouts_all[l]; l++) {
+        const char *name = layout_shader(layouts_all[l]);
+        const bool trace = wanted("trace", name), stackless = wanted("stackless", name);
+        if (!first_of_shader(l) || !(trace || stackless))
+            continue;
+        struct gpu_case f = fixture(layouts_all[l]->name, 4, RAYS);
+        mix_rays(&f);
+        if (trace)
+            all_mixes(tracer, &f, NULL, l);
+        if (stackless) {
+            uint32_t *parent;
+            struct reason reason;
+            gpu_must(packed_links(&f.packed, &parent, &reason), &reason);
+            all_mixes(tracer, &f, parent, l + 1);
+            free(parent);
+        }
+        release(&f);
+    }
+    gpu_close_tracer(tracer);
+}
+
+static void trace_by(const char *engine, const struct gpu_case *f, const struct job *job,
+                     struct hit *hit)
+{
+    const struct engine_options options = {.device = -1};
+    struct reason reason = {""};
+    struct trace_report report;
+    void *self;
+    gpu_must(engine_find(engine)->open(&options, &self, &reason), &reason);
+    gpu_must(engine_find(engine)->prepare(self, job, &reason), &reason);
+    gpu_must(engine_find(engine)->trace(self, f->ray, f->ray_count, hit, &report, &reason),
+             &reason);
+    engine_find(engine)->close(self);
+}
+
+static void brute_force_has_the_bits_of_c(void **state)
+{
+    (void)state;
+    struct vk_options options = gpu_options();
+    struct vk *vk = gpu_open(&options);
+    const bool ieee = gpu_is_lavapipe(vk);
+    gpu_close(vk);
+    if (!ieee || !wanted("trace", "brute"))
+        skip();
+    struct gpu_case f = fixture("f32", 4, RAYS);
+    mix_rays(&f);
+    for (size_t t = 0; tri_tests[t]; t++)
+        for (enum query query = QUERY_CLOSEST; query <= QUERY_ANY; query++) {
+            struct job job = job_of(&f, "robust", tri_tests[t]->name, query);
+            trace_by("brute", &f, &job, f.expected);
+            trace_by("vulkan_brute", &f, &job, f.got);
+            for (size_t i = 0; i < f.ray_count; i++)
+                if (memcmp(&f.got[i], &f.expected[i], sizeof f.got[i]) != 0)
+                    fail_msg("%s, query %d, ray %zu: prim %u t %a, C has prim %u t %a",
+                             tri_tests[t]->name, (int)query, i, f.got[i].prim, (double)f.got[i].t,
+                             f.expected[i].prim, (double)f.expected[i].t);
+        }
+    release(&f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_layouts_shaders_have_the_bits_of_c),
+        cmocka_unit_test(brute_force_has_the_bits_of_c),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
