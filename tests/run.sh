@@ -167,6 +167,7 @@ plain)
     suite hardware sh tests/house/hardware_steps.sh
     suite planted sh tests/planted/selftest.sh "$build"
     suite mutate sh tests/mutation/selftest.sh "$build"
+    suite shader_mutants sh tests/shader_mutants/selftest.sh "$build"
     alone selftest make -s selftest-quick
     suite install sh tests/house/install.sh
     suite library sh tests/library/abi.sh "$build"
