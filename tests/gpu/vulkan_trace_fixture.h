@@ -48,7 +48,7 @@ static struct gpu_case pack(struct scene scene, struct bvh bvh, const char *layo
     return f;
 }
 
-static struct gpu_case fixture(const char *layout, uint32_t leaf, size_t rays)
+static inline struct gpu_case fixture(const char *layout, uint32_t leaf, size_t rays)
 {
     struct scene scene = soup(300);
     struct bvh bvh;

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Plays what survived on the shaders' own tests, unchanged programs behind a layer that swaps one module, and notes what
 # they kill in FOLDER/SHADER.csv: sh tests/shader_mutants/own_tests.sh BUILD FOLDER SHADER [TEST...]
+# EQUIVALENT=/dev/null plays those that are proven to be equivalent, too: none must be killed.
 # A mutant that a test was played on has a line in FOLDER/SHADER.own; it is not played again.
 set -u
 build=$1 folder=$2 shader=$3
@@ -36,7 +37,8 @@ for test in $tests; do
 done
 # The last line of a mutant counts.
 tac "$folder/$shader.csv" | awk -F, '!seen[$1]++' | tac >"$dir/csv" && cp "$dir/csv" "$folder/$shader.csv"
-grep ',survived,' "$folder/$shader.csv" | cut -d, -f1 | while read -r name; do
+perl tests/shader_mutants/score.pl "${EQUIVALENT:-tests/shader_mutants/equivalent.txt}" "$folder/$shader.csv" 2>/dev/null |
+    sed -n 's/^survived: [^ ]* \([^ ]*\): .*/\1/p' | while read -r name; do
     grep -qxF "$name" "$folder/$shader.own" && continue
     "$build/shader_mutants" write "$shader" "$name" "$SWAP_TO" || exit 4
     for test in $mine; do

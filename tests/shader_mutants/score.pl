@@ -10,7 +10,14 @@ my @kinds = qw(decoration contraction operands comparison literal operation stor
 my ($equivalents, @files) = @ARGV;
 my (@proof, $bad, %by, @survivors, %used);
 
-sub pattern { my $text = quotemeta shift; $text =~ s/\\\*/.*/g; $text =~ s/\\\?/./g; qr/^$text$/ }
+# Patterns as the shell has them: * ? and {a,b}.
+sub pattern {
+    my $text = quotemeta shift;
+    $text =~ s/\\\*/.*/g;
+    $text =~ s/\\\?/./g;
+    1 while $text =~ s/\\\{([^{}]*)\\\}/'(?:' . join('|', split(m{\\,}, $1)) . ')'/e;
+    qr/^$text$/;
+}
 
 open my $in, '<', $equivalents or die "$equivalents: $!\n";
 while (<$in>) {

@@ -1,8 +1,8 @@
 /* Which mutants of a shader's SPIR-V the suites catch (make shader-mutants):
- *   shader_mutants play FOLDER SHADER [COUNT SEED PIPELINES quick|again]
+ *   shader_mutants play FOLDER SHADER [COUNT SEED PIPELINES quick|AGAIN]
  *       plays COUNT mutants of a shader, spread over kinds; FOLDER/SHADER.csv has a line of each,
- *       the last of which counts. Those that the file has are not played again, but with `again`
- *       survivors. PIPELINES: so many of a mutant's at most. quick: a handful of cases.
+ *       the last of which counts. Those that the file has are not played again, but survivors that
+ *       the file AGAIN names. PIPELINES: so many of a mutant's at most. quick: a handful of cases.
  *   shader_mutants list SHADER          all mutants, a line each
  *   shader_mutants one SHADER NAME          plays one on a handful of cases
  *   shader_mutants write SHADER NAME FILE   the module of one, for swap_layer.c
@@ -96,8 +96,23 @@ struct mutant_run {
     FILE *file;
     size_t count, pipelines;
     size_t ends[4];
-    bool again; /* survivors are played once more */
+    const char *again; /* a file of names: survivors that are played once more */
 };
+
+/* Whether a file has the line. */
+static bool is_named(const char *path, const char *name)
+{
+    char line[1024];
+    bool has = false;
+    FILE *file = fopen(path, "r");
+    while (file && !has && fgets(line, sizeof line, file)) {
+        line[strcspn(line, "\n")] = '\0';
+        has = strcmp(line, name) == 0;
+    }
+    if (file)
+        fclose(file);
+    return has;
+}
 
 static enum status play_drawn(struct mutant_run *p, const size_t *order, struct reason *reason)
 {
@@ -110,7 +125,7 @@ static enum status play_drawn(struct mutant_run *p, const size_t *order, struct 
             break;
         spirv_mutant_name(mutant, name);
         const bool has = has_line(p->file, name, &played.end);
-        if (!has || (p->again && played.end == MUTANT_SURVIVED)) {
+        if (!has || (p->again && played.end == MUTANT_SURVIVED && is_named(p->again, name))) {
             status = mutant_play(&p->cases, mutant, p->pipelines, &p->history, &played, reason);
             if (!status && played.end == MUTANT_ABSENT)
                 status = fail(reason, STATUS_UNSUPPORTED, "no Vulkan device can be opened");
@@ -131,7 +146,7 @@ static int play(const char *folder, const char *shader, size_t count, uint64_t s
     char path[512];
     p.count = count;
     p.pipelines = pipelines;
-    p.again = strcmp(how, "again") == 0;
+    p.again = !quick && *how ? how : NULL;
     const uint64_t start = time_ns();
     enum status status = mutant_cases_make(shader, quick, &p.code, &p.cases, &reason);
     if (!status)
@@ -229,7 +244,7 @@ int main(int argc, char **argv)
         return play_one(argv[2], argv[3]);
     if (argc == 5 && strcmp(argv[1], "write") == 0)
         return list(argv[2], argv[3], argv[4]);
-    fprintf(stderr, "shader_mutants play FOLDER SHADER [COUNT SEED PIPELINES quick|again]\n"
+    fprintf(stderr, "shader_mutants play FOLDER SHADER [COUNT SEED PIPELINES quick|AGAIN]\n"
                     "shader_mutants list SHADER\nshader_mutants one SHADER NAME\nshader_mutants "
                     "write SHADER NAME FILE\n");
     return EXIT_USAGE;
