@@ -6,7 +6,8 @@
 
 #include "ref/primitives/primitives.h"
 
-#define KINDS 4
+#define KINDS   4
+#define LIMITED 300
 
 /* A soup times a scale, or on a lattice, where edges, planes and ends are met exactly. In halves
  * the smallest is subnormal, and the largest beyond all of them. */
@@ -86,6 +87,42 @@ static bool first_of_shader(size_t l)
     return !layouts_all[l]->outside;
 }
 
+/* Whether C and the shader take a reference to what is no node any more for the same nothing. */
+static bool may_be_limited(const struct layout *layout)
+{
+    static const char *const apart[] = {"amd64", "grid2", "rtrs_rf"};
+    for (size_t i = 0; i < ARRAY_COUNT(apart); i++)
+        if (strcmp(layout_shader(layout), apart[i]) == 0)
+            return false;
+    return true;
+}
+
+/* A ray may visit as many nodes as there are: with fewer it is finished if C's is, and only then, so
+ * that both enter the same boxes. */
+static void limited_alike(struct tracer *tracer, struct gpu_case *f, const struct job *job)
+{
+    static const uint32_t limits[] = {10, 40};
+    const uint32_t all = f->packed.ref_count;
+    uint32_t want[LIMITED], flag[LIMITED];
+    struct hit hit[LIMITED];
+    for (size_t k = 0; k < ARRAY_COUNT(limits); k++) {
+        struct reason reason = {""};
+        struct engine_task task = {
+            .job = *job, .ray = f->ray, .ray_count = LIMITED, .hit = f->got, .flag = flag};
+        f->packed.ref_count = limits[k] < all ? limits[k] : all;
+        const enum status ended = trace_rays(job, f->ray, LIMITED, hit, want, NULL);
+        assert_true(ended == STATUS_OK || ended == STATUS_LIMIT);
+        gpu_must(tracer_trace_tasks(tracer, &task, 1, &reason), &reason);
+        f->packed.ref_count = all;
+        for (size_t i = 0; i < LIMITED; i++)
+            if ((want[i] == ABI_FLAG_DONE) != (flag[i] == ABI_FLAG_DONE) ||
+                (want[i] == ABI_FLAG_DONE && memcmp(&hit[i], &f->got[i], sizeof *hit) != 0))
+                fail_msg("%s %s %s, ray %zu, at most %u nodes: flags %u, C has %u",
+                         job->packed->layout->name, job->box->name, job->tri->name, i, limits[k],
+                         flag[i], want[i]);
+    }
+}
+
 /* Each triangle test once and each box test, which come by turns of the layouts. */
 static void all_mixes(struct tracer *tracer, struct gpu_case *f, const uint32_t *parent, size_t l)
 {
@@ -95,6 +132,8 @@ static void all_mixes(struct tracer *tracer, struct gpu_case *f, const uint32_t 
                                 (l + t / 3) % 2 ? QUERY_ANY : QUERY_CLOSEST);
         job.parent = parent;
         (void)must_agree(tracer, f, &job);
+        if (!parent && may_be_limited(f->packed.layout))
+            limited_alike(tracer, f, &job);
     }
 }
 
