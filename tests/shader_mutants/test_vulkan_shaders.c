@@ -87,14 +87,15 @@ static bool first_of_shader(size_t l)
     return !layouts_all[l]->outside;
 }
 
-/* Whether C and the shader take a reference to what is no node any more for the same nothing. */
+/* Whether C and the shader take a reference beyond the nodes for the same nothing: of layouts that
+ * have a record for each node, and no word of it that means something else there. */
 static bool may_be_limited(const struct layout *layout)
 {
-    static const char *const apart[] = {"amd64", "grid2", "rtrs_rf"};
-    for (size_t i = 0; i < ARRAY_COUNT(apart); i++)
-        if (strcmp(layout_shader(layout), apart[i]) == 0)
-            return false;
-    return true;
+    static const char *const alike[] = {"f32", "rf16", "rtrs_direct"};
+    for (size_t i = 0; i < ARRAY_COUNT(alike); i++)
+        if (strcmp(layout->name, alike[i]) == 0)
+            return true;
+    return false;
 }
 
 /* A ray may visit as many nodes as there are: with fewer it is finished if C's is, and only then, so
