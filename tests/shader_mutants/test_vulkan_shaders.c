@@ -1,6 +1,7 @@
 /* Every shader that traces scenes has C's bits on the running driver, if that is IEEE: each module
  * has been compiled by itself, so what holds of one holds of no other. Rays of any bits take part:
- * what is out of contract shows how a comparison ends with NaN. SHADER=trace_f32 plays one. */
+ * what is out of contract shows how a comparison ends with NaN. SHADER=trace_f32 plays one, SHADER=all plays
+ * all, with three times as many mixes. */
 #include "ref/packed/packed_walk.h"
 #include "tests/gpu/vulkan_trace_fixture.h"
 
@@ -9,12 +10,12 @@
 #define KINDS   4
 #define LIMITED 300
 
-/* A soup times a scale, or on a lattice, where edges, planes and ends are met exactly. In halves
- * the smallest is subnormal, and the largest beyond all of them. */
+/* A soup times a scale, or on a lattice, where edges, planes and ends are met exactly. Of the scales
+ * one makes halves subnormal, one is beyond them, and one makes determinants subnormal. */
 static const struct {
     float scale;
     bool lattice;
-} soups[] = {{1.0f, false}, {1.0f, true}, {0x1p-17f, false}, {0x1p36f, false}};
+} soups[] = {{1.0f, false}, {1.0f, true}, {0x1p-17f, false}, {0x1p36f, false}, {0x1p-74f, false}};
 
 static float on_lattice(float value)
 {
@@ -75,7 +76,7 @@ static bool wanted(const char *prefix, const char *name)
     const char *only = getenv("SHADER");
     char text[64];
     snprintf(text, sizeof text, "%s_%.40s", prefix, name);
-    return shader_find(text) && (!only || strcmp(only, text) == 0);
+    return shader_find(text) && (!only || strcmp(only, "all") == 0 || strcmp(only, text) == 0);
 }
 
 /* Whether no layout before this one has its shader. */
@@ -103,20 +104,22 @@ static bool may_be_limited(const struct layout *layout)
 static void limited_alike(struct tracer *tracer, struct gpu_case *f, const struct job *job)
 {
     static const uint32_t limits[] = {10, 40};
+    const uint32_t exhausted = ABI_FLAG_DONE | ABI_FLAG_EXHAUSTED | ABI_FLAG_VISITS;
     const uint32_t all = f->packed.ref_count;
+    const size_t count = f->ray_count < LIMITED ? f->ray_count : LIMITED;
     uint32_t want[LIMITED], flag[LIMITED];
     struct hit hit[LIMITED];
     for (size_t k = 0; k < ARRAY_COUNT(limits); k++) {
         struct reason reason = {""};
         struct engine_task task = {
-            .job = *job, .ray = f->ray, .ray_count = LIMITED, .hit = f->got, .flag = flag};
+            .job = *job, .ray = f->ray, .ray_count = count, .hit = f->got, .flag = flag};
         f->packed.ref_count = limits[k] < all ? limits[k] : all;
-        const enum status ended = trace_rays(job, f->ray, LIMITED, hit, want, NULL);
+        const enum status ended = trace_rays(job, f->ray, count, hit, want, NULL);
         assert_true(ended == STATUS_OK || ended == STATUS_LIMIT);
         gpu_must(tracer_trace_tasks(tracer, &task, 1, &reason), &reason);
         f->packed.ref_count = all;
-        for (size_t i = 0; i < LIMITED; i++)
-            if ((want[i] == ABI_FLAG_DONE) != (flag[i] == ABI_FLAG_DONE) ||
+        for (size_t i = 0; i < count; i++)
+            if (flag[i] != (want[i] == ABI_FLAG_DONE ? ABI_FLAG_DONE : exhausted) ||
                 (want[i] == ABI_FLAG_DONE && memcmp(&hit[i], &f->got[i], sizeof *hit) != 0))
                 fail_msg("%s %s %s, ray %zu, at most %u nodes: flags %u, C has %u",
                          job->packed->layout->name, job->box->name, job->tri->name, i, limits[k],
@@ -124,18 +127,61 @@ static void limited_alike(struct tracer *tracer, struct gpu_case *f, const struc
     }
 }
 
-/* Each triangle test once and each box test, which come by turns of the layouts. */
+/* Ranges that begin or end exactly at the hit. */
+static void ends_alike(struct tracer *tracer, struct gpu_case *f, const struct job *job)
+{
+    struct ray *rays = calloc(f->ray_count, sizeof *rays);
+    assert_non_null(rays);
+    memcpy(rays, f->ray, f->ray_count * sizeof *rays);
+    for (size_t i = 0; i < f->ray_count; i++)
+        if (f->expected[i].prim != ABI_NO_PRIM)
+            *(i % 2 ? &f->ray[i].tmin : &f->ray[i].tmax) = f->expected[i].t;
+    (void)must_agree(tracer, f, job);
+    memcpy(f->ray, rays, f->ray_count * sizeof *rays);
+    free(rays);
+}
+
+/* Each triangle test with a box test, which come by turns, or with all three. */
 static void all_mixes(struct tracer *tracer, struct gpu_case *f, const uint32_t *parent, size_t l)
 {
     static const char *const box[] = {"watertight", "robust", "rtrs"};
-    for (size_t t = 0; tri_tests[t]; t++) {
-        struct job job = job_of(f, box[(l + t) % 3], tri_tests[t]->name,
-                                (l + t / 3) % 2 ? QUERY_ANY : QUERY_CLOSEST);
-        job.parent = parent;
-        (void)must_agree(tracer, f, &job);
-        if (!parent && may_be_limited(f->packed.layout))
-            limited_alike(tracer, f, &job);
+    const size_t rounds = getenv("SHADER") ? 3 : 1;
+    for (size_t t = 0; tri_tests[t]; t++)
+        for (size_t round = 0; round < rounds; round++) {
+            struct job job = job_of(f, box[(l + t + round) % 3], tri_tests[t]->name,
+                                    (l + t / 3 + round) % 2 ? QUERY_ANY : QUERY_CLOSEST);
+            job.parent = parent;
+            (void)must_agree(tracer, f, &job);
+            ends_alike(tracer, f, &job);
+            if (!parent && may_be_limited(f->packed.layout))
+                limited_alike(tracer, f, &job);
+        }
+}
+
+/* A tree of 50 levels, in which each level has a plate behind the one before. Rays begin in front of
+ * any of them, on either side, and hit some of them. */
+static struct gpu_case deep_case(const char *layout)
+{
+    enum { LEVELS = 50 };
+    struct scene scene;
+    struct reason reason = {""};
+    gpu_must(scene_make(3 * LEVELS, LEVELS, &scene), &reason);
+    for (uint32_t i = 0; i < 3 * LEVELS; i++) {
+        const uint32_t corner = (i % 3 + i / 3 * 3 % 4) % 4; /* one of four is left out */
+        const float v[3] = {corner & 1 ? 1.0f : -1.0f, corner & 2 ? 1.0f : -1.0f, (float)(i / 3)};
+        memcpy(scene.vertex + 3 * i, v, sizeof v);
+        scene.index[i] = i;
     }
+    struct gpu_case f = pack(scene, trees_make(&scene, 1, TREES_LEFT), layout, 8 * LEVELS);
+    for (uint32_t i = 0; i < f.ray_count; i++) {
+        const float side = i & 4 ? 1.0f : -1.0f;
+        f.ray[i] = (struct ray){
+            {i & 1 ? 0.625f : -0.625f, i & 2 ? 0.75f : -0.75f, (float)(i / 8) - 0.5f * side},
+            0,
+            {0, 0, side},
+            HUGE_VALF};
+    }
+    return f;
 }
 
 static void play_case(struct tracer *tracer, struct gpu_case *f, size_t l, bool trace,
@@ -175,6 +221,11 @@ static void every_layouts_shaders_have_the_bits_of_c(void **state)
             play_case(tracer, &f, l, trace, stackless);
             release(&f);
         }
+        if (layout_is_wide(layouts_all[l]))
+            continue;
+        struct gpu_case deep = deep_case(layouts_all[l]->name);
+        play_case(tracer, &deep, l, trace, stackless);
+        release(&deep);
     }
     gpu_close_tracer(tracer);
 }
