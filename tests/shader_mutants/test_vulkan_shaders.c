@@ -1,7 +1,7 @@
 /* Every shader that traces scenes has C's bits on the running driver, if that is IEEE: each module
  * has been compiled by itself, so what holds of one holds of no other. Rays of any bits take part:
- * what is out of contract shows how a comparison ends with NaN. SHADER=trace_f32 plays one, SHADER=all plays
- * all, with three times as many mixes. */
+ * what is out of contract shows how a comparison ends with NaN. SHADER=trace_f32 plays one,
+ * SHADER=all plays all, with three times as many mixes. */
 #include "ref/packed/packed_walk.h"
 #include "tests/gpu/vulkan_trace_fixture.h"
 
@@ -10,8 +10,8 @@
 #define KINDS   4
 #define LIMITED 300
 
-/* A soup times a scale, or on a lattice, where edges, planes and ends are met exactly. Of the scales
- * one makes halves subnormal, one is beyond them, and one makes determinants subnormal. */
+/* A soup times a scale, or on a lattice, where edges, planes and ends are met exactly. Of the
+ * scales one makes halves subnormal, one is beyond them, and one makes determinants subnormal. */
 static const struct {
     float scale;
     bool lattice;
@@ -99,8 +99,8 @@ static bool may_be_limited(const struct layout *layout)
     return false;
 }
 
-/* A ray may visit as many nodes as there are: with fewer it is finished if C's is, and only then, so
- * that both enter the same boxes. */
+/* A ray may visit as many nodes as there are: with fewer it is finished if C's is, and only then,
+ * so that both enter the same boxes. */
 static void limited_alike(struct tracer *tracer, struct gpu_case *f, const struct job *job)
 {
     static const uint32_t limits[] = {10, 40};
@@ -158,8 +158,8 @@ static void all_mixes(struct tracer *tracer, struct gpu_case *f, const uint32_t 
         }
 }
 
-/* A tree of 50 levels, in which each level has a plate behind the one before. Rays begin in front of
- * any of them, on either side, and hit some of them. */
+/* A tree of 50 levels, in which each level has a plate behind the one before. Rays begin in front
+ * of any of them, on either side, and hit some of them. */
 static struct gpu_case deep_case(const char *layout)
 {
     enum { LEVELS = 50 };
