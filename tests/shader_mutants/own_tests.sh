@@ -6,7 +6,7 @@
 set -u
 build=$1 folder=$2 shader=$3
 shift 3
-tests=${*:-test_vulkan_shaders test_vulkan_drivers test_vulkan_trace test_vulkan_stores test_vulkan_slots test_stackless test_vulkan_tasks test_vulkan_watertight test_vulkan_trace_ends test_lists_exact}
+tests=${*:-test_vulkan_shaders test_grid_gpu test_vulkan_drivers test_vulkan_trace test_vulkan_stores test_vulkan_slots test_stackless test_vulkan_tasks test_vulkan_watertight test_vulkan_trace_ends test_lists_exact}
 dir=$(mktemp -d) || exit 4
 trap 'rm -rf "$dir"' EXIT
 ${CC:-cc} -D_GNU_SOURCE -shared -fPIC -O1 -o "$dir/libswap.so" tests/shader_mutants/swap_layer.c ||

@@ -9,7 +9,7 @@ $(B)/tests/test_spirv_mutant: $(addprefix $(B)/obj/tests/shader_mutants/,spirv_m
 # Plays mutants of the shaders that trace scenes; what is done is kept in build/shader-mutants: a run can be ended and
 # resumed. Survivors of conform and the hard cases are played on the shaders' own tests.
 TRACING := $(TRACED) $(STACKLESS) trace_brute
-MUTANT_TESTS := $(addprefix $(B)/tests/test_,vulkan_shaders vulkan_drivers vulkan_trace vulkan_stores vulkan_slots stackless \
+MUTANT_TESTS := $(addprefix $(B)/tests/test_,vulkan_shaders grid_gpu vulkan_drivers vulkan_trace vulkan_stores vulkan_slots stackless \
     vulkan_tasks vulkan_watertight vulkan_trace_ends lists_exact)
 .PHONY: shader-mutants
 shader-mutants:
