@@ -1,8 +1,9 @@
 /* Every shader that traces scenes has C's bits on the running driver, if that is IEEE: each module
  * has been compiled by itself, so what holds of one holds of no other. Rays of any bits take part:
  * what is out of contract shows how a comparison ends with NaN. SHADER=trace_f32 plays one,
- * SHADER=all plays all, with three times as many mixes. */
+ * SHADER=all plays all, with three times as many mixes, and all storages. */
 #include "ref/packed/packed_walk.h"
+#include "ref/store.h"
 #include "tests/gpu/vulkan_trace_fixture.h"
 
 #include "ref/primitives/primitives.h"
@@ -89,9 +90,12 @@ static bool first_of_shader(size_t l)
 }
 
 /* Whether C and the shader take a reference beyond the nodes for the same nothing: of layouts that
- * have a record for each node, and no word of it that means something else there. */
+ * have a record for each node, and no word of it that means something else there. What is beyond is
+ * read, though it is not used: not where each access is watched. */
 static bool may_be_limited(const struct layout *layout)
 {
+    if (gpu_options().watch)
+        return false;
     static const char *const alike[] = {"f32", "rf16", "rtrs_direct"};
     for (size_t i = 0; i < ARRAY_COUNT(alike); i++)
         if (strcmp(layout->name, alike[i]) == 0)
@@ -198,6 +202,30 @@ static void play_case(struct tracer *tracer, struct gpu_case *f, size_t l, bool 
     free(parent);
 }
 
+/* The triangles as each storage has them, if the layout leaves them to one. */
+static void stored_alike(struct tracer *tracer, struct gpu_case *f, bool stackless)
+{
+    const struct packed indexed = f->packed;
+    for (size_t k = 1; tri_stores[k]; k++) {
+        struct reason reason;
+        uint32_t *parent = NULL;
+        if (packed_make_stored(indexed.layout, tri_stores[k], &f->bvh, &f->scene, &f->packed,
+                               &reason) != STATUS_OK)
+            continue;
+        if (stackless)
+            gpu_must(packed_links(&f->packed, &parent, &reason), &reason);
+        for (size_t t = 0; tri_tests[t]; t++) {
+            struct job job = job_of(f, "robust", tri_tests[t]->name, QUERY_CLOSEST);
+            job.parent = parent;
+            if (tri_store_answers(tri_stores[k], tri_tests[t]->id))
+                (void)must_agree(tracer, f, &job);
+        }
+        free(parent);
+        packed_free(&f->packed);
+    }
+    f->packed = indexed;
+}
+
 static void every_layouts_shaders_have_the_bits_of_c(void **state)
 {
     (void)state;
@@ -219,6 +247,10 @@ static void every_layouts_shaders_have_the_bits_of_c(void **state)
                 continue;
             mix_rays(&f, soups[k].lattice);
             play_case(tracer, &f, l, trace, stackless);
+            if (soups[k].lattice && getenv("SHADER") && trace)
+                stored_alike(tracer, &f, false);
+            if (soups[k].lattice && getenv("SHADER") && stackless)
+                stored_alike(tracer, &f, true);
             release(&f);
         }
         if (layout_is_wide(layouts_all[l]))
