@@ -63,6 +63,8 @@ static void mix_rays(struct gpu_case *f, bool lattice)
                 *value = float_from_bits(word ^ word >> 15);
             if (i % KINDS >= 2 && k < 3)
                 *value = i & 4 ? bounds->lo[k] : bounds->hi[(k + i) % 3];
+            if (i % KINDS == 2 && k < 3 && i & 8) /* the planes of RTRS's box test */
+                *value += i & 4 ? -0.000002f : 0.000002f;
             if (i % KINDS == 2 && k >= 4 && k < 7)
                 *value = component[(word >> 16) % ARRAY_COUNT(component)];
             if (i % KINDS == 3 && k >= 4 && k < 7)
