@@ -147,11 +147,38 @@ static void ends_alike(struct tracer *tracer, struct gpu_case *f, const struct j
     free(rays);
 }
 
+/* Lists of all hits, of which there is room for two. */
+static void lists_alike(struct tracer *tracer, struct gpu_case *f, const uint32_t *parent, size_t t)
+{
+    enum { ROOM = 2 };
+    struct job job = job_of(f, "robust", tri_tests[t]->name, QUERY_ALL);
+    struct hit *hit = calloc(ROOM * f->ray_count, sizeof *hit);
+    uint32_t *count = calloc(f->ray_count, sizeof *count);
+    struct reason reason = {""};
+    assert_true(hit && count);
+    job.parent = parent;
+    gpu_must(tracer_prepare(tracer, &job, &reason), &reason);
+    gpu_must(tracer_trace_all(tracer, f->ray, f->ray_count, ROOM, hit, count, &reason), &reason);
+    job.parent = NULL;
+    for (size_t i = 0; i < f->ray_count; i++) {
+        struct hit want[ROOM];
+        uint32_t found;
+        assert_int_equal(trace_ray_all(&job, &f->ray[i], ROOM, want, &found, NULL), STATUS_OK);
+        const size_t written = found < ROOM ? found : ROOM;
+        if (count[i] != found || memcmp(hit + ROOM * i, want, written * sizeof *want) != 0)
+            fail_msg("%s, list of ray %zu: %u hits, C has %u", job.packed->layout->name, i,
+                     count[i], found);
+    }
+    free(hit);
+    free(count);
+}
+
 /* Each triangle test with a box test, which come by turns, or with all three. */
 static void all_mixes(struct tracer *tracer, struct gpu_case *f, const uint32_t *parent, size_t l)
 {
     static const char *const box[] = {"watertight", "robust", "rtrs"};
     const size_t rounds = getenv("SHADER") ? 3 : 1;
+    lists_alike(tracer, f, parent, l % 2);
     for (size_t t = 0; tri_tests[t]; t++)
         for (size_t round = 0; round < rounds; round++) {
             struct job job = job_of(f, box[(l + t + round) % 3], tri_tests[t]->name,
