@@ -191,9 +191,9 @@ static void all_mixes(struct tracer *tracer, struct gpu_case *f, const uint32_t 
         }
 }
 
-/* A tree of 50 levels, in which each level has a plate behind the one before. Rays begin in front
+/* A tree of 50 levels: each has a plate behind or before that of the one above. Rays begin in front
  * of any of them, on either side, and hit some of them. */
-static struct gpu_case deep_case(const char *layout)
+static struct gpu_case deep_case(const char *layout, enum trees_shape shape)
 {
     enum { LEVELS = 50 };
     struct scene scene;
@@ -205,7 +205,7 @@ static struct gpu_case deep_case(const char *layout)
         memcpy(scene.vertex + 3 * i, v, sizeof v);
         scene.index[i] = i;
     }
-    struct gpu_case f = pack(scene, trees_make(&scene, 1, TREES_LEFT), layout, 8 * LEVELS);
+    struct gpu_case f = pack(scene, trees_make(&scene, 1, shape), layout, 8 * LEVELS);
     for (uint32_t i = 0; i < f.ray_count; i++) {
         const float side = i & 4 ? 1.0f : -1.0f;
         f.ray[i] = (struct ray){
@@ -284,9 +284,12 @@ static void every_layouts_shaders_have_the_bits_of_c(void **state)
         }
         if (layout_is_wide(layouts_all[l]))
             continue;
-        struct gpu_case deep = deep_case(layouts_all[l]->name);
-        play_case(tracer, &deep, l, trace, stackless);
-        release(&deep);
+        for (int right = 0; right < 2; right++) {
+            struct gpu_case deep =
+                deep_case(layouts_all[l]->name, right ? TREES_RIGHT : TREES_LEFT);
+            play_case(tracer, &deep, l, trace, stackless);
+            release(&deep);
+        }
     }
     gpu_close_tracer(tracer);
 }
