@@ -10,7 +10,7 @@ use warnings;
 
 my @kinds = qw(decoration contraction operands comparison literal operation store branch index conversion barrier);
 my ($equivalents, @files) = @ARGV;
-my (@proof, $bad, %by, @survivors, %used);
+my (@proof, $bad, %by, @survivors, %why);
 
 # Patterns as the shell has them: * ? and {a,b}.
 sub pattern {
@@ -43,8 +43,7 @@ sub rate {
     return $of ? sprintf('%.0f', int(100 * ($count->{killed} // 0) / $of)) : '-';
 }
 
-printf "%-20s %6s %4s %3s %5s  %s\n", 'shader', 'killed', 'of', 'eq.', '%', join ' ', map { substr $_, 0, 3 } @kinds;
-my %total;
+my (%total, @rows);
 for my $file (@files) {
     (my $shader = $file) =~ s{.*/|\.csv$}{}g;
     my (%count, %of, %line, @order);
@@ -63,7 +62,10 @@ for my $file (@files) {
             print STDERR "$shader $name ($text) is said to be equivalent, and is killed by $by\n";
             $bad = 1;
         }
-        $word = 'equivalent' if $word eq 'survived' && ($proof || $played == 0);
+        if ($word eq 'survived' && ($proof || $played == 0)) {
+            $word = 'equivalent';
+            $why{$played == 0 ? 'unreached' : 'proven'}++;
+        }
         $count{$word}++;
         $of{$kind}{$word}++;
         $total{$kind}{$word}++;
@@ -78,13 +80,29 @@ for my $file (@files) {
     my $of = ($count{killed} // 0) + ($count{survived} // 0);
     my $rate = $of ? 100 * ($count{killed} // 0) / $of : 0;
     $bad = 1 if $rate < 95;
-    printf "%-20s %6d %4d %3d %5.1f  %s\n", $shader, $count{killed} // 0, $of, $count{equivalent} // 0, $rate,
-        join ' ', map { sprintf '%3s', rate($of{$_} // {}) } @kinds;
+    push @rows, [$shader, $of, $count{equivalent} // 0, $rate, \%of];
     $total{all}{$_} += $count{$_} // 0 for qw(killed survived equivalent);
 }
-printf "%-20s %6d %4d %3d %5.1f  %s\n", 'all', $total{all}{killed}, $total{all}{killed} + $total{all}{survived},
-    $total{all}{equivalent}, 100 * $total{all}{killed} / (($total{all}{killed} + $total{all}{survived}) || 1),
-    join ' ', map { sprintf '%3s', rate($total{$_} // {}) } @kinds;
-print 'killed by ', join(', ', map { "$_ $by{$_}" } sort { $by{$b} <=> $by{$a} || $a cmp $b } keys %by), "\n";
+my $all = delete $total{all};
+my $of = $all->{killed} + $all->{survived};
+push @rows, ['all', $of, $all->{equivalent}, $of ? 100 * $all->{killed} / $of : 0, \%total];
+my @met = grep { $total{$_} } @kinds;
+printf "%-23s %4s %3s %5s %s\n", 'shader', 'of', 'eq.', '%', join ' ', map { substr $_, 0, 3 } @met;
+for my $row (@rows) {
+    my ($shader, $count, $equivalent, $rate, $kind) = @$row;
+    printf "%-23s %4d %3d %5.1f %s\n", $shader, $count, $equivalent, $rate, join ' ', map { sprintf '%3s', rate($kind->{$_} // {}) } @met;
+}
+my $line = 'killed by';
+for my $who (sort { $by{$b} <=> $by{$a} || $a cmp $b } keys %by) {
+    my $next = "$who $by{$who}";
+    if (length("$line $next") > 78) {
+        print "$line\n";
+        $line = '   ';
+    }
+    $line .= " $next,";
+}
+$line =~ s/,$//;
+print "$line\n";
+printf "equivalent: %d that no pipeline reaches, %d proven\n", $why{unreached} // 0, $why{proven} // 0;
 print "survived: $_\n" for @survivors;
 exit($bad ? 1 : 0);
