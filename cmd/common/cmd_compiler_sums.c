@@ -32,20 +32,20 @@ static const struct column columns[] = {
     [COL_SPAN] = {"least-most"},
 };
 
-struct sum {
+struct compiler_sum {
     const struct row *first; /* of these rows */
     size_t rows, equal;
     size_t ops, kept, open, other, wrong; /* of all of them */
     double speed, least, most;            /* the median first; 0: there is none */
 };
 
-static bool belongs(const struct sum *sum, const struct row *row)
+static bool belongs(const struct compiler_sum *sum, const struct row *row)
 {
     return row->compiled.raw == sum->first->compiled.raw && row->engine == sum->first->engine;
 }
 
 /* Adds up the rows of one engine; `speed` has room for one of each row. */
-static void add_up(const struct compiled_rows *rows, struct sum *sum, double *speed)
+static void add_up(const struct compiled_rows *rows, struct compiler_sum *sum, double *speed)
 {
     size_t speeds = 0;
     for (size_t i = 0; i < rows->count; i++) {
@@ -72,7 +72,7 @@ static void add_up(const struct compiled_rows *rows, struct sum *sum, double *sp
 
 static void write_cell(const void *data, size_t i, size_t column, char *text)
 {
-    const struct sum *sum = (const struct sum *)data + i;
+    const struct compiler_sum *sum = (const struct compiler_sum *)data + i;
     const size_t number[] = {[COL_ROWS] = sum->rows,
                              [COL_OPEN] = sum->open,
                              [COL_EQUAL] = sum->equal,
@@ -111,18 +111,18 @@ static void write_cell(const void *data, size_t i, size_t column, char *text)
 
 static enum paint paint_of(const void *data, size_t i)
 {
-    const struct sum *sum = (const struct sum *)data + i;
+    const struct compiler_sum *sum = (const struct compiler_sum *)data + i;
     return sum->wrong > 0 ? PAINT_BAD : PAINT_GOOD;
 }
 
 /* The sums of engines with several rows, in the order of their first ones. */
-static size_t sums_of(const struct compiled_rows *rows, struct sum *sum, double *speed)
+static size_t sums_of(const struct compiled_rows *rows, struct compiler_sum *sum, double *speed)
 {
     size_t count = 0;
     for (size_t i = 0; i < rows->count; i++) {
-        struct sum *mine = &sum[count];
+        struct compiler_sum *mine = &sum[count];
         bool is_first = true;
-        *mine = (struct sum){.first = rows->row[i]};
+        *mine = (struct compiler_sum){.first = rows->row[i]};
         for (size_t k = 0; k < i; k++)
             is_first = is_first && !belongs(mine, rows->row[k]);
         if (!is_first)
@@ -135,7 +135,7 @@ static size_t sums_of(const struct compiled_rows *rows, struct sum *sum, double 
 
 enum status compiled_sums_print(const struct compiled_rows *rows, const struct screen *screen)
 {
-    struct sum *sum = alloc_zeroed(rows->count, sizeof *sum);
+    struct compiler_sum *sum = alloc_zeroed(rows->count, sizeof *sum);
     double *speed = alloc_zeroed(rows->count, sizeof *speed);
     const bool has_room = sum && speed;
     const size_t count = has_room ? sums_of(rows, sum, speed) : 0;
