@@ -106,7 +106,45 @@ compiled && /^compiler +engine/ {
     for (i = 1; i <= NF; i++) column[$i] = i
     next
 }
-/^what it means/ { compiled = 0 }
+compiled && /^what it means/ {
+    several = 0
+    for (key in of_rows) several += of_rows[key] > 1
+    equal("lines of all rows", sums_told + 0, several)
+    for (key in of_rows) { delete of_rows[key]; delete of_kept[key]; delete of_ops[key]; delete of_open[key]; delete of_equal[key]; delete of_other[key]; delete of_wrong[key]; delete of_speeds[key] }
+    compiled = sums_told = 0
+}
+# One line of all rows of a compiler and an engine that has several.
+compiled && /^all rows of a compiler/ { compiled = 2; next }
+compiled == 2 && /^ / { next }
+compiled == 2 && NF {
+    text = $0
+    gsub(/ of /, "/", text)
+    gsub(/free, /, "free,", text)
+    split(text, cell, " ")
+    key = cell[1] " " cell[2]
+    name = "all rows of " key " "
+    sums_told++
+    equal(name "rows", cell[3], of_rows[key])
+    equal(name "NoContraction", cell[4], of_decorated[key] ? of_kept[key] "/" of_ops[key] : "free," of_ops[key])
+    equal(name "open", cell[5], of_open[key] + 0)
+    equal(name "equal", cell[6], of_equal[key] + 0)
+    equal(name "other", cell[7], of_other[key] + 0)
+    equal(name "WRONG", cell[8], of_wrong[key] + 0)
+    if (!of_speeds[key]) {
+        equal(name "speed of none", cell[9] " " cell[10], "- -")
+        next
+    }
+    for (i = 2; i <= of_speeds[key]; i++)
+        for (k = i; k > 1 && of_speed[key, k] < of_speed[key, k - 1]; k--) {
+            other = of_speed[key, k]; of_speed[key, k] = of_speed[key, k - 1]; of_speed[key, k - 1] = other
+        }
+    split(cell[10], span, "-")
+    middle = int((of_speeds[key] + 1) / 2)
+    same(name "speed", cell[9], "%.2f", (of_speed[key, middle] + of_speed[key, of_speeds[key] + 1 - middle]) / 2)
+    same(name "least speed", span[1], "%.2f", of_speed[key, 1])
+    same(name "most speed", span[2], "%.2f", of_speed[key, of_speeds[key]])
+    next
+}
 compiled && NF {
     while (compiled_row < next_row && !(("rows." compiled_row ".compiled.compiler") in v)) compiled_row++
     p = "rows." compiled_row++
@@ -130,6 +168,16 @@ compiled && NF {
     raw = row_like(compiled_row - 1, v[p ".compiled.raw"])
     if (raw == "") equal(name "speed of none", cell[column["speed"]], "-")
     else same(name "speed", cell[column["speed"]], "%.2f", rate(compiled_row - 1) / rate(raw))
+    key = cell[1] " " cell[2]
+    of_rows[key]++
+    of_decorated[key] = v[p ".compiled.decorated"] == "true"
+    of_kept[key] += v[p ".compiled.kept"]
+    of_ops[key] += v[p ".compiled.operations"]
+    of_open[key] += v[p ".compiled.open"]
+    of_equal[key] += v[p ".compiled.bits_free"] != "true" && v[p ".bit_differences"] == 0
+    of_other[key] += v[p ".compiled.bits_free"] == "true" ? v[p ".compiled.moved"] : v[p ".bit_differences"]
+    of_wrong[key] += v[p ".counts.wrong"]
+    if (raw != "") of_speed[key, ++of_speeds[key]] = rate(compiled_row - 1) / rate(raw)
     next
 }
 /^what it means/ { rows = narrow = 0; next }
