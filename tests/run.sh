@@ -27,7 +27,8 @@ alone() {
     suite "$@"
     queue=$logs/queue
 }
-# So, too, but it mostly waits, and runs beside as many others as there are processors.
+# So, too, but it waits much, or makes and waits for many short processes, and does not mind what slows it down: it runs
+# beside as many others as there are processors.
 waits() {
     queue=$logs/waits
     suite "$@"
@@ -56,7 +57,7 @@ plain)
     # Those without a stack are held to the bits of the others by `agree` and `conform`, and play here in `deep`.
     suite conform_hard sh tests/conform/conform.sh "$build/raydiff" "$logs/hard.xml" 8000 --hard --quick \
         --engine cpu,vulkan,fast,brute,vulkan_brute,embree,embree_robust
-    suite golden env JOBS=1 sh tests/golden/golden.sh "$build/raydiff"
+    waits golden env JOBS=1 sh tests/golden/golden.sh "$build/raydiff"
     suite agree sh tests/scripts/agree.sh "$build" quick "$logs/agree"
     suite conform sh tests/conform/conform.sh "$build/raydiff" "$logs/conform.xml" 400
     suite conform_worlds sh tests/conform/conform.sh "$build/raydiff" "$logs/worlds.xml" 250 --worlds --count 200
@@ -103,7 +104,7 @@ plain)
     suite hard_lists sh tests/scripts/hard_lists.sh "$build/raydiff"
     suite leaks_worlds sh tests/worlds/leaks_worlds.sh "$build/raydiff"
     suite worlds_named sh tests/worlds/conform_worlds.sh "$build/raydiff"
-    suite options sh tests/scripts/options.sh "$build/raydiff"
+    waits options sh tests/scripts/options.sh "$build/raydiff"
     suite help sh tests/scripts/help.sh "$build/raydiff"
     suite named sh tests/scripts/named.sh "$build/raydiff"
     suite concluded sh tests/values/concluded.sh "$build/raydiff"
@@ -141,7 +142,7 @@ plain)
     suite report sh tests/scripts/report.sh "$build/raydiff"
     suite report_browser sh tests/scripts/report_browser.sh "$build/raydiff" quick
     suite web sh tests/web/web.sh "$build/raydiff"
-    suite web_browser sh tests/web/browser.sh "$build/raydiff"
+    waits web_browser sh tests/web/browser.sh "$build/raydiff"
     alone fuzz sh tests/scripts/fuzz.sh "$build"
     alone fuzz_screen sh tests/docs/fuzz_screen.sh "$build/raydiff"
     suite fuzz_picture sh tests/docs/fuzz_picture.sh "$build/raydiff"
@@ -160,7 +161,7 @@ plain)
     suite libs sh tests/house/libs.sh
     suite fresh sh tests/house/fresh.sh
     suite runner sh tests/house/runner.sh
-    suite stubs sh tests/house/stubs.sh "$build"
+    waits stubs sh tests/house/stubs.sh "$build"
     suite other sh tests/house/other.sh
     suite deb sh tests/house/deb.sh
     suite image sh tests/house/image.sh
