@@ -97,7 +97,8 @@ static void say_edit(const struct spirv_diff *diff, const bool *done, size_t e, 
     size_t place = edit->at;
     switch (weight(diff, done, e)) {
     case SAYS_BECAME:
-        snprintf(out->what, sizeof out->what, "%s of %%%u became %s", was, spirv_result(word), now);
+        snprintf(out->what, sizeof out->what, "%.100s of %%%u became %.100s", was,
+                 spirv_result(word), now);
         break;
     case SAYS_ORDER:
         snprintf(out->what, sizeof out->what, "operands of %s in another order", id);
