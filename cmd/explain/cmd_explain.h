@@ -38,7 +38,7 @@ enum status explain_write_json(const char *path, const struct explain_page *page
 enum status explain_write_html(const char *path, const struct explain_page *page,
                                struct reason *reason) MUST_USE;
 
-/* The parts of that page, for another one: its style, what is said of the answer (a heading and two
+/* The parts of that page, for another one: its style, the verdict on the answer (a heading and two
  * lines), and the numbers: the node, the ray, the path, what was tried, the command. */
 extern const char explain_html_style[];
 void explain_html_verdict(struct html *html, const struct explain_page *page);

@@ -154,7 +154,8 @@ expect $fuses . bisect "$dir/own.trial"
 has 'a finding that knows its compiler' '^opt:final against raw: ' "symptom $([ $fuses -eq 1 ] && echo precise || echo none)"
 
 # A driver that cannot bear modules between; the search ends where it was told to.
-if ${CC:-cc} -D_GNU_SOURCE -shared -fPIC -O1 -o "$dir/libodd.so" tests/compilers/odd_layer.c 2>/dev/null; then
+if echo '#include <vulkan/vk_layer.h>' | ${CC:-cc} -E - >/dev/null 2>&1; then
+    ${CC:-cc} -D_GNU_SOURCE -shared -fPIC -O1 -I. -o "$dir/libodd.so" tests/compilers/odd_layer.c || bad odd_layer.c
     cat >"$dir/odd.json" <<END
 {"file_format_version": "1.1.0", "layer": {"name": "VK_LAYER_RAYDIFF_odd", "type": "GLOBAL",
  "library_path": "$dir/libodd.so", "api_version": "1.3.0", "implementation_version": "1", "description": "odd"}}

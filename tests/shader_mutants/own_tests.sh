@@ -9,7 +9,7 @@ shift 3
 tests=${*:-test_vulkan_shaders test_grid_gpu test_vulkan_drivers test_vulkan_trace test_vulkan_stores test_vulkan_slots test_stackless test_vulkan_tasks test_vulkan_watertight test_vulkan_trace_ends test_lists_exact}
 dir=$(mktemp -d) || exit 4
 trap 'rm -rf "$dir"' EXIT
-${CC:-cc} -D_GNU_SOURCE -shared -fPIC -O1 -o "$dir/libswap.so" tests/shader_mutants/swap_layer.c ||
+${CC:-cc} -D_GNU_SOURCE -shared -fPIC -O1 -I. -o "$dir/libswap.so" tests/shader_mutants/swap_layer.c ||
     { echo "shader mutants: vulkan/vk_layer.h is needed" >&2; exit 77; }
 cat >"$dir/swap.json" <<END
 {"file_format_version": "1.1.0", "layer": {"name": "VK_LAYER_RAYDIFF_swap", "type": "GLOBAL",

@@ -59,7 +59,7 @@ for my $file (@files) {
         next if $word eq 'invalid';
         my $proof = proof_of($shader, $name, $text);
         if ($proof && $word eq 'killed' && $proof->{reason} !~ /^(wider|broken|loop)/) {
-            print STDERR "$shader $name ($text) is said to be equivalent, and is killed by $by\n";
+            print STDERR "$shader $name ($text) stands among the equivalent, and $by kills it\n";
             $bad = 1;
         }
         if ($word eq 'survived' && ($proof || $played == 0)) {

@@ -61,7 +61,7 @@ said=$(perl tests/shader_mutants/score.pl "$dir/proven" "$dir/s.csv") && bad "a 
 echo "$said" | grep -q '^survived: s f.branch.1: b$' || bad "survivors are named: $said"
 echo '* f.branch.? "*" why' >"$dir/proven"
 perl tests/shader_mutants/score.pl "$dir/proven" "$dir/s.csv" >/dev/null 2>"$dir/err" && bad "a proof of what is killed"
-grep -q 's f.branch.0 (a) is said to be equivalent, and is killed by closest.x' "$dir/err" || bad "which one: $(cat "$dir/err")"
+grep -q 's f.branch.0 (a) stands among the equivalent, and closest.x kills it' "$dir/err" || bad "which one: $(cat "$dir/err")"
 
 [ $failed -eq 0 ] && echo "shader mutants: selftest passed"
 exit $((failed > 0))

@@ -2,7 +2,7 @@
 # Pages of raydiff web in headless Chromium, by SwiftShader's WebGPU: a finding of Embree, one of a layout as published,
 # one of a rounded box and a right answer. What the browser's graphics card answers is, to the bit, what Node's Dawn
 # answers to the same ray; what the page says of it is what raydiff explain says; the view is in the screenshot; keys
-# turn it; nothing is asked for, nothing is said on the console. And a browser without WebGPU.
+# turn it; the browser asks for nothing else, and its console stays empty. And a browser without WebGPU.
 #   sh tests/web/browser.sh BUILD/raydiff [FOLDER]      FOLDER: where the screenshots are kept
 # Exit 77 without Chromium, Node, Dawn or SwiftShader.
 set -u

@@ -54,7 +54,7 @@ bad('an arrow turns nothing') if $keys->{ArrowLeft}{turn} eq $first->{turn};
 same('zoom after +', $keys->{'+'}{zoom}, 1.25);
 same('turn after 0', $keys->{0}{turn}, $first->{turn});
 
-# Nothing is asked for but the page, nothing is said.
+# The browser asks for the page alone, and its console stays empty.
 same('requests', scalar(@{ $seen->{requests} }), 1);
 bad("console: $_") for grep { $state ne 'none' || !/No available adapters/ } @{ $seen->{console} };
 exit $bad;
