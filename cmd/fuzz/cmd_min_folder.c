@@ -8,18 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* findings_open would create a missing folder, so check first that this is one, valid or not. */
-static bool is_findings(const char *path)
-{
-    struct folder folder;
-    bool there = false;
-    enum status status = folder_open(path, false, &folder, NULL);
-    if (!status)
-        status = folder_has(&folder, "findings.jsonl", &there, NULL);
-    folder_close(&folder);
-    return there;
-}
-
 static void shrink_entry(const struct min_options *options, struct findings *findings, size_t i,
                          struct min_row *row)
 {
@@ -75,7 +63,7 @@ int min_folder(const struct min_options *options, const char *folder)
 {
     struct findings *findings;
     struct reason reason;
-    if (!is_findings(folder))
+    if (!findings_is_folder(folder))
         return usage_error("min", "%s is no folder of findings", folder);
     enum status status = findings_open(folder, &findings, &reason);
     if (status)

@@ -176,17 +176,6 @@ static enum status make_page(struct web *web, char *spec, struct reason *reason)
     return status ? status : explain_run(&options, &file, &code, reason);
 }
 
-static bool is_findings(const char *path)
-{
-    struct folder folder;
-    bool there = false;
-    enum status status = folder_open(path, false, &folder, NULL);
-    if (!status)
-        status = folder_has(&folder, "findings.jsonl", &there, NULL);
-    folder_close(&folder);
-    return !status && there;
-}
-
 /* A finding of a folder without a page is listed with the reason. */
 static enum status make_pages(struct web *web, const char *path, struct reason *reason)
 {
@@ -236,7 +225,7 @@ static enum status check_all(struct web *web, char *const *spec, size_t count,
     for (size_t i = 0; i < count && !status; i++) {
         struct explain_options options;
         struct finding_file file;
-        if (is_findings(spec[i]))
+        if (findings_is_folder(spec[i]))
             continue;
         status = take(web, spec[i], &options, &file, reason);
         if (!status)
@@ -254,7 +243,7 @@ static enum status make_all(struct web *web, char *const *spec, size_t count, st
     if (!status)
         status = folder_open(web->folder.path, false, &web->open, reason);
     for (size_t i = 0; i < count && !status && web->code < 0; i++)
-        status = is_findings(spec[i]) ? make_pages(web, spec[i], reason)
+        status = findings_is_folder(spec[i]) ? make_pages(web, spec[i], reason)
                                       : make_page(web, spec[i], reason);
     if (!status)
         status = write_index(web, reason);

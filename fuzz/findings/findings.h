@@ -51,6 +51,9 @@ struct findings_news {
     bool signature, first, smallest; /* new ones */
 };
 
+/* True if the path is a folder of findings, valid or not. findings_open makes a missing one. */
+bool findings_is_folder(const char *path);
+
 /* Opens a folder for writing; a missing one is created (its parent must exist). Reads the content
  * and removes the temporary files of killed writers.
  * Errors: STATUS_INPUT it cannot be written, another process is writing to it, or "PATH: rule"

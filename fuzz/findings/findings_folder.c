@@ -29,6 +29,17 @@ static enum status lock(const struct findings *findings, struct reason *reason)
     return fail(reason, STATUS_INPUT, "%s: %s", file_label(path), why);
 }
 
+bool findings_is_folder(const char *path)
+{
+    struct folder folder;
+    bool there = false;
+    enum status status = folder_open(path, false, &folder, NULL);
+    if (!status)
+        status = folder_has(&folder, LOG_NAME, &there, NULL);
+    folder_close(&folder);
+    return !status && there;
+}
+
 enum status findings_folder_open(const char *folder, bool writable, struct findings **out,
                                  struct reason *reason)
 {

@@ -8,15 +8,6 @@ name=recompiled passes='copy drop reassociate contract fuse text invalid fails'
 . tests/compilers/passes.sh
 scene='sphere:n=8 --count 3000 --repeat 1'
 
-# Output of a run has such lines.
-has() { # what, pattern...
-    what=$1
-    shift
-    for pattern; do
-        grep -qE -- "$pattern" "$dir/out" || bad "$what: no line like /$pattern/"
-    done
-}
-
 # Every compiler that is here, on engines with and without a tree; bits, decorations, WRONG.
 expect 0 . check $scene --engine vulkan,vulkan_stackless,vulkan_brute --compiler raw,opt,size --layout f32,rf16 \
     --json "$dir/all.json"

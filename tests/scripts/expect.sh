@@ -27,3 +27,12 @@ expect() {
         echo "passed  raydiff $*"
     fi
 }
+
+# What the last run printed has such lines.
+has() { # what, pattern...
+    what=$1
+    shift
+    for pattern; do
+        grep -qE -- "$pattern" "$dir/out" || bad "$what: no line like /$pattern/"
+    done
+}

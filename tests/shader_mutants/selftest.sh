@@ -3,15 +3,11 @@
 # a layer swaps is seen by an unchanged test; scores are counted. sh tests/shader_mutants/selftest.sh BUILD
 set -u
 build=$1
-dir=$(mktemp -d) || exit 4
-trap 'rm -rf "$dir"' EXIT
-failed=0
-bad() {
-    echo "FAILED  $*"
-    failed=$((failed + 1))
-}
+raydiff=$build/raydiff
+. tests/scripts/expect.sh
 command -v spirv-val >/dev/null || { echo "SKIP no spirv-val"; exit 77; }
 shader=trace_rf16
+: >"$dir/err"
 
 "$build/shader_mutants" play "$dir" $shader 8 1 2 quick >"$dir/out" 2>"$dir/err"
 code=$?

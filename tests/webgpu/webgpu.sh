@@ -11,14 +11,6 @@ dawn=${RAYDIFF_WEBGPU:-$here/build/webgpu}
 drivers=${RAYDIFF_DRIVERS:-$here/build/drivers}
 unset RAYDIFF_WEBGPU RAYDIFF_DRIVERS
 
-# Output of a run has such lines.
-has() { # what, pattern...
-    what=$1
-    shift
-    for pattern; do
-        grep -qE -- "$pattern" "$dir/out" || bad "$what: no line like /$pattern/"
-    done
-}
 soup='soup:n=9 --count 9 --repeat 1'
 
 # --- what is missing is told, with the remedy -------------------------------------------------------------------------
