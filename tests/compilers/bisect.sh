@@ -147,6 +147,10 @@ expect 1 . bisect "$finding" --compiler "passes:ccp+$dir/reassociate"
 has 'a finding' 'symptom bits: ' 'passes [^ ]*/reassociate: 1 of 2' 'function tri_sum'
 expect 1 . bisect "$finding" --engine "vulkan:passes:$dir/reassociate"
 has 'its engine' 'passes [^ ]*/reassociate: 1 of 1'
+# Its own tree, too: a leaf of all 14 triangles, which the layout cannot hold.
+sed 's/^builder .*/builder median leaf 64 eps 0.02/' fuzz/corpus/eighth-slot.trial >"$dir/leaf.trial"
+expect 2 'rf16: a leaf holds at most 8 items, this tree has one of 14' bisect "$dir/leaf.trial" --engine vulkan --layout rf16 \
+    --compiler passes:ccp
 expect 2 "'texel:opt': a way to read memory has no passes" bisect sphere:n=4 --compiler texel:opt
 expect 2 'name it with --compiler' bisect "$finding"
 sed 's/^expect vulkan:passes[^ ]*/expect vulkan:opt:final.f32.bits.shader/' "$finding" >"$dir/own.trial"

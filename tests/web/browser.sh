@@ -71,6 +71,13 @@ browse "$dir/right/cornell.html" right
 held right "cornell --count 20000" right f32
 browse "$dir/deep/sphere-n-8.html" deep
 held deep "sphere:n=8 --rays random --count 20000" shows rtrs_rf f32
+# A card that says of each ray that it was not finished, whatever it hits: no answer is right.
+sed 's/const bytes = await runner.run(rays, count);/&for (let i = 0; i < count; i++) new Uint32Array(bytes.buffer, bytes.byteOffset)[ANSWER * i + HIT] |= 2;/' \
+    "$dir/right/cornell.html" >"$dir/right/unfinished.html"
+browse "$dir/right/unfinished.html" unfinished
+grep -q '"flag": *"3"' "$dir/unfinished.json" || bad 'unfinished: the planted flag is not there'
+grep -qE '"state": *"shows"' "$dir/unfinished.json" || bad 'unfinished: is taken for finished'
+grep -qE '"verdict": *"right"' "$dir/unfinished.json" && bad 'unfinished: an answer is right'
 grep -qE '"boxes": "([2-9]|1[0-9])' "$dir/deep.json" || bad 'no boxes on the way'
 
 # --- without WebGPU the numbers and the view are there, and the page says why nothing is traced -----------------------

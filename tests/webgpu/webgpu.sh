@@ -110,6 +110,10 @@ done
 expect 0 . conform --engine webgpu --driver swiftshader 'closest.webgpu.rf16.median.robust.mt.sphere.*'
 expect 0 . fuzz --trials 40 --engine webgpu --driver swiftshader --corpus none --dir "$dir/found"
 
+# Bounds beyond the largest half are infinite, and no box ends before what it holds.
+expect 0 . check sphere:n=6,radius=8e4 --count 500 --repeat 1 --engine cpu,webgpu --layout rtrs_rf_paper --driver swiftshader
+[ "$(awk '$3 ~ /^(cpu|webgpu)$/ {print $7}' "$dir/out" | sort -u | wc -l)" -eq 1 ] || bad 'infinite halves: other hits than cpu'
+
 # Other layouts, storages and lists are skipped with the reason; a driver that Dawn does not take is named.
 expect 1 . check $soup --engine webgpu --layout tiny8 --driver swiftshader
 has 'no WGSL' '^skipped tiny8 +webgpu webgpu: layout tiny8 has no WGSL'
