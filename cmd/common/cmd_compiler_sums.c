@@ -34,6 +34,7 @@ static const struct column columns[] = {
 
 struct compiler_sum {
     const struct row *first; /* of these rows */
+    bool failed;             /* one of them */
     size_t rows, equal;
     size_t ops, kept, open, other, wrong; /* of all of them */
     double speed, least, most;            /* the median first; 0: there is none */
@@ -53,6 +54,7 @@ static void add_up(const struct compiled_rows *rows, struct compiler_sum *sum, d
         if (!belongs(sum, row))
             continue;
         sum->rows++;
+        sum->failed = sum->failed || row_failed(row);
         sum->equal += compiled_equal(row);
         sum->ops += row->compiled.ops;
         sum->kept += row->compiled.kept;
@@ -112,7 +114,7 @@ static void write_cell(const void *data, size_t i, size_t column, char *text)
 static enum paint paint_of(const void *data, size_t i)
 {
     const struct compiler_sum *sum = (const struct compiler_sum *)data + i;
-    return sum->wrong > 0 ? PAINT_BAD : PAINT_GOOD;
+    return sum->failed ? PAINT_BAD : PAINT_GOOD;
 }
 
 /* The sums of engines with several rows, in the order of their first ones. */

@@ -63,6 +63,12 @@ expect 1 . check $scene --engine vulkan --layout f32,rf16 --compiler "passes:$di
 # A row, and the line of both: none is equal, and so many bits are other.
 has reassociate ' rf16 .* of [0-9]+ +0 +[1-9][0-9]* +0 ' 'vulkan +2 .* of [0-9]+ +0 +0 +[1-9][0-9]* +0 ' "^BITS differ from engine vulkan's: closest.vulkan:passes:" 'against the shaders as built: [1-9]'
 grep -q '"against": "vulkan"' "$dir/re.json" || bad 'reassociate: JSON does not say against what'
+# Their colours: red if a row fails, not if what is published is wrong as published.
+red=$(printf '\033')'\[([01];)?31m' green=$(printf '\033')'\[([01];)?32m'
+"$raydiff" check $scene --engine vulkan --layout f32,rf16 --compiler "passes:$dir/reassociate" --color always >"$dir/out" 2>"$dir/err"
+has 'a sum of rows that fail' "^${red}passes:.* vulkan +2 "
+"$raydiff" check $scene --engine vulkan --layout f32,rtrs_direct --compiler raw,opt --color always >"$dir/out" 2>"$dir/err"
+has 'a sum of rows that are as published' "^${green}opt.* vulkan +2 .* of [0-9]+ +0 +2 +0 +[1-9]"
 expect 3 . check $scene --engine vulkan --layout f32 --compiler "passes:$dir/invalid"
 has invalid 'spirv-val ended with exit code 1'
 expect 2 'wrote no SPIR-V module' check $scene --engine vulkan --compiler "passes:$dir/text"
