@@ -32,12 +32,12 @@ static enum status lock(const struct findings *findings, struct reason *reason)
 bool findings_is_folder(const char *path)
 {
     struct folder folder;
+    if (folder_open(path, false, &folder, NULL))
+        return false;
     bool there = false;
-    enum status status = folder_open(path, false, &folder, NULL);
-    if (!status)
-        status = folder_has(&folder, LOG_NAME, &there, NULL);
+    enum status status = folder_has(&folder, LOG_NAME, &there, NULL);
     folder_close(&folder);
-    return !status && there;
+    return there || status; /* what is no file there is for findings_open to refuse */
 }
 
 enum status findings_folder_open(const char *folder, bool writable, struct findings **out,
