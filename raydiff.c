@@ -1,5 +1,6 @@
 /* The front door: names, groups, summaries and functions of the commands, and how the program
  * ends. */
+#include "gpu/build/device_builders.h"
 #include "gpu/engines/shader_tracer.h"
 #include "cmd/doctor/cmd_glsl.h"
 #include "ref/guest/guest_host.h"
@@ -35,6 +36,7 @@ static const struct command commands[] = {
     {"construct", "meshes, lights and a camera to one scene, as RTRS's tool", cmd_construct,
      "scene"},
     {"precompute", "a tree as BVH JSON, byte for byte as RTRS's tool", cmd_precompute, "scene"},
+    {"build", "trees that a GPU builds beside C's, stage by stage", cmd_build, NULL},
     {"leaks", "rays from inside a closed mesh: what passes, what is hit twice", cmd_leaks, NULL},
     {"list", "every builder, layout, test, engine, scene and ray set", cmd_list, NULL},
     {"doctor", "what can run here, and why the rest cannot", cmd_doctor, NULL},
@@ -278,6 +280,10 @@ int main(int argc, char **argv)
     }
     if (guest_host_is_meant(argc, argv))
         return guest_host_main(argv);
+    struct reason reason;
+    enum status status = device_builders_add(&reason);
+    if (status)
+        return exit_with_reason("list", status, &reason);
     if (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "version") == 0) {
         puts("raydiff " RAYDIFF_VERSION);
         return EXIT_AGREE;

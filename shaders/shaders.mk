@@ -1,5 +1,5 @@
 # SPIR-V of every shader, checked and decorated by $(TOOL), and embedded into C.
-SHADERS  := $(wildcard shaders/*.comp shaders/probes/*.comp)
+SHADERS  := $(wildcard shaders/*.comp shaders/probes/*.comp shaders/build/*.comp)
 # Shaders generated for each layout: its tracer, its renderer, a tracer of worlds, a probe of its nodes and, for
 # binary layouts, a tracer without a stack.
 LAYOUTS  := $(patsubst shaders/layouts/layout_%.glsl,%,$(wildcard shaders/layouts/layout_*.glsl))
@@ -47,6 +47,8 @@ compile = @mkdir -p $(@D); $(GLSLANG) --quiet -V --target-env $(TARGET) -I. \
 $(B)/spv/plain/%.spv: shaders/%.comp shaders/shaders.mk
 	$(compile)
 $(B)/spv/plain/%.spv: shaders/probes/%.comp shaders/shaders.mk
+	$(compile)
+$(B)/spv/plain/%.spv: shaders/build/%.comp shaders/shaders.mk
 	$(compile)
 $(B)/spv/plain/%.spv: $(B)/gen/%.comp
 	$(compile)

@@ -142,6 +142,7 @@ plain)
     suite report sh tests/scripts/report.sh "$build/raydiff"
     suite report_browser sh tests/scripts/report_browser.sh "$build/raydiff" quick
     suite web sh tests/web/web.sh "$build/raydiff"
+    suite build sh tests/build/build.sh "$build/raydiff"
     waits web_browser sh tests/web/browser.sh "$build/raydiff"
     alone fuzz sh tests/scripts/fuzz.sh "$build"
     alone fuzz_screen sh tests/docs/fuzz_screen.sh "$build/raydiff"

@@ -1,6 +1,7 @@
 /* raydiff bench: a table of benchmarks. */
 #include "cmd/bench/cmd_bench.h"
 
+#include "gpu/build/device_builders.h"
 #include "bench/frames/frames.h"
 #include "ref/base/nearest_name.h"
 #include "ref/base/command.h"
@@ -199,6 +200,7 @@ static enum status check_given(const struct bench *bench, const char *name, stru
                                    .scene_count = undrawn,
                                    .unnamed = bench->engine.count == 0,
                                    .seeded = !undrawn};
+    device_builders_use(&bench->engines);
     enum status status = options_check(&use, reason);
     if (!status && bench->bvh && bench->scene_count != 1)
         return fail(reason, STATUS_INPUT,

@@ -8,7 +8,7 @@
 
 /* End-point overlap is estimated for scenes with more triangles. */
 #define OVERLAP_MOST 50000u
-#define MOST         32
+#define MOST         64
 
 /* One way to build. */
 struct builders_contestant {
@@ -28,8 +28,8 @@ static void add(struct builders_contestant *list, size_t *count, const char *nam
             .builder = builder_find(name), .passes = passes, .threads = threads};
 }
 
-/* All builders, and reinsertion after the fast ones: with one and with two threads, or with the
- * user's number of threads. */
+/* All builders of C, and reinsertion after the fast ones: with one and with two threads, or with
+ * the user's number of threads. */
 static size_t contestants(const struct bench *bench, struct builders_contestant list[MOST])
 {
     static const char *const optimized[] = {"sah_binned", "lbvh", "ploc"};
@@ -37,7 +37,7 @@ static size_t contestants(const struct bench *bench, struct builders_contestant 
     uint32_t last = bench->engines.threads ? bench->engines.threads : 2;
     size_t count = 0;
     for (uint32_t threads = first; threads <= last; threads++) {
-        for (size_t b = 0; builders_all[b]; b++)
+        for (size_t b = 0; builders_all[b] && !builders_all[b]->compare; b++)
             add(list, &count, builders_all[b]->name, 0, threads);
         for (size_t i = 0; i < ARRAY_COUNT(optimized); i++)
             add(list, &count, optimized[i], BUILD_PASSES_DEFAULT, threads);

@@ -1,6 +1,7 @@
 /* raydiff check: compares engines and layouts on scenes, ray by ray. */
 #include "cmd/check/cmd_check.h"
 
+#include "gpu/build/device_builders.h"
 #include "cmd/common/cmd_tree.h"
 #include "cmd/common/cmd_progress.h"
 #include "cmd/common/cmd_use.h"
@@ -278,6 +279,7 @@ static int check_use(const struct check_options *o, char *const *spec, size_t co
                                    .scene = spec,
                                    .scene_count = count,
                                    .seeded = o->move > 0};
+    device_builders_use(&o->engines);
     return options_refused("check", &use);
 }
 

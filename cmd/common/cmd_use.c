@@ -93,6 +93,16 @@ static bool from_outside(const struct option_use *use, const char *option)
     return any;
 }
 
+/* An engine or a builder. */
+static bool on_vulkan(const struct option_use *use, const char *option)
+{
+    (void)option;
+    bool any = any_engine(use, is_gpu);
+    for (size_t i = 0; use->builder && i < use->builder->count; i++)
+        any = any || builders_all[use->builder->index[i]]->compare != NULL;
+    return any;
+}
+
 static bool by_builder(const struct option_use *use, const char *option)
 {
     bool any = !use->builder;
@@ -147,7 +157,8 @@ static const struct {
      "an engine that walks trees", walks_trees, NULL},
     {"eps bins radius split-budget split-alpha", "builder", NULL, by_builder},
     {"tri", "an engine that has no triangle test of its own", tests_ours, NULL},
-    {"driver device workgroup", "an engine on Vulkan", is_gpu, NULL},
+    {"workgroup", "an engine on Vulkan", is_gpu, NULL},
+    {"driver device", "an engine or a builder on Vulkan", NULL, on_vulkan},
     {"shader", "an engine that runs shaders of layouts", NULL, on_shaders},
     {"displacement", "an engine whose formula is not known", is_black, NULL},
     {"threads", "an engine of the processor", is_of_processor, NULL},

@@ -243,8 +243,8 @@ enum status trial_stage_run(struct trial_stage *stage, const struct trial *trial
         stage->match.options.store = trial->store;
         status = match_pack(&stage->match, trial->layout, reason);
     }
-    if (status == STATUS_LIMIT) {
-        row->status = ROW_REFUSED;
+    if (status == STATUS_LIMIT || status == STATUS_UNSUPPORTED) { /* no device to build on */
+        row->status = status == STATUS_LIMIT ? ROW_REFUSED : ROW_SKIPPED;
         row->cause = status;
         row->reason = *reason;
         return STATUS_OK;

@@ -1,6 +1,7 @@
 /* The subject of raydiff explain: a scene, a trial's name or a finding's file. */
 #include "cmd/explain/cmd_explain_inner.h"
 
+#include "gpu/build/device_builders.h"
 #include "ref/outside/plugin_shader.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
@@ -185,6 +186,7 @@ int explain_check_use(const struct explain_options *o, char *const *spec)
                                    .scene = spec,
                                    .scene_count = 1};
     int code = -1;
+    device_builders_use(&o->engines);
     if (o->has_trial) {
         char words[80];
         snprintf(words, sizeof words, "%s%s store builder box tri query rays seed",

@@ -3,6 +3,7 @@
 #include "cmd/fuzz/cmd_fuzz.h"
 #include "cmd/fuzz/cmd_selftest.h"
 
+#include "gpu/build/device_builders.h"
 #include "fuzz/play/fuzz_turns.h"
 #include "gpu/engines/compiled.h"
 #include "ref/outside/plugin_guard.h"
@@ -203,8 +204,10 @@ static enum status prepare(struct fuzz_command *c, struct reason *reason)
         const struct list own = table_all(TABLE_ENGINES);
         const struct option_use use = {.engine = option_was_given("engine") ? &c->engine : &own,
                                        .layout = &c->layout,
+                                       .builder = &c->builder,
                                        .unnamed = !option_was_given("engine"),
                                        .seeded = true};
+        device_builders_use(&c->engines);
         status = options_check(&use, reason);
     }
     if (!status)

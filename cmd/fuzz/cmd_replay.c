@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cmd/fuzz/cmd_replay.h"
 
+#include "gpu/build/device_builders.h"
 #include "gpu/engines/compiled.h"
 #include "ref/outside/pipe.h"
 #include "ref/outside/shared_object.h"
@@ -287,6 +288,7 @@ int cmd_replay(int argc, char **argv)
     options.any_engine = option_was_given("engine");
     const struct option_use use = {
         .engine = &options.engine, .layout = &options.layout, .unnamed = !options.any_engine};
+    device_builders_use(&options.engines);
     code = options_refused("replay", &use);
     if (code >= 0)
         return code;

@@ -1,6 +1,7 @@
 /* raydiff leaks: rays from inside closed meshes, aimed at edges and vertices. */
 #include "cmd/leaks/cmd_leaks.h"
 
+#include "gpu/build/device_builders.h"
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_tree.h"
 #include "cmd/common/cmd_use.h"
@@ -137,6 +138,7 @@ int cmd_leaks(int argc, char **argv)
                                    .builder = &options.builder,
                                    .store = &options.store,
                                    .seeded = true};
+    device_builders_use(&options.engines);
     code = options_refused("leaks", &use);
     if (code >= 0)
         return code;

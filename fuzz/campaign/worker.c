@@ -301,6 +301,17 @@ static void tell_versions(const struct fuzz_field *field, char *text, size_t tex
     fuzz_versions(engine, count, &field->options, text, text_bytes);
 }
 
+/* Opens the device that builders need, by a scene of nothing. Errors: as builder->compare. */
+static enum status open_builders(const struct work_rules *rules, struct reason *reason)
+{
+    const struct scene nothing = {0};
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < rules->builder_count && !status; i++)
+        if (rules->builder[i]->compare)
+            status = rules->builder[i]->compare(&nothing, reason);
+    return status;
+}
+
 static void run(struct child *parent, void *user)
 {
     const struct work_start *start = user;
@@ -321,6 +332,8 @@ static void run(struct child *parent, void *user)
     w->rules = start->rules;
     enter(w, WORK_OPENING);
     w->report.status = fuzz_player_open(&w->rules->field, &w->player, &w->report.reason);
+    if (!w->report.status)
+        w->report.status = open_builders(w->rules, &w->report.reason);
     if (!w->report.status && start->versions)
         tell_versions(&w->rules->field, versions, sizeof versions);
     bool goes_on = send_report(w, versions, strlen(versions)) && w->player;

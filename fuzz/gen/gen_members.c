@@ -6,18 +6,19 @@
 #define OTHER_IN 4u
 
 /* A random member of a table that may take part: of the products, or of the others, each as likely.
- * `is_core`: whether member i is of the products. */
-#define CHOOSER(function, type, table, is_core)                                                    \
+ * `is_core`: whether member i is of the products; `is_here`: whether it is there on any machine. */
+#define CHOOSER(function, type, table, is_core, is_here)                                           \
     const struct type *function(struct rng *rng, bool faithful)                                    \
     {                                                                                              \
         uint32_t allowed[2] = {0, 0};                                                              \
         bool core = rng_below(rng, OTHER_IN) != 0;                                                 \
         for (size_t i = 0; (table)[i]; i++)                                                        \
-            allowed[is_core] += faithful || !(table)[i]->faithful;                                 \
+            allowed[is_core] += (is_here) && (faithful || !(table)[i]->faithful);                  \
         core = core || allowed[0] == 0;                                                            \
         uint32_t skip = rng_below(rng, allowed[core]);                                             \
         for (size_t i = 0;; i++)                                                                   \
-            if ((faithful || !(table)[i]->faithful) && (is_core) == core && skip-- == 0)           \
+            if ((is_here) && (faithful || !(table)[i]->faithful) && (is_core) == core &&           \
+                skip-- == 0)                                                                       \
                 return (table)[i];                                                                 \
     }
 
@@ -29,9 +30,9 @@ static size_t core_builders(void)
     return count;
 }
 
-CHOOSER(gen_builder, builder, builders_all, i < core_builders())
-CHOOSER(gen_box_test, box_test, box_tests, true)
-CHOOSER(gen_tri_test, tri_test, tri_tests, tri_tests[i]->core)
+CHOOSER(gen_builder, builder, builders_all, i < core_builders(), !builders_all[i]->compare)
+CHOOSER(gen_box_test, box_test, box_tests, true, true)
+CHOOSER(gen_tri_test, tri_test, tri_tests, tri_tests[i]->core, true)
 
 uint32_t gen_leaf(struct rng *rng, bool faithful)
 {

@@ -77,6 +77,7 @@ static enum cause rule_cause(enum packed_rule rule)
         [PACKED_TWICE] = CAUSE_TRIANGLE_TWICE,    [PACKED_VERTICES] = CAUSE_STORED_TRIANGLE,
         [PACKED_LOST] = CAUSE_TRIANGLE_LOST,      [PACKED_BOUND] = CAUSE_BOUND_TOO_SMALL,
         [PACKED_RECORD] = CAUSE_RECORD_MALFORMED, [PACKED_RESULT] = CAUSE_PACK_RESULT,
+        [PACKED_DEVICE] = CAUSE_DEVICE_BUILD,
     };
     return causes[rule];
 }

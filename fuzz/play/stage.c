@@ -134,16 +134,44 @@ static enum status find_truth(struct play_stage *stage, struct reason *reason)
                           stage->truth, NULL, reason);
 }
 
+/* Compares what a device builds with C's tree. A difference is in *built, and the trial is then
+ * played with its twin in C. Errors: those of a device that cannot be opened; STATUS_MEMORY. */
+static enum status compare_device(struct play_stage *stage, struct reason *built,
+                                  struct reason *reason)
+{
+    const struct fuzz_trial *trial = stage->trial;
+    if (!trial->builder->compare)
+        return STATUS_OK;
+    enum status status = trial->builder->compare(&trial->scene, built);
+    if (status && status != STATUS_DEVICE)
+        return fail(reason, status, "%s", built->text);
+    if (status) {
+        stage->in_c = *trial;
+        stage->in_c.builder = builder_find(trial->builder->twin);
+        stage->trial = &stage->in_c;
+    }
+    return STATUS_OK;
+}
+
 static enum status build_and_pack(struct play_stage *stage, const struct fuzz_player *player,
                                   struct reason *reason)
 {
     if (stage->trial->world.is)
         return stage_world_set(stage, player, reason);
-    enum status status = fuzz_trial_build(stage->trial, &stage->bvh, reason);
+    struct reason built = {""};
+    enum status status = compare_device(stage, &built, reason);
+    if (!status)
+        status = fuzz_trial_build(stage->trial, &stage->bvh, reason);
     stage->has_tree = status == STATUS_OK;
     if (status && status != STATUS_LIMIT)
         return status == STATUS_MEMORY ? status : fail(reason, STATUS_INTERNAL, "%s", reason->text);
-    return pack_all(stage, player, reason);
+    status = pack_all(stage, player, reason);
+    for (size_t i = 0; i < player->layout_count && built.text[0] && !status; i++) {
+        stage->fault[i] = FUZZ_KIND_TREE;
+        stage->rule[i] = PACKED_DEVICE;
+        say(stage, i, &built);
+    }
+    return status;
 }
 
 enum status stage_set(struct play_stage *stage, const struct fuzz_player *player,

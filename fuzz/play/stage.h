@@ -66,7 +66,9 @@ struct stage_world {
 /* Arrays are kept from trial to trial. */
 struct play_stage {
     const struct fuzz_trial *trial;
-    struct bvh bvh; /* of a trial that moves: of its scene at rest */
+    struct fuzz_trial in_c; /* of a trial whose builder on a device is at fault: with its twin, and
+                               borrowed arrays */
+    struct bvh bvh;         /* of a trial that moves: of its scene at rest */
     bool has_tree;
     struct bvh moved[LAYOUTS_MOST]; /* of a trial that moves: what is packed */
     enum trial_motion motion[LAYOUTS_MOST];
@@ -74,7 +76,7 @@ struct play_stage {
     struct stage_world world;      /* in place of bvh, moved and packed */
     bool has_packed[LAYOUTS_MOST]; /* else the layout refused */
     /* FUZZ_KIND_TREE: packed_check found faults that the tree had not; a layout from outside did
-     * not survive packing; FUZZ_KIND_COUNT: nothing. */
+     * not survive packing; a device built another tree than C; FUZZ_KIND_COUNT: nothing. */
     enum fuzz_kind fault[LAYOUTS_MOST];
     enum packed_rule rule[LAYOUTS_MOST];     /* of FUZZ_KIND_TREE, where one is known */
     char said[LAYOUTS_MOST][FUZZ_SAID_MOST]; /* what is at fault with it, or "" */

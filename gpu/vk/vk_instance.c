@@ -78,6 +78,10 @@ static enum status find_layer(struct vk *vk, bool *found, struct reason *reason)
                : vk_check(vk, result, "vkEnumerateInstanceLayerProperties", reason);
 }
 
+/* Races between dispatches, for every run under the layer. */
+static const VkValidationFeatureEnableEXT validated[] = {
+    VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT,
+};
 static const VkValidationFeatureEnableEXT watched[] = {
     VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
     VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT,
@@ -104,8 +108,9 @@ enum status vk_instance_make(struct vk *vk, struct reason *reason)
     const VkValidationFeaturesEXT watch = {
         .sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
         .pNext = &messenger, /* so that creation and destruction of the instance are checked, too */
-        .enabledValidationFeatureCount = vk->options.watch ? ARRAY_COUNT(watched) : 0,
-        .pEnabledValidationFeatures = watched,
+        .enabledValidationFeatureCount =
+            vk->options.watch ? ARRAY_COUNT(watched) : ARRAY_COUNT(validated),
+        .pEnabledValidationFeatures = vk->options.watch ? watched : validated,
     };
     VkApplicationInfo application = {
         .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,

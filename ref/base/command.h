@@ -51,6 +51,7 @@ int cmd_export(int argc, char **argv);
 int cmd_fuzz(int argc, char **argv);
 int cmd_gen(int argc, char **argv);
 int cmd_judge(int argc, char **argv);
+int cmd_build(int argc, char **argv);
 int cmd_leaks(int argc, char **argv);
 int cmd_list(int argc, char **argv);
 int cmd_min(int argc, char **argv);

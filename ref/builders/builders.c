@@ -9,17 +9,34 @@
 #include <string.h>
 
 extern const struct builder build_median, build_rtrs, build_sah_binned, build_sah_sweep, build_lbvh,
-    build_ploc, build_sbvh;
+    build_ploc, build_sbvh, build_lbvh30, build_lbvh63, build_hploc;
 
 #define CORE &build_median, &build_rtrs
 
 const struct builder *const builders[] = {CORE, NULL};
 
-const struct builder *const builders_all[] = {
-    CORE, &build_sah_binned, &build_sah_sweep, &build_lbvh, &build_ploc, &build_sbvh, NULL,
-};
-_Static_assert(ARRAY_COUNT(builders_all) - 1 == BUILDER_FILES,
-               "a ref/builders/build_*.c has no entry");
+#define OWN                                                                                        \
+    CORE, &build_sah_binned, &build_sah_sweep, &build_lbvh, &build_ploc, &build_sbvh,              \
+        &build_lbvh30, &build_lbvh63, &build_hploc
+#define OWN_COUNT     ARRAY_COUNT(((const struct builder *const[]){OWN}))
+#define MORE_OF_FILES 1 /* build_karras.c has two */
+_Static_assert(OWN_COUNT - MORE_OF_FILES == BUILDER_FILES, "a ref/builders/build_*.c has no entry");
+
+static const struct builder *all[OWN_COUNT + BUILDERS_ADDED_MOST + 1] = {OWN};
+static size_t added;
+
+const struct builder *const *const builders_all = all;
+
+enum status builder_add(const struct builder *builder, struct reason *reason)
+{
+    if (builder_find(builder->name))
+        return fail(reason, STATUS_INPUT, "there is a builder '%s' already", builder->name);
+    if (added == BUILDERS_ADDED_MOST)
+        return fail(reason, STATUS_LIMIT, "%s: more than %d builders beside the program's own",
+                    builder->name, BUILDERS_ADDED_MOST);
+    all[OWN_COUNT + added++] = builder;
+    return STATUS_OK;
+}
 
 const struct builder *builder_find(const char *name)
 {

@@ -51,6 +51,7 @@ static const struct {
     [CAUSE_RECORD_MALFORMED] = {"record_malformed", "a record does not decode to a node"},
     [CAUSE_PACK_RESULT] = {"pack_result",
                            "pack() returned other arrays or counts than it was given"},
+    [CAUSE_DEVICE_BUILD] = {"device_build", "a device built another tree than C"},
     [CAUSE_DRIVER_ARITHMETIC] = {"driver_arithmetic",
                                  "an operator of the engine does not round as C does"},
     [CAUSE_SHADER] = {"shader", "C is right on the same bytes and the engine's operators are "

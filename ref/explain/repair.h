@@ -47,6 +47,7 @@ enum cause {
     CAUSE_STACK_NEED,       /* a path needs more stack than packed.stack_need */
     CAUSE_RECORD_MALFORMED, /* a record of a layout from outside is no node */
     CAUSE_PACK_RESULT,      /* its pack() did not do what it reports */
+    CAUSE_DEVICE_BUILD,     /* a device built another tree than C, before it was packed */
     /* Outside the bytes. */
     CAUSE_DRIVER_ARITHMETIC, /* an operator of the engine is not what C has: shown by other rays, or
                                 by an answer that its operators' bounds allow, but C's do not give

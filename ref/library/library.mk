@@ -3,7 +3,7 @@
 # only what the interface needs is linked. config=mutation has a shared object of its own.
 ABI := $(shell sed -n 's/^\#define RAYDIFF_ABI //p' ref/library/raydiff.h)
 SHARED_ROOMS := $(addprefix ref/,base build builders fast integers judge layouts library match oracle outside packed \
-                  primitives scene store trace tree twin two_level world) scenes/rays fuzz/play fuzz/shrink
+                  primitives scene staged store trace tree twin two_level world) scenes/rays fuzz/play fuzz/shrink
 SHARED_OBJ := $(patsubst %.c,$(B)/pic/%.o,$(wildcard $(SHARED_ROOMS:%=%/*.c)))
 SHARED_OWN := $(filter $(B)/pic/ref/library/%,$(SHARED_OBJ))
 SHARED     := $(B)/shared/libraydiff.so.$(ABI)

@@ -16,7 +16,8 @@ enum packed_rule {
     PACKED_LOST,      /* a triangle is in no leaf */
     PACKED_BOUND,     /* a box does not contain everything below it */
     PACKED_RECORD,    /* plugin layout: a record is not a node */
-    PACKED_RESULT     /* plugin layout: the result of pack() is inconsistent */
+    PACKED_RESULT,    /* plugin layout: the result of pack() is inconsistent */
+    PACKED_DEVICE     /* before packing: the tree that a device built is not C's */
 };
 
 /* Result of packed_check. */

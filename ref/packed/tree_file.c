@@ -19,7 +19,7 @@ static enum status build_nothing(const struct scene *scene, const struct build_o
 }
 
 const struct builder tree_file_builder = {
-    "file", "a tree that was read from a file", false, build_nothing, 0, NULL};
+    .name = "file", .summary = "a tree that was read from a file", .build = build_nothing};
 
 /* How far rounding may move a centre out of the box of its leaf, relative to the largest
  * coordinate: for RTRS's float32 arithmetic, and for bounds in float16 rounded to nearest, which

@@ -78,13 +78,26 @@ struct builder {
                            item */
     const char *takes;  /* options of struct build_options that it reads besides leaf and threads,
                            named as on the command line, separated by blanks; NULL: none */
+    /* Set only if a device builds: `build` then also fails with STATUS_UNSUPPORTED where there is
+     * none, and with STATUS_DEVICE. Builds in C what the device builds, and compares, stage by
+     * stage. Errors: STATUS_DEVICE the first difference; as build. */
+    enum status (*compare)(const struct scene *scene, struct reason *reason);
+    const char *twin; /* with `compare`: the builder in C that makes the same tree */
 };
 
 /* NULL-terminated: the builders that every product of tests runs over; the first is the default. */
 extern const struct builder *const builders[];
 
-/* NULL-terminated: these, in the same order, then all others, in the order of listings. */
-extern const struct builder *const builders_all[];
+/* NULL-terminated: these, in the same order, then all others, in the order of listings, then those
+ * added with builder_add. */
+extern const struct builder *const *const builders_all;
+
+#define BUILDERS_ADDED_MOST 4
+
+/* Adds a builder at the end of builders_all; it is borrowed until the program ends. Call it only
+ * while no other thread reads the table. Errors: STATUS_INPUT the name is already in use;
+ * STATUS_LIMIT more than BUILDERS_ADDED_MOST. */
+enum status builder_add(const struct builder *builder, struct reason *reason) MUST_USE;
 
 /* Returns the builder of that name among all, or NULL. */
 const struct builder *builder_find(const char *name);

@@ -37,7 +37,7 @@ sub uncovered {
         my $help = `'$program' $command --help`;
         $help .= `'$program' diff a.png --help` if $command eq 'diff';
         for my $option ($help =~ /^  (?:-\w, )?(--[a-z][a-z-]*[a-z])/mg) {
-            next if $option =~ $elsewhere || $left_out{"$command $option"} || $command =~ /^(doctor|bisect)$/;
+            next if $option =~ $elsewhere || $left_out{"$command $option"} || $command =~ /^(doctor|bisect|build)$/;
             push @missing, "raydiff $command $option" if !$has{"$command $option"};
         }
     }
@@ -45,6 +45,7 @@ sub uncovered {
     for my $option (sort keys %named) {
         for my $value (split / /, $named{$option}) {
             next if $option eq '--engine' && $value =~ /vulkan|embree|rayquery|webgpu/;
+            next if $option eq '--builder' && $value =~ /^gpu_/;
             push @missing, "$option $value" if !grep { my $p = quotemeta($_) =~ s/\\\*/.*/gr; $value =~ /^$p$/ } keys %{$given{$option}};
         }
     }

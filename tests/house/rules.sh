@@ -71,7 +71,9 @@ awk -v placed=1 -f tests/house/code.awk $(git ls-files 'shaders/*.comp' 'shaders
     grep -vx 'shaders/probes/probe_\(card\|pack\).comp') >"$scratch" # comments may name what the code must not
 grep -E '\bpackHalf2x16|\bfma *\(' "$scratch" &&
     breach "packHalf2x16 and fma differ between drivers"
-grep -E '\b(cross|dot|normalize|length|distance|mix|min|max) *\(' "$scratch" &&
+grep -E '^shaders/build/.*\b(float|d?vec[234]|[a-z]*mat[234]|intBitsToFloat|uintBitsToFloat)\b' "$scratch" &&
+    breach "shaders that build have no floats"
+grep -v '^shaders/build/' "$scratch" | grep -E '\b(cross|dot|normalize|length|distance|mix|min|max) *\(' &&
     breach "write the operations out: these are never decorated NoContraction"
 
 # The library prints nothing and does not exit.

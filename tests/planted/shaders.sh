@@ -3,5 +3,5 @@
 # includes is looked for beside it first.
 #   sh tests/planted/shaders.sh TREE FOLDER
 set -eu
-cp shaders/*.glsl shaders/*.comp shaders/layouts/*.glsl shaders/probes/*.comp "$2"
+cp shaders/*.glsl shaders/*.comp shaders/layouts/*.glsl shaders/probes/*.comp shaders/build/*.comp shaders/build/*.glsl "$2"
 [ ! -d "$1/shaders" ] || find "$1/shaders" -type f -exec cp {} "$2" ';'

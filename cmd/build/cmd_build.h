@@ -1,0 +1,50 @@
+/* raydiff build: trees that a device builds beside C's, stage by stage. */
+#ifndef CMD_BUILD_H
+#define CMD_BUILD_H
+
+#include "cmd/common/cmd_rows.h"
+#include "cmd/common/cmd_screen.h"
+#include "gpu/build/device_tree.h"
+#include "gpu/build/device_builders.h"
+
+#define BUILD_ROUNDS_MOST 99u
+
+struct build_command {
+    struct list builder;
+    struct engine_options engines;
+    uint64_t seed;
+    uint32_t rounds;
+    const char *json;
+    struct screen_options screen;
+};
+
+/* A part of a build, or (STAGED_PARTS) all of it: milliseconds in the median, and the ratio of the
+ * device's time to C's in a round. */
+struct build_part {
+    double device_ms, c_ms;
+    double ratio, ratio_least, ratio_most;
+};
+
+/* A builder on a scene. */
+struct build_row {
+    const char *scene;
+    const struct builder *builder;
+    uint32_t triangles;
+    struct staged_difference differs; /* of the first round that differs; stage NULL: of none */
+    uint32_t differing;               /* rounds that differ */
+    uint64_t device_bytes;
+    struct build_part part[STAGED_PARTS + 1];
+};
+
+/* Builds in all rounds. Errors: as device_tree_build and staged_build. */
+enum status build_measure(struct device_tree *tree, const struct scene *scene, uint32_t rounds,
+                          struct build_row *row, struct reason *reason) MUST_USE;
+
+void build_print(const struct build_row *row, size_t count, const struct screen *screen);
+
+/* Errors: as json_write. */
+enum status build_write_json(const char *path, const struct build_row *row, size_t count,
+                             const struct vk_limits *limits, uint32_t rounds, int code,
+                             struct reason *reason) MUST_USE;
+
+#endif

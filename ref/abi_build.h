@@ -1,0 +1,52 @@
+/* Further definitions shared by C and the shaders that build trees; the rules of ref/abi.h hold. */
+#ifndef ABI_BUILD_H
+#define ABI_BUILD_H
+
+#include "ref/abi.h"
+
+#define ABI_HPLOC_CLUSTERS 16 /* a range of more places is merged until so many are left */
+#define ABI_HPLOC_RADIUS   8  /* neighbours compared on either side */
+
+/* Descriptor bindings of all shaders that build. */
+#define ABI_BUILD_VERTICES 0 /* U32[]: bits, 3 per vertex */
+#define ABI_BUILD_INDICES  1 /* U32[]: 3 per triangle */
+#define ABI_BUILD_KEYS     2 /* uvec4[]: code high, code low, triangle; sorted in turns with */
+#define ABI_BUILD_OTHERS   3 /* the same; then clusters: link, their number, links of the node */
+#define ABI_BUILD_COUNTS   4 /* U32[]: 16 digits of each block of keys */
+#define ABI_BUILD_LINKS    5 /* U32[]: ABI_BUILD_LINK_WORDS per inner node, then leaves' parents */
+#define ABI_BUILD_BOXES    6 /* U32[]: 6 per node, inner nodes first */
+#define ABI_BUILD_STATE    7 /* U32[]: ABI_STATE_* below */
+#define ABI_BUILD_BINDINGS 8
+
+/* Words of an inner node in ABI_BUILD_LINKS. */
+#define ABI_LINK_CHILD       0 /* and 1: a leaf has bit 31 */
+#define ABI_LINK_PARENT      2
+#define ABI_LINK_VISITS      3 /* children that are done */
+#define ABI_LINK_FIRST       4 /* places of its range */
+#define ABI_LINK_LAST        5
+#define ABI_BUILD_LINK_WORDS 6
+#define ABI_LINK_LEAF        0x80000000u
+#define ABI_LINK_NONE        0x7FFFFFFFu /* the root's parent */
+
+/* Words of ABI_BUILD_STATE. */
+#define ABI_STATE_LO    0 /* 3: bounds of the scene, as numbers in the order of the floats */
+#define ABI_STATE_HI    3
+#define ABI_STATE_ROOT  6 /* a link */
+#define ABI_STATE_WORDS 7
+
+/* Keys that one workgroup sorts in a pass, and bits of a digit. */
+#define ABI_BUILD_GROUP 64u /* invocations of every workgroup */
+#define ABI_BUILD_EACH  16u /* keys of an invocation */
+#define ABI_BUILD_DIGIT 4u
+
+/* Push constants. */
+struct build_push {
+    U32 count;     /* triangles */
+    U32 axis_bits; /* of a code: 10 or 21 */
+    U32 shift;     /* of the digit to sort by; from 32: of the high word */
+    U32 swapped;   /* 1: keys are read from ABI_BUILD_OTHERS and written to ABI_BUILD_KEYS */
+    U32 blocks;    /* of ABI_BUILD_GROUP * ABI_BUILD_EACH keys */
+};
+ABI_SIZE(struct build_push, 20)
+
+#endif

@@ -1,0 +1,48 @@
+#!/bin/sh
+# raydiff build as a user meets it, and builders on a device where there is none.
+#   sh tests/build/build.sh PROGRAM
+set -u
+. tests/scripts/expect.sh
+raydiff=$(realpath "$1")
+
+# Where no device can be opened, whatever asks for one is skipped, and nothing else is played in its place.
+export RAYDIFF_VULKAN_LIBRARY=/nowhere/libvulkan.so
+expect 77 'no loader' build sphere:n=4
+expect 77 'no loader' check sphere:n=4 --engine cpu --builder gpu_hploc --layout f32 --count 100 --repeat 1
+expect 77 'no loader' check sphere:n=4 --engine cpu --builder median,gpu_hploc --layout f32 --count 100 --repeat 1
+expect 77 'no loader' precompute --scene sphere:n=4 --builder gpu_lbvh30 --out "$dir/tree"
+[ -e "$dir/tree" ] && bad 'a tree that was not built is written'
+expect 77 'no loader' fuzz --builder gpu_hploc --engine cpu --trials 10 --dir "$dir/campaign"
+expect 1 . conform 'closest.cpu.f32.gpu_lbvh63.robust.mt.cornell.axis.1'
+has 'trials without a device are skipped' ', 1 skipped$'
+unset RAYDIFF_VULKAN_LIBRARY
+
+expect 2 'median is no builder on a device' build sphere:n=4 --builder gpu_hploc,median
+expect 2 'no scene given' build
+expect 2 'an engine or a builder on Vulkan' check sphere:n=4 --engine cpu --builder hploc --driver stock
+
+"$raydiff" build sphere:n=4 >"$dir/out" 2>"$dir/err"
+[ $? -ne 77 ] || { echo "SKIP $(tail -n 1 "$dir/err")"; echo "build: $failed failed"; [ "$failed" -eq 0 ] && exit 77; exit 1; }
+expect 0 . check sphere:n=4 --engine cpu --builder gpu_hploc --layout f32 --count 100 --repeat 1 --driver stock --device 0
+
+# Text and JSON are the same, and both are what the parts add up to.
+for rounds in 1 3; do
+    expect 0 . build sphere:n=12 soup:n=0 soup:n=1 'soup:n=777,seed=3' --rounds $rounds --json "$dir/rows.json"
+    cp "$dir/out" "$dir/text"
+    grep -q "\"rounds\": $rounds," "$dir/rows.json" || bad "not $rounds rounds"
+    perl tests/build/rows.pl "$dir/rows.json" "$dir/text" >"$dir/out" 2>&1 || bad "numbers of $rounds rounds"
+done
+expect 0 . build sphere:n=12 --builder gpu_lbvh30 --rounds 1 --json "$dir/rows.json"
+[ "$(grep -c gpu_ "$dir/out")" -eq 4 ] || bad 'one builder was named'
+
+# The same trees as their twins' in C, and another than each other's.
+for kind in lbvh30 lbvh63 hploc; do
+    for builder in $kind gpu_$kind; do
+        expect 0 . precompute --scene 'soup:n=500,seed=7' --builder $builder --item-count 2 --out "$dir/$builder"
+    done
+    cmp -s "$dir/$kind" "$dir/gpu_$kind" || bad "gpu_$kind is not $kind"
+done
+cmp -s "$dir/hploc" "$dir/lbvh63" && bad 'hploc is lbvh63'
+
+echo "build: $failed failed"
+[ "$failed" -eq 0 ]
