@@ -84,6 +84,25 @@ static void a_stall_counts_as_one_frame(void **state)
     assert_true(fabs(pacing_tick(&pacing, 421u * MS) - 20) < 1e-9);  /* and nothing is owed */
 }
 
+/* However long it took, and whatever was owed before: an update pays all, and the next one is a
+ * whole frame away. Without one all that has passed is owed. */
+static void nothing_is_owed_after_an_update(void **state)
+{
+    (void)state;
+    for (uint64_t before = 0; before < 20; before += 3)
+        for (uint64_t passed = 0; passed < 700; passed++) {
+            struct pacing pacing = made(9);
+            const uint64_t now = 9 + (before + passed) * MS, all = before + passed;
+            assert_true(pacing_tick(&pacing, 9 + before * MS) == 0);
+            const double ms = pacing_tick(&pacing, now);
+            const double whole = all < 20 ? 0 : all > 200 ? 20 : (double)all;
+            assert_true(fabs(ms - whole) < 1e-9);
+            assert_int_equal(pacing_idle_ns(&pacing, now), (all < 20 ? 20 - all : 20) * MS);
+            assert_true(pacing_tick(&pacing, now) == 0);
+            assert_int_equal(pacing_tick(&pacing, now + 19 * MS) > 0, all > 0 && all < 20);
+        }
+}
+
 static void a_clock_that_goes_back_stands_still(void **state)
 {
     (void)state;
@@ -122,6 +141,7 @@ int main(void)
         cmocka_unit_test(one_pass_is_in_flight),
         cmocka_unit_test(updates_come_at_the_frame_rate_and_lose_no_time),
         cmocka_unit_test(a_stall_counts_as_one_frame),
+        cmocka_unit_test(nothing_is_owed_after_an_update),
         cmocka_unit_test(a_clock_that_goes_back_stands_still),
         cmocka_unit_test(idle_time_ends_with_the_frame),
         cmocka_unit_test(any_rate_is_taken),
