@@ -198,26 +198,6 @@ static void misses_where_there_are_hits_are_wrong_and_not_vacuous(void **state)
     free(miss);
 }
 
-static void one_hit_in_a_thousand_rays_is_enough(void **state)
-{
-    (void)state;
-    for (size_t most = 2; most <= 3; most++) {
-        struct fixture *f = prepare("soup:n=500", "median", 4);
-        size_t hits = 0;
-        for (size_t i = 0; i < RAYS; i++) {
-            struct hit hit;
-            trace_brute(&f->scene, tri_tests[0], QUERY_CLOSEST, &f->ray[i], &hit);
-            if (hit.prim != ABI_NO_PRIM && ++hits > most)
-                f->ray[i] = (struct ray){{100, 100, 100}, 0, {1, 0.5f, 0.25f}, 1e30f};
-        }
-        start(f);
-        run(f, "brute");
-        assert_int_equal(f->row.hits, most);
-        assert_int_equal(f->row.status, most < 3 ? ROW_VACUOUS : ROW_OK);
-        done(f);
-    }
-}
-
 static void a_layout_that_refuses_leaves_a_usable_match(void **state)
 {
     (void)state;
@@ -383,7 +363,6 @@ int main(void)
         cmocka_unit_test(no_rays_and_far_scenes_are_fine),
         cmocka_unit_test(rays_that_all_miss_are_vacuous),
         cmocka_unit_test(misses_where_there_are_hits_are_wrong_and_not_vacuous),
-        cmocka_unit_test(one_hit_in_a_thousand_rays_is_enough),
         cmocka_unit_test(a_layout_that_refuses_leaves_a_usable_match),
         cmocka_unit_test(a_builder_that_never_ends_is_refused_without_a_match),
         cmocka_unit_test(an_empty_scene_is_all_misses_for_everybody),

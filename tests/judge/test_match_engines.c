@@ -263,6 +263,50 @@ static void an_exact_engine_must_have_the_seeds_faults_bit_for_bit(void **state)
     done(f);
 }
 
+/* --- too few hits ---------------------------------------------------------------------------- */
+
+/* All rays miss but `most` of the first `traced`, which are those of brute force: their last. */
+static struct fixture *begin_misses(size_t traced, size_t most)
+{
+    struct fixture *f = prepare("soup:n=500", "median", 4);
+    struct hit hit = {.prim = ABI_NO_PRIM};
+    struct ray meets = f->ray[0];
+    for (size_t i = 0; i < RAYS && hit.prim == ABI_NO_PRIM; i++) {
+        meets = f->ray[i];
+        trace_brute(&f->scene, tri_tests[0], QUERY_CLOSEST, &meets, &hit);
+    }
+    for (size_t i = 0; i < RAYS; i++)
+        f->ray[i] = i < traced && i + most >= traced
+                        ? meets
+                        : (struct ray){{100, 100, 100}, 0, {1, 0.5f, 0.25f}, 1e30f};
+    f->options.brute_budget = 500 * traced;
+    start(f);
+    pack(f, "f32");
+    return f;
+}
+
+/* Of the rays that the row traced, which are fewer where brute force was given less work. */
+static void one_hit_in_a_thousand_rays_is_enough(void **state)
+{
+    (void)state;
+    static const size_t traced[] = {1, 999, 1000, 1999, 2000, RAYS};
+    for (size_t k = 0; k < ARRAY_COUNT(traced); k++)
+        for (size_t most = 0; most <= 3 && most <= traced[k]; most++) {
+            struct fixture *f = begin_misses(traced[k], most);
+            for (int query = QUERY_CLOSEST; query <= QUERY_ALL; query++)
+                for (int brute = 0; brute < 2; brute++) {
+                    const size_t rays = brute ? traced[k] : RAYS;
+                    const bool enough = most > 0 && most >= rays / 1000;
+                    match_set(&f->match, box_tests[0], (enum query)query);
+                    run(f, brute ? "brute" : "cpu");
+                    assert_int_equal(f->row.rays, rays);
+                    assert_int_equal(f->row.hits, most);
+                    assert_int_equal(f->row.status, enough ? ROW_OK : ROW_VACUOUS);
+                }
+            done(f);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -272,6 +316,7 @@ int main(void)
         cmocka_unit_test(an_unknown_formula_is_judged_by_displacements),
         cmocka_unit_test(findings_are_few_and_all_are_counted),
         cmocka_unit_test(an_exact_engine_must_have_the_seeds_faults_bit_for_bit),
+        cmocka_unit_test(one_hit_in_a_thousand_rays_is_enough),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
