@@ -1,6 +1,7 @@
 /* Explanations of engines whose inside cannot be seen: each known defect is put into an engine that
  * is only asked, and found again by imitation; what is no known defect is not called one. */
 #include "ref/explain/explain.h"
+#include "ref/explain/outside.h"
 #include "ref/base/rng.h"
 #include "scenes/rays/rays.h"
 
@@ -14,7 +15,9 @@
 #include "tests/explain/explained.h"
 #include "tests/support/faults.h"
 
+#include <float.h>
 #include <math.h>
+#include <string.h>
 
 /* A black box: the reference traversal with one defect, or something no table knows. */
 struct black_box {
@@ -291,6 +294,87 @@ static void an_unfinished_ray_is_explained_by_its_flags(void **state)
     stage_end(&s);
 }
 
+/* --- an engine that keeps its tree to itself -------------------------------------------------- */
+
+/* Whether slabs as written here turn away the bounds of a triangle: 1 / 0 taken for `inverse`,
+ * which is 0 if axes of direction 0 are decided by comparison; b / d - o / d if `fused`. */
+static bool turned_away(const struct ray *ray, float v[3][3], float inverse, bool fused, float far)
+{
+    float enter = ray->tmin, leave = ray->tmax;
+    for (int k = 0; k < 3; k++) {
+        const float lo = fminf(fminf(v[0][k], v[1][k]), v[2][k]), o = ray->org[k];
+        const float hi = fmaxf(fmaxf(v[0][k], v[1][k]), v[2][k]);
+        const float inv = ray->dir[k] != 0 ? 1.0f / ray->dir[k] : inverse;
+        if (inv == 0) {
+            if (o < lo || o > hi)
+                return true;
+            continue;
+        }
+        const float a = fused ? fmaf(lo, inv, -(o * inv)) : (lo - o) * inv;
+        const float b = fused ? fmaf(hi, inv, -(o * inv)) : (hi - o) * inv;
+        enter = fmaxf(enter, fminf(a, b));
+        leave = fminf(leave, fmaxf(a, b) * far);
+    }
+    return enter > leave;
+}
+
+/* At a corner of the triangle's box, or next to it, often along axes, and often flat; some
+ * triangles are smaller than 1e-18. */
+static struct ray aimed(struct rng *rng, float v[3][3])
+{
+    const uint32_t kind = rng_below(rng, 4);
+    const float far = kind == 3 ? 1000 : 1, near = kind ? 1 : 1e-19f;
+    struct ray ray = {.tmax = rng_below(rng, 4) ? 1e30f : 1};
+    for (int k = 0; k < 3; k++) {
+        for (int c = 0; c < 3; c++)
+            v[c][k] = near * (far + (c && rng_below(rng, 3) ? rng_range(rng, -1, 1) : 0));
+        ray.dir[k] = rng_below(rng, 3) ? near * rng_range(rng, -1, 1) : 0;
+        ray.org[k] = v[rng_below(rng, 3)][k] - ray.dir[k];
+    }
+    return ray;
+}
+
+/* Each known box test is named if it loses the triangle, and only then, in this order. */
+static void hints_are_box_tests_that_lose_the_triangle(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(5, 1);
+    uint32_t times[4] = {0}, large = 0, unpadded = 0, none = 0;
+    for (int n = 0; n < 40000; n++) {
+        float v[3][3];
+        uint32_t index[3] = {0, 1, 2};
+        struct scene scene = {.vertex = v[0], .index = index, .vertex_count = 3, .tri_count = 1};
+        const struct ray ray = aimed(&rng, v);
+        const bool zero = ray.dir[0] == 0 || ray.dir[1] == 0 || ray.dir[2] == 0;
+        const bool loses[] = {zero && turned_away(&ray, v, 1e18f, false, 1),
+                              zero && turned_away(&ray, v, FLT_MAX, false, 1),
+                              turned_away(&ray, v, 0, false, 1),
+                              turned_away(&ray, v, 0, true, 0x1.00002p0f)};
+        static const struct outside_hint hint[] = {
+            {CAUSE_PARALLEL_AXIS, "1e-18"},
+            {CAUSE_PARALLEL_AXIS, "FLT_MAX"},
+            {CAUSE_BOX_PADDING_TOO_SMALL, "slabs without padding"},
+            {CAUSE_BOX_TEST, "b / d - o / d"}};
+        struct outside_hint told[OUTSIDE_HINTS];
+        const size_t count = explain_outside(&scene, &ray, 0, told);
+        size_t at = 0;
+        for (int h = 0; h < 4; h++) {
+            if (!loses[h])
+                continue;
+            assert_true(at < count && told[at].cause == hint[h].cause);
+            assert_non_null(strstr(told[at++].text, hint[h].text));
+            times[h]++;
+        }
+        assert_int_equal(count, at);
+        none += count == 0;
+        large += loses[0] && !loses[1];
+        unpadded += !loses[3] && turned_away(&ray, v, 0, true, 1);
+    }
+    for (int h = 0; h < 4; h++)
+        assert_true(times[h] > 1000);
+    assert_true(large > 1000 && unpadded > 1000 && none > 10000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -302,6 +386,7 @@ int main(void)
         cmocka_unit_test(what_no_defect_imitates_is_the_shader_or_the_driver),
         cmocka_unit_test(two_answers_to_one_ray_are_told),
         cmocka_unit_test(an_unfinished_ray_is_explained_by_its_flags),
+        cmocka_unit_test(hints_are_box_tests_that_lose_the_triangle),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
