@@ -153,6 +153,51 @@ static void f5_five_copies_get_a_leaf_box_of_a_128th(void **state)
     scene_free(&scene);
 }
 
+/* Three triangles that are points at 0, and two at `size` along an axis. */
+static struct scene points(int axis, float size)
+{
+    struct scene scene = trees_grid(5);
+    for (uint32_t i = 0; i < 45; i++)
+        scene.vertex[i] = i >= 27 && (int)(i % 3) == axis ? size : 0;
+    return scene;
+}
+
+/* Whether five triangles, of which four fit, are one leaf. */
+static bool is_a_leaf(const struct scene *scene, float eps)
+{
+    struct subject s = subject_make(scene, "rtrs", SEED_LEAF, eps, "f32");
+    const bool leaf = s.stats.node_count == 1;
+    assert_true(leaf || s.stats.node_count == 3);
+    subject_free(&s);
+    return leaf;
+}
+
+/* A leaf is what is shorter than eps / 2 along each axis, and nothing that is as long: neither a
+ * box of triangles nor one that was cut by halves. */
+static void f5_what_is_as_long_as_half_of_eps_is_split(void **state)
+{
+    (void)state;
+    static const float sizes[] = {1, 0.3f, 12345, 0x1p-149f, 0x1p-126f, 1e30f};
+    for (size_t i = 0; i < ARRAY_COUNT(sizes); i++)
+        for (int axis = 0; axis < 3; axis++) {
+            struct scene scene = points(axis, sizes[i]);
+            assert_false(is_a_leaf(&scene, 2 * nextafterf(sizes[i], 0)));
+            assert_false(is_a_leaf(&scene, 2 * sizes[i]));
+            assert_true(is_a_leaf(&scene, 2 * nextafterf(sizes[i], INFINITY)));
+            scene_free(&scene);
+        }
+    for (int power = 1; power < 12; power++) {
+        struct scene scene = trees_copies(5, one);
+        struct subject s = subject_make(&scene, "rtrs", SEED_LEAF, ldexpf(1, 1 - power), "f32");
+        const struct box *box = &s.bvh.node[0].bounds;
+        assert_int_equal(s.stats.node_count, 1);
+        for (int k = 0; k < 2; k++)
+            assert_true(box->hi[k] - box->lo[k] == ldexpf(1, -power - 1));
+        subject_free(&s);
+        scene_free(&scene);
+    }
+}
+
 #define RANDOM_RAYS 20000
 
 /* Cut inner boxes of RTRS's scene: 2 of 25 with leaves of 2, none with leaves of 4. */
@@ -236,6 +281,10 @@ static void f19_the_builder_never_ends(void **state)
     assert_false(rtrs_ends(0, 1, 0));
     assert_false(rtrs_ends(0, 1, -1));
     assert_false(rtrs_ends(0, 1, NAN));
+    assert_false(rtrs_ends(0, 0, 0)); /* a point is not shorter than nothing */
+    assert_false(rtrs_ends(3, 0, -0.0f));
+    assert_false(rtrs_ends(3, 0, 0x1p-149f)); /* whose half is 0 */
+    assert_true(rtrs_ends(3, 0, 0x1p-148f));
     assert_true(rtrs_ends(1e5f, 0.25f, SEED_EPS));
     assert_false(rtrs_ends(1e6f, 0.25f, SEED_EPS));
     assert_true(rtrs_ends(1e7f, 0.25f, SEED_EPS));
@@ -249,6 +298,7 @@ int main(void)
         cmocka_unit_test(f4_a_floor_at_a_tenth_is_one_leaf_that_the_seed_cannot_pack),
         cmocka_unit_test(f4_a_correct_box_test_loses_the_whole_floor),
         cmocka_unit_test(f5_five_copies_get_a_leaf_box_of_a_128th),
+        cmocka_unit_test(f5_what_is_as_long_as_half_of_eps_is_split),
         cmocka_unit_test(f5_cut_inner_boxes_of_the_seeds_scene_lose_hits),
         cmocka_unit_test(f5_a_cut_box_that_splits_later_keeps_its_cut),
         cmocka_unit_test(f19_the_builder_never_ends),
