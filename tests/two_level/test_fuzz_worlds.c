@@ -3,6 +3,7 @@
 #include "ref/oracle/oracle_world.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "tests/two_level/fuzz_world_play.h"
@@ -245,6 +246,53 @@ static void a_tag_alone_is_a_finding(void **state)
     fuzz_player_close(player);
 }
 
+/* --- lines ------------------------------------------------------------------------------------ */
+
+/* " got", the place of a placed triangle by ref/world, then " custom" and the rest of the tag. */
+static void put_expected(const struct world *world, uint32_t prim, uint32_t tag, uint32_t expected,
+                         char *text, size_t size)
+{
+    const struct place got = world_place(world, prim), other = world_place(world, expected);
+    snprintf(
+        text, size,
+        ", got instance %u geometry %u triangle %u custom %u %s, expected instance %u geometry "
+        "%u triangle %u",
+        got.instance, got.geometry, got.tri, tag & ABI_TAG_CUSTOM,
+        tag & ABI_TAG_FRONT ? "front" : "back", other.instance, other.geometry, other.tri);
+}
+
+/* In worlds of several meshes and geometries, some empty, some placed often or not at all. */
+static void a_line_has_the_places_of_both_triangles(void **state)
+{
+    (void)state;
+    size_t later = 0;
+    for (uint64_t i = 0; i < 300; i++) {
+        struct fuzz_trial trial = trial_of(17, i, &of_worlds);
+        struct trial_meshes meshes;
+        struct reason reason = {""};
+        char line[600], want[300];
+        assert_int_equal(trial_meshes_make(&trial.world, &trial.scene, &meshes, &reason),
+                         STATUS_OK);
+        const uint32_t all = world_tri_count(&meshes.world);
+        for (uint32_t k = 0; k < 200 && k < all; k++) {
+            const uint32_t prim = k * 37 % all, expected = all - 1 - prim;
+            const struct place place = world_place(&meshes.world, prim);
+            const struct fuzz_finding finding = {
+                .answer = {.prim = prim},
+                .tag = k * 0x10204081u,
+                .judgement = {.verdict = VERDICT_WRONG, .expected = expected}};
+            fuzz_finding_line(&trial, &finding, line, sizeof line);
+            put_expected(&meshes.world, prim, finding.tag, expected, want, sizeof want);
+            if (!strstr(line, want))
+                fail_msg("world %u: %s, not %s", (unsigned)i, line, want);
+            later += place.mesh > 0 && place.geometry > 0;
+        }
+        trial_meshes_free(&meshes);
+        fuzz_trial_free(&trial);
+    }
+    assert_true(later > 200);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -254,6 +302,7 @@ int main(void)
         cmocka_unit_test(inverses_beyond_float32_are_declined),
         cmocka_unit_test(scaled_worlds_have_the_same_truth),
         cmocka_unit_test(a_tag_alone_is_a_finding),
+        cmocka_unit_test(a_line_has_the_places_of_both_triangles),
     };
     return cmocka_run_group_tests_name("fuzz_worlds", tests, NULL, NULL);
 }
