@@ -234,6 +234,24 @@ enum status judge_by_distance(const struct judge *judge, const struct ray *ray,
     return STATUS_OK;
 }
 
+/* The least displacement that excuses the loss, in units of the scene: that of judge_loss_of is the
+ * least over what is allowed of it, which of a sliver may be a longer one. */
+static double least_need(const struct judge *judge, const struct ray *ray,
+                         const struct oracle_crossing *lost, double reach)
+{
+    const double end[] = {reach, (double)ray->tmin, (double)ray->tmax};
+    if (!judge_takes(judge, ray, lost->prim) || !judge_surely_counts(judge, ray, lost->prim, NULL))
+        return 0.0;
+    struct judge_rounding rounding = judge_rounding_at(judge, ray, lost->prim);
+    double need = INFINITY;
+    for (int c = 0; c < 3; c++)
+        need = fmin(need, fabs(judge_edge_distance(&rounding, c)) * rounding.tri.unit);
+    for (int i = 0; i < 3; i++)
+        if (isfinite(end[i]))
+            need = fmin(need, ray_triangle_plane_distance(end[i], &rounding.tri));
+    return need;
+}
+
 enum status judge_need(const struct judge *judge, const struct ray *ray,
                        const struct oracle_answer *truth, const struct hit *answer, double *need)
 {
@@ -255,8 +273,7 @@ enum status judge_need(const struct judge *judge, const struct ray *ray,
     for (size_t i = 0; i < count && !status; i++) {
         if (!oracle_is_hit(&list[i].pair) || !(reach > list[i].pair.t_hi))
             continue;
-        struct judge_loss loss = judge_loss_of(judge, ray, &list[i], reach);
-        *need = fmax(*need, loss.need * loss.unit);
+        *need = fmax(*need, least_need(judge, ray, &list[i], reach));
     }
     free(list);
     return status;

@@ -259,8 +259,8 @@ enum verdict judge_named_by_distance(const struct judge *judge, const struct ray
 /* One lost hit of an unknown formula. */
 struct judge_loss {
     uint32_t prim;
-    double need; /* the least displacement that excuses it, in units; 0: none was lost */
-    double over; /* the same over what is allowed of it */
+    double need; /* a displacement that excuses it, in units; 0: none was lost */
+    double over; /* the same over what is allowed of it: of all such the least */
     double t_lo, t_hi;
     enum verdict why; /* the class that this displacement makes of it */
     double unit;      /* u * max |vertex - origin| of the triangle */

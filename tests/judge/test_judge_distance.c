@@ -3,6 +3,7 @@
  * needs too much is WRONG. */
 #include "ref/judge/judge.h"
 #include "ref/base/rng.h"
+#include "ref/scene/quantise.h"
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
@@ -272,6 +273,57 @@ static void a_need_is_a_length(void **state)
     }
 }
 
+/* What is right for a scene, or a hit of any of its triangles at any t up to 4. */
+static struct hit some_answer(struct rng *rng, const struct judge_fixture *c)
+{
+    const uint32_t kind = rng_below(rng, 4);
+    if (kind == 0 || c->truth.prim == ABI_NO_PRIM)
+        return a_miss();
+    float t = (float)(0.5 * (c->truth.t_lo + c->truth.t_hi));
+    if (kind == 1)
+        return (struct hit){.t = 4 * rng_float(rng), .prim = rng_below(rng, c->scene.tri_count)};
+    return (struct hit){.t = kind == 2 ? t : t * rng_range(rng, 0.9f, 1.1f), .prim = c->truth.prim};
+}
+
+/* Where no vertex of another scene is farther away than D, an answer needs at most D more there,
+ * or less: of slivers as of other triangles, for which rounding allows less. */
+static void answers_for_another_scene_need_its_distance_more_or_less(void **state)
+{
+    (void)state;
+    static struct ray ray[600];
+    struct rng rng = rng_make(9, 0);
+    double largest = 0;
+    for (size_t s = 0; s < 3 * ARRAY_COUNT(specs); s++) {
+        struct judge_fixture *c = judge_fixture_open(specs[s / 3], 7), *other;
+        struct scene scene;
+        struct quantised by;
+        assert_int_equal(scene_quantise(&c->scene, 8 + 4 * (uint32_t)(s % 3), &scene, &by, NULL),
+                         STATUS_OK);
+        other = judge_fixture_of(scene);
+        assert_int_equal(ray_set_make(ray_sets[0], &c->scene, 8 + s, ARRAY_COUNT(ray), ray, NULL),
+                         STATUS_OK);
+        for (size_t i = 0; i < ARRAY_COUNT(ray); i++) {
+            if (!ray_in_contract(&ray[i]))
+                continue;
+            const enum query query = i % 2 ? QUERY_ANY : QUERY_CLOSEST;
+            judge_fixture_seat(c, unknown, query);
+            judge_fixture_seat(other, unknown, query);
+            judge_fixture_ask(c, ray[i]);
+            judge_fixture_ask(other, ray[i]);
+            struct hit answer = some_answer(&rng, i % 4 < 2 ? c : other);
+            const double need[] = {need_of(c, answer), need_of(other, answer)};
+            const double apart = fabs(need[0] - need[1]), slack = 1e-9 * (1 + need[0]);
+            if (!(apart <= by.distance + slack))
+                fail_msg("%s, ray %zu: %g and %g of scenes that are %g apart", specs[s / 3], i,
+                         need[0], need[1], by.distance);
+            largest = fmax(largest, apart / by.distance);
+        }
+        judge_fixture_close(c);
+        judge_fixture_close(other);
+    }
+    assert_true(largest > 0.7);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -282,6 +334,7 @@ int main(void)
         cmocka_unit_test(the_worst_of_several_needs_counts),
         cmocka_unit_test(small_triangles_far_away_are_lost_for_less_than_their_size),
         cmocka_unit_test(a_need_is_a_length),
+        cmocka_unit_test(answers_for_another_scene_need_its_distance_more_or_less),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
