@@ -10,6 +10,7 @@
 #   axis A | B | ...      each value meets each value of every other axis of the table, in some case
 #   wrong A | B | ...     each with the first values of the axes, in a case of its own
 #   also OPTIONS          so, too, but added to these
+#                         of an option that a case would have twice the last one stands: twice it is refused unplayed
 #   limits COMMAND        every option that its help names, without a value, and with values at and beyond its range
 #   chain NAME, step ...  a case of several commands
 # A line that begins with a blank goes on with the line before. A case runs in a folder of its own; in/ has what

@@ -75,11 +75,18 @@ sub read_tables {
     return @tables;
 }
 
-# Commands of a case: the table's own with a value of each axis at the place of {}, or behind it.
+# Commands of a case: the table's own with a value of each axis at the place of {}, or behind it. An option of a value
+# takes the place of the same option of the table and of earlier values: twice it would be refused, and nothing run.
 sub filled {
     my ($table, @values) = @_;
-    my $text = join ' ', grep { $_ ne '' } @values;
     my $run = $table->{run};
+    for my $n (0 .. $#values) {
+        next if $run =~ /^raydiff report /; # whose options may be given twice
+        for my $option ($values[$n] =~ /(?<!\S)(--[a-z][a-z-]*)/g) {
+            s/(?:^| )\Q$option\E(?: (?!-)(?:'[^']*'|[^ {]+))?(?= |$)// for $run, @values[0 .. $n - 1];
+        }
+    }
+    my $text = join ' ', grep { $_ ne '' } @values;
     $run =~ s/\{\}/$text/ or $run .= " $text";
     return $run =~ s/ +$//r;
 }
