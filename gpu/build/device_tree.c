@@ -22,6 +22,7 @@ struct device_tree {
     struct vk *vk;
     struct vk_pipeline *kernel[KERNELS];
     struct vk_buffer *buffer[ABI_BUILD_BINDINGS];
+    uint32_t builds; /* since open */
 };
 
 /* --- opening ---------------------------------------------------------------------------------- */
@@ -83,6 +84,29 @@ static uint32_t groups_of(uint32_t count, uint32_t each)
     return (count + each - 1) / each;
 }
 
+#define POISON_BYTES (1u << 20)
+
+/* Overwrites what earlier builds left where results will stand, with other words each time: a
+ * device that does nothing must not be right. */
+static enum status poison(struct device_tree *tree, const uint64_t words[ABI_BUILD_BINDINGS],
+                          struct reason *reason)
+{
+    uint32_t *junk = malloc(POISON_BYTES);
+    enum status status = STATUS_OK;
+    if (!junk)
+        return fail(reason, STATUS_MEMORY, "no memory to prepare a device's buffers");
+    tree->builds++;
+    for (uint32_t i = 0; i < POISON_BYTES / sizeof *junk; i++)
+        junk[i] = 0xD0000000u ^ tree->builds * 0x9E3779B9u ^ i * 0x85EBCA6Bu;
+    for (int b = ABI_BUILD_KEYS; b <= ABI_BUILD_BOXES && !status; b++)
+        for (uint64_t at = 0, bytes = sizeof *junk * words[b]; at < bytes && !status;
+             at += POISON_BYTES)
+            status = vk_buffer_write(tree->vk, tree->buffer[b], at, junk,
+                                     bytes - at < POISON_BYTES ? bytes - at : POISON_BYTES, reason);
+    free(junk);
+    return status;
+}
+
 static enum status make_buffers(struct device_tree *tree, const struct scene *scene,
                                 struct device_times *times, struct reason *reason)
 {
@@ -109,7 +133,7 @@ static enum status make_buffers(struct device_tree *tree, const struct scene *sc
     if (!status)
         status = vk_buffer_write(tree->vk, tree->buffer[ABI_BUILD_INDICES], 0, scene->index,
                                  sizeof(uint32_t) * words[ABI_BUILD_INDICES], reason);
-    return status;
+    return status ? status : poison(tree, words, reason);
 }
 
 static enum status run(struct device_tree *tree, const struct vk_step *step, uint32_t count,

@@ -2,8 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 /* H-PLOC: an invocation climbs as for boxes, and merges the clusters of the ranges that it does.
  * The clusters of a range stand at its first places in `others`: x the link, y the place, and
- * at the first place z their number. The links of merged clusters stand in the counts, two for the
- * place that was given up. */
+ * at the first place z their number. A range of few places has none there: its leaves are its
+ * clusters. The links of merged clusters stand in the counts, two for the place that was given
+ * up. */
 #include "build_climb.glsl"
 #include "build_frame.glsl"
 
@@ -24,18 +25,23 @@ void load_cluster(uint exponent, uint at, uint its_link, uint its_place)
     }
 }
 
+uint places_of(uint node)
+{
+    uint word = ABI_BUILD_LINK_WORDS * node;
+    return links[word + ABI_LINK_LAST] - links[word + ABI_LINK_FIRST] + 1u;
+}
+
 /* The clusters of a child. */
 void load_side(uint exponent, uint child)
 {
-    if ((child & ABI_LINK_LEAF) != 0u) {
-        load_cluster(exponent, number, child, child & ~ABI_LINK_LEAF);
-        number++;
-        return;
-    }
-    uint first = links[ABI_BUILD_LINK_WORDS * child + ABI_LINK_FIRST];
-    uint more = min(others[first].z, uint(ABI_HPLOC_CLUSTERS));
-    for (uint i = 0u; i < more; i++) {
-        uvec4 cluster = others[first + i];
+    bool leaf = (child & ABI_LINK_LEAF) != 0u;
+    uint places = leaf ? 1u : places_of(child);
+    uint first = leaf ? child & ~ABI_LINK_LEAF
+                      : links[ABI_BUILD_LINK_WORDS * child + ABI_LINK_FIRST];
+    bool few = places <= uint(ABI_HPLOC_CLUSTERS);
+    uint more = few ? places : min(others[first].z, uint(ABI_HPLOC_CLUSTERS));
+    for (uint place = first; place < first + more; place++) {
+        uvec4 cluster = few ? uvec4(place | ABI_LINK_LEAF, place, 0u, 0u) : others[place];
         load_cluster(exponent, number, cluster.x, cluster.y);
         number++;
     }
@@ -104,6 +110,8 @@ uint do_node(uint exponent, uint node)
 {
     uint word = ABI_BUILD_LINK_WORDS * node, parent = links[word + ABI_LINK_PARENT];
     uint least = parent == ABI_LINK_NONE ? 1u : uint(ABI_HPLOC_CLUSTERS);
+    if (places_of(node) <= least)
+        return parent;
     number = 0u;
     load_side(exponent, links[word + ABI_LINK_CHILD]);
     load_side(exponent, links[word + ABI_LINK_CHILD + 1u]);
