@@ -105,6 +105,7 @@ struct explaining {
     struct packed packed;
     struct pool pool;
     struct explain_decode decode;
+    struct reason built; /* how the tree of a device differs from C's; "": it does not */
     char conclusion[EXPLAIN_CONCLUSION_MOST];
     struct fuzz_player *player; /* plays the file's trial at another scale; opened on first use */
     struct ray *ray;
@@ -135,9 +136,9 @@ static enum status make_rays(struct explaining *e, struct reason *reason)
 static enum status make_tree(struct explaining *e, struct reason *reason)
 {
     const struct explain_of *of = &e->options->of;
-    if (!of->engine->needs_packed)
-        return STATUS_OK;
-    enum status status = STATUS_OK;
+    enum status status = explain_compare_built(of->builder, &e->scene, &e->built, reason);
+    if (status || !of->engine->needs_packed)
+        return status;
     if (e->options->has_file && !of->tree) {
         struct fuzz_trial trial = e->file.trial;
         trial.builder = of->builder;
@@ -242,6 +243,7 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
                                 .all = e->ray,
                                 .file = o->has_file ? &e->file : NULL,
                                 .decode = &e->decode,
+                                .built = e->built.text,
                                 .screen = screen,
                                 .again = explain_again(o, index, again)};
     *code = exit_worse(*code, !ray.answer.finished     ? EXIT_ENGINE

@@ -20,6 +20,7 @@ struct explain_page {
     size_t index, count;
     const char *again; /* command that shows the page again; NULL: raydiff explain */
     const struct explain_decode *decode; /* or NULL */
+    const char *built; /* how a device's tree differs from C's; NULL or "": it does not */
     struct screen screen;
     /* Only for explain_show_fn: all `count` rays, and their file; NULL: those of a scene. */
     const struct ray *all;

@@ -108,4 +108,9 @@ const char *explain_again(const struct explain_options *options, size_t index,
  * code. */
 int explain_check_use(const struct explain_options *options, char *const *spec);
 
+/* Writes how the tree of a builder on a device differs from C's; "": it does not, or is C's.
+ * Errors: as builder->compare, but that a difference is none. */
+enum status explain_compare_built(const struct builder *builder, const struct scene *scene,
+                                  struct reason *built, struct reason *reason) MUST_USE;
+
 #endif

@@ -106,13 +106,14 @@ static json_t *subject_json(const struct explain_page *page)
 {
     const struct explain_of *of = page->of;
     return json_record("scene=%s seed=%zu engine=%s layout=%p store=%p builder=%p bvh=%p leaf=%u "
-                       "box=%p tri=%s query=%s rays=%p index=%zu",
+                       "box=%p tri=%s query=%s rays=%p index=%zu built=%p",
                        of->spec, of->seed, of->engine->name,
                        json_text(of->layout ? of->layout->name : NULL),
                        json_text(of->layout && of->store ? of->store->name : NULL),
                        json_text(of->builder ? of->builder->name : NULL), json_text(of->tree),
                        of->build.leaf, json_text(of->layout ? of->box->name : NULL), of->tri->name,
-                       query_name(of->query), json_text(page->rays), page->index);
+                       query_name(of->query), json_text(page->rays), page->index,
+                       json_text(page->built && page->built[0] ? page->built : NULL));
 }
 
 static json_t *judgement_json(const struct judged_ray *ray)

@@ -44,6 +44,8 @@ static void print_subject(FILE *out, const struct explain_page *page)
         fprintf(out, ", layout %s, builder %s, leaf %u, box %s", layout, of->builder->name,
                 of->build.leaf, of->box->name);
     fprintf(out, ", triangle %s, query %s\n", of->tri->name, query_name(of->query));
+    if (page->built && page->built[0])
+        fprintf(out, "built     not as %s does: %s\n", of->builder->twin, page->built);
 }
 
 static void print_truth(FILE *out, const struct oracle_answer *truth)

@@ -197,3 +197,12 @@ int explain_check_use(const struct explain_options *o, char *const *spec)
     }
     return code < 0 ? options_refused(o->command, &use) : code;
 }
+
+enum status explain_compare_built(const struct builder *builder, const struct scene *scene,
+                                  struct reason *built, struct reason *reason)
+{
+    enum status status = builder && builder->compare ? builder->compare(scene, built) : STATUS_OK;
+    if (status == STATUS_OK)
+        built->text[0] = '\0';
+    return status && status != STATUS_DEVICE ? fail(reason, status, "%s", built->text) : STATUS_OK;
+}

@@ -210,10 +210,14 @@ static enum status make_page(struct troupe *troupe, const struct request *reques
                                   .box = trial->box,
                                   .tri = trial->tri,
                                   .query = trial->query};
-    const struct screen screen = screen_make(&troupe->options->screen);
-    const struct explain_page page = {
-        &of,   &trial->scene, &parts->judged, &parts->ray, NULL, request->ray, trial->ray_count,
-        again, NULL,          screen,         NULL,        NULL};
+    const struct explain_page page = {.of = &of,
+                                      .scene = &trial->scene,
+                                      .judged = &parts->judged,
+                                      .ray = &parts->ray,
+                                      .index = request->ray,
+                                      .count = trial->ray_count,
+                                      .again = again,
+                                      .screen = screen_make(&troupe->options->screen)};
     explain_print(&page);
     explain_free(&parts->ray.why);
     return STATUS_OK;
