@@ -28,6 +28,15 @@
 #define ABI_LINK_LEAF        0x80000000u
 #define ABI_LINK_NONE        0x7FFFFFFFu /* the root's parent */
 
+/* Bindings of the shader that refits; vertices, indices, boxes and state are as above. */
+#define ABI_REFIT_NODES  2  /* U32[]: the packed nodes, which get their bounds */
+#define ABI_REFIT_ITEMS  3  /* U32[]: triangles of leaves that have them apart */
+#define ABI_REFIT_LEAVES 4  /* U32[]: references of the leaves */
+#define ABI_REFIT_LINKS  5  /* U32[]: per reference its parent, or ABI_LINK_NONE, and its visits */
+#define ABI_REFIT_F32    0u /* values of axis_bits there: the layout */
+#define ABI_REFIT_RF16   1u
+#define ABI_REFIT_BEYOND 0 /* word of the state: references whose bounds the layout cannot hold */
+
 /* Words of ABI_BUILD_STATE. */
 #define ABI_STATE_LO    0 /* 3: bounds of the scene, as numbers in the order of the floats */
 #define ABI_STATE_HI    3

@@ -17,7 +17,10 @@ static const struct option_row rows[] = {
     {"device", "N", "Vulkan: device by the number that raydiff doctor gives",
      OF_COUNT(engines.device, 0, 255)},
     {"rounds", "N", "measurements of each", OF_COUNT(rounds, 1, BUILD_ROUNDS_MOST), .value = "5"},
-    SCENE_SEED_ROW(seed),
+    {"move", "F", "also moves vertices by up to F of the scene's size, and refits f32 and rf16",
+     OF_REAL(move, 1e-7f, 1e6f)},
+    {"seed", "S", "of generators whose text gives none, and of --move",
+     OF_COUNT(seed, 0, UINT64_MAX), .value = "1"},
     {"json", "FILE", "all rows, for machines", OF_DATA(json)},
     {0},
 };
@@ -29,7 +32,8 @@ static const struct option_set set = {
         "Builds trees by Vulkan compute shaders and in C, and compares every byte of every stage: "
         "the Morton codes, their order, the links and boxes of the nodes. Of trees that differ it "
         "names the first stage and the element. Times are of the stages alone, without copies; C "
-        "builds with one thread.",
+        "builds with one thread. With --move, trees of builder hploc in the layouts f32 and rf16 "
+        "are refitted on the device, too, and compared with C's word by word.",
     .group = {GROUP(rows), GROUP_AT(screen_rows, screen)},
     .codes = "0 equal, 1 a tree differs, 2 bad input, 3 the device failed, 77 no device",
     .example = "build sphere:n=40 --builder gpu_hploc",
@@ -49,11 +53,22 @@ static enum status choose(struct build_command *b, struct reason *reason)
     return STATUS_OK;
 }
 
+/* What was measured. */
+struct build_results {
+    struct build_row *row; /* of each scene and builder */
+    size_t row_count;
+    struct build_refit *refit;
+    size_t refit_count;
+    int code;
+};
+
 static enum status play_scene(const struct build_command *b, struct device_tree *tree,
-                              const char *spec, struct progress *progress, struct build_row *row,
-                              struct reason *reason)
+                              const char *spec, struct progress *progress,
+                              struct build_results *out, struct reason *reason)
 {
     struct scene scene;
+    struct build_row *row = out->row + out->row_count;
+    size_t refits = 0;
     enum status status = scene_open(spec, b->seed, &scene, reason);
     for (size_t i = 0; i < b->builder.count && !status; i++) {
         row[i] = (struct build_row){.scene = spec,
@@ -62,41 +77,68 @@ static enum status play_scene(const struct build_command *b, struct device_tree 
         progress_step(progress, "%s, builder %s", spec, row[i].builder->name);
         status = build_measure(tree, &scene, b->rounds, &row[i], reason);
     }
+    if (!status && option_was_given("move"))
+        status =
+            build_refits(tree, b, &scene, spec, out->refit + out->refit_count, &refits, reason);
     progress_end(progress);
     scene_free(&scene);
-    return status;
+    if (status)
+        return status;
+    out->row_count += b->builder.count;
+    out->refit_count += refits;
+    return STATUS_OK;
+}
+
+/* Prints the results of the last scene. */
+static void print_scene(const struct build_command *b, const struct build_results *results,
+                        size_t refits, const struct screen *screen)
+{
+    const struct build_row *row = results->row + results->row_count - b->builder.count;
+    screen_text(screen, "%s: %s\n", row->scene, COUNTED(row->triangles, "triangle"));
+    build_print(row, b->builder.count, screen);
+    build_print_refits(results->refit + refits, results->refit_count - refits, screen);
+    fflush(stdout);
+}
+
+static int code_of(const struct build_results *results)
+{
+    int code = results->code;
+    for (size_t i = 0; i < results->row_count; i++)
+        code = results->row[i].differs.stage ? exit_worse(code, EXIT_MISMATCH) : code;
+    for (size_t i = 0; i < results->refit_count; i++)
+        code = results->refit[i].differing ? exit_worse(code, EXIT_MISMATCH) : code;
+    return code;
 }
 
 static int play_all(const struct build_command *b, struct device_tree *tree, char *const *spec,
                     size_t count)
 {
-    const size_t each = b->builder.count;
     const struct screen screen = screen_make(&b->screen);
     struct progress progress = progress_make("build");
-    struct build_row *row = alloc_zeroed(count * each, sizeof *row);
+    struct build_results results = {
+        .row = alloc_zeroed(count * b->builder.count, sizeof *results.row),
+        .refit = alloc_zeroed(count * BUILD_REFITS_MOST, sizeof *results.refit)};
+    const bool enough = results.row && results.refit;
     struct reason reason = {""};
-    int code = row ? EXIT_AGREE : EXIT_INTERNAL;
-    size_t done = 0;
+    results.code = enough ? EXIT_AGREE : EXIT_INTERNAL;
     screen_text(&screen, "device: %s, %s\n", device_tree_limits(tree)->device,
                 device_tree_limits(tree)->driver);
-    for (size_t i = 0; i < count && row; i++) {
-        enum status status = play_scene(b, tree, spec[i], &progress, row + done, &reason);
-        if (status) {
-            code = exit_worse(code, exit_with_reason("build", status, &reason));
-            continue;
-        }
-        screen_text(&screen, "%s: %s\n", spec[i], COUNTED(row[done].triangles, "triangle"));
-        build_print(row + done, each, &screen);
-        for (size_t k = 0; k < each; k++, done++)
-            code = row[done].differs.stage ? exit_worse(code, EXIT_MISMATCH) : code;
-        fflush(stdout);
+    for (size_t i = 0; i < count && enough; i++) {
+        const size_t refits = results.refit_count;
+        enum status status = play_scene(b, tree, spec[i], &progress, &results, &reason);
+        results.code = exit_worse(results.code, exit_with_reason("build", status, &reason));
+        if (!status)
+            print_scene(b, &results, refits, &screen);
     }
-    if (b->json && row) {
-        enum status status = build_write_json(b->json, row, done, device_tree_limits(tree),
-                                              b->rounds, code, &reason);
+    int code = code_of(&results);
+    if (b->json && enough) {
+        enum status status = build_write_json(b->json, results.row, results.row_count,
+                                              results.refit, results.refit_count,
+                                              device_tree_limits(tree), b->rounds, code, &reason);
         code = exit_worse(code, exit_with_reason("build", status, &reason));
     }
-    free(row);
+    free(results.row);
+    free(results.refit);
     return code;
 }
 

@@ -7,6 +7,8 @@
 #include "gpu/build/device_tree.h"
 #include "gpu/build/device_builders.h"
 
+#include <jansson.h>
+
 #define BUILD_ROUNDS_MOST 99u
 
 struct build_command {
@@ -14,6 +16,7 @@ struct build_command {
     struct engine_options engines;
     uint64_t seed;
     uint32_t rounds;
+    float move; /* of vertices, for refits; 0: none */
     const char *json;
     struct screen_options screen;
 };
@@ -36,6 +39,29 @@ struct build_row {
     struct build_part part[STAGED_PARTS + 1];
 };
 
+#define BUILD_REFITS_MOST 4
+
+/* A layout whose tree is refitted. */
+struct build_refit {
+    const char *scene;
+    const struct layout *layout;
+    uint32_t triangles;
+    uint32_t differing;    /* rounds that differ */
+    char text[64];         /* the first word of the first of them */
+    struct reason refused; /* "" if it was not refused */
+    struct build_part part;
+};
+
+/* Refits the tree of builder hploc, in each layout that a device can refit, to the moved scene.
+ * Writes *count results, also on error. Errors: as device_refit and packed_refit, but that limits
+ * of layouts are in the results. */
+enum status build_refits(struct device_tree *tree, const struct build_command *b,
+                         const struct scene *scene, const char *spec,
+                         struct build_refit refit[BUILD_REFITS_MOST], size_t *count,
+                         struct reason *reason) MUST_USE;
+void build_print_refits(const struct build_refit *refit, size_t count, const struct screen *screen);
+json_t *build_refits_json(const struct build_refit *refit, size_t count);
+
 /* Builds in all rounds. Errors: as device_tree_build and staged_build. */
 enum status build_measure(struct device_tree *tree, const struct scene *scene, uint32_t rounds,
                           struct build_row *row, struct reason *reason) MUST_USE;
@@ -44,6 +70,7 @@ void build_print(const struct build_row *row, size_t count, const struct screen 
 
 /* Errors: as json_write. */
 enum status build_write_json(const char *path, const struct build_row *row, size_t count,
+                             const struct build_refit *refit, size_t refit_count,
                              const struct vk_limits *limits, uint32_t rounds, int code,
                              struct reason *reason) MUST_USE;
 

@@ -65,13 +65,15 @@ static json_t *row_json(const struct build_row *row)
 }
 
 enum status build_write_json(const char *path, const struct build_row *row, size_t count,
+                             const struct build_refit *refit, size_t refit_count,
                              const struct vk_limits *limits, uint32_t rounds, int code,
                              struct reason *reason)
 {
     json_t *rows = json_array();
     for (size_t i = 0; i < count; i++)
         json_array_append_new(rows, row_json(&row[i]));
-    json_t *root = json_record("raydiff=%s exit=%d device=%s driver=%s rounds=%u rows=%p",
-                               RAYDIFF_VERSION, code, limits->device, limits->driver, rounds, rows);
+    json_t *root = json_record("raydiff=%s exit=%d device=%s driver=%s rounds=%u rows=%p refits=%p",
+                               RAYDIFF_VERSION, code, limits->device, limits->driver, rounds, rows,
+                               build_refits_json(refit, refit_count));
     return json_write(path, root, 17, reason);
 }

@@ -1,29 +1,19 @@
-#include "gpu/build/device_tree.h"
+#include "gpu/build/device_tree_inner.h"
 
 #include "gpu/shaders/shaders.h"
-#include "ref/abi_build.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum kernel { BOUNDS, CODES, COUNT, SCAN, SCATTER, LINKS, BOXES, CLUSTERS, KERNELS };
-
-static const char *const kernel_names[KERNELS] = {"build_bounds", "build_codes",   "build_count",
-                                                  "build_scan",   "build_scatter", "build_links",
-                                                  "build_boxes",  "build_clusters"};
+static const char *const kernel_names[KERNELS] = {"build_bounds", "build_codes",    "build_count",
+                                                  "build_scan",   "build_scatter",  "build_links",
+                                                  "build_boxes",  "build_clusters", "build_refit"};
 
 const char *const device_stage_names[DEVICE_STAGES] = {"codes", "order", "links", "boxes"};
 
 #define BLOCK      (ABI_BUILD_GROUP * ABI_BUILD_EACH)
 #define DIGITS     (1u << ABI_BUILD_DIGIT)
 #define STEPS_MOST 48u /* of the sort: three for each digit of 64 bits */
-
-struct device_tree {
-    struct vk *vk;
-    struct vk_pipeline *kernel[KERNELS];
-    struct vk_buffer *buffer[ABI_BUILD_BINDINGS];
-    uint32_t builds; /* since open */
-};
 
 /* --- opening ---------------------------------------------------------------------------------- */
 
@@ -78,11 +68,6 @@ const struct vk_limits *device_tree_limits(const struct device_tree *tree)
 }
 
 /* --- building --------------------------------------------------------------------------------- */
-
-static uint32_t groups_of(uint32_t count, uint32_t each)
-{
-    return (count + each - 1) / each;
-}
 
 #define POISON_BYTES (1u << 20)
 
@@ -258,7 +243,7 @@ static enum status read_all(struct device_tree *tree, bool clusters, struct stag
     return status;
 }
 
-static enum status check_messages(struct device_tree *tree, struct reason *reason)
+enum status device_tree_messages(struct device_tree *tree, struct reason *reason)
 {
     struct reason first;
     uint32_t count = vk_messages(tree->vk, &first);
@@ -292,7 +277,7 @@ enum status device_tree_build(struct device_tree *tree, enum staged_kind kind,
     if (!status)
         status = read_all(tree, kind == STAGED_HPLOC, out, reason);
     if (!status)
-        status = check_messages(tree, reason);
+        status = device_tree_messages(tree, reason);
     if (status)
         staged_free(out);
     return status;

@@ -7,7 +7,7 @@ void main()
 {
     uint node = climb_from(gl_GlobalInvocationID.x);
     while (any_on(node != ABI_LINK_NONE)) {
-        if (is_second(node != ABI_LINK_NONE, node)) {
+        if (is_second(node != ABI_LINK_NONE, visits_of(node))) {
             uint word = ABI_BUILD_LINK_WORDS * node;
             join_boxes(node, links[word + ABI_LINK_CHILD], links[word + ABI_LINK_CHILD + 1u]);
             node = links[word + ABI_LINK_PARENT];

@@ -3,6 +3,7 @@
 #define BUILD_CLIMB_GLSL
 
 #include "build_job.glsl"
+#include "build_wait.glsl"
 
 uint box_place(uint link)
 {
@@ -38,35 +39,6 @@ uint leaf_parent(uint place)
     return job.count > 1u ? links[ABI_BUILD_LINK_WORDS * (job.count - 1u) + place] : ABI_LINK_NONE;
 }
 
-shared uint group_on;
-
-/* Returns whether any invocation of the workgroup is still on its way. All of them call it and
- * is_second equally often: Mesa's lavapipe 22.3 runs a memory barrier as a barrier of execution, so
- * one in a loop that some have left would lose the others. */
-bool any_on(bool on)
-{
-    barrier();
-    if (gl_LocalInvocationID.x == 0u)
-        group_on = 0u;
-    barrier();
-    if (on)
-        atomicOr(group_on, 1u);
-    barrier();
-    return group_on != 0u;
-}
-
-/* Returns true if the other child of the node was done before, so that this invocation does the
- * node. What each wrote before is then visible to the second. */
-bool is_second(bool on, uint node)
-{
-    uint before = 0u;
-    memoryBarrierBuffer();
-    if (on)
-        before = atomicAdd(links[ABI_BUILD_LINK_WORDS * node + ABI_LINK_VISITS], 1u);
-    memoryBarrierBuffer();
-    return on && before == 1u;
-}
-
 /* The leaf's own part; returns its parent. */
 uint climb_from(uint place)
 {
@@ -76,6 +48,11 @@ uint climb_from(uint place)
     if (job.count == 1u)
         state[ABI_STATE_ROOT] = ABI_LINK_LEAF;
     return leaf_parent(place);
+}
+
+uint visits_of(uint node)
+{
+    return ABI_BUILD_LINK_WORDS * node + ABI_LINK_VISITS;
 }
 
 #endif

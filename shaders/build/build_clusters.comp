@@ -129,7 +129,7 @@ void main()
 {
     uint node = climb_from(gl_GlobalInvocationID.x), exponent = frame_exponent();
     while (any_on(node != ABI_LINK_NONE)) {
-        if (is_second(node != ABI_LINK_NONE, node))
+        if (is_second(node != ABI_LINK_NONE, visits_of(node)))
             node = do_node(exponent, node);
         else
             node = ABI_LINK_NONE;

@@ -1,0 +1,26 @@
+/* Between the files of this room. */
+#ifndef DEVICE_TREE_INNER_H
+#define DEVICE_TREE_INNER_H
+
+#include "gpu/build/device_tree.h"
+#include "ref/abi_build.h"
+
+enum kernel { BOUNDS, CODES, COUNT, SCAN, SCATTER, LINKS, BOXES, CLUSTERS, REFIT, KERNELS };
+
+struct device_tree {
+    struct vk *vk;
+    struct vk_pipeline *kernel[KERNELS];
+    struct vk_buffer *buffer[ABI_BUILD_BINDINGS];
+    uint32_t builds; /* since open */
+};
+
+/* Workgroups for `count` things, `each` a workgroup. */
+static inline uint32_t groups_of(uint32_t count, uint32_t each)
+{
+    return (count + each - 1) / each;
+}
+
+/* Errors: STATUS_DEVICE validation messages since open. */
+enum status device_tree_messages(struct device_tree *tree, struct reason *reason) MUST_USE;
+
+#endif
