@@ -176,7 +176,8 @@ struct engine {
     bool own_tri;         /* has its own triangle test and ignores job.tri; does not trace faithful
                              layouts */
     const char *tri_name; /* own_tri: name of its triangle test, if that is in the table */
-    bool own_tree;        /* builds its own tree from the packed one and tests the boxes of that */
+    bool own_tree;        /* builds a tree of its own, from the packed one if it needs_packed, and
+                             tests the boxes of that */
     bool tells_work;      /* trace_tasks fills in task.work */
     bool binary;          /* traces only trees of binary layouts; others: STATUS_UNSUPPORTED */
     bool gpu;             /* runs on a Vulkan driver */

@@ -126,7 +126,8 @@ enum raydiff_engine_formula {
     RAYDIFF_ENGINE_EMBREE = 3, /* its default mode */
     RAYDIFF_ENGINE_EMBREE_ROBUST = 4,
     RAYDIFF_ENGINE_PLUECKER = 5,
-    RAYDIFF_ENGINE_BALDWIN_WEBBER = 6
+    RAYDIFF_ENGINE_BALDWIN_WEBBER = 6,
+    RAYDIFF_ENGINE_TRI_ACCEL = 7 /* Wald 2004 */
 };
 
 enum raydiff_engine_rounding {

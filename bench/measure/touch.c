@@ -213,3 +213,15 @@ void touch_fast(const struct fast_tree *tree, const struct ray *ray, bool any,
     struct fast_reader reader = {tree, cache};
     fast_watched(tree, ray, any, read_fast, &reader, hit);
 }
+
+static void read_kd(void *cache, enum kd_read array, ptrdiff_t number, size_t bytes)
+{
+    const int arrays[] = {[KD_READ_NODE] = NODES, [KD_READ_ITEM] = ITEMS, [KD_READ_TRI] = VERTICES};
+    cache_sim_read(cache, place(arrays[array], (uint64_t)number * bytes), bytes);
+}
+
+void touch_kd(const struct kd_tree *tree, const struct ray *ray, struct cache_sim *cache,
+              struct hit *hit)
+{
+    *hit = kd_watched(tree, ray, read_kd, cache);
+}

@@ -5,6 +5,7 @@
 #include "bench/measure/cache_sim.h"
 #include "ref/engine.h"
 #include "ref/fast/fast.h"
+#include "ref/kd/kd.h"
 #include "ref/store.h"
 
 /* A packed tree whose reads are recorded. Owns `leaf`: free with touch_free. Nodes, items and the
@@ -40,5 +41,9 @@ void touch_free(struct touch *touch);
 /* The same for the tree of engine fast or fast_small, using fast_watched. */
 void touch_fast(const struct fast_tree *tree, const struct ray *ray, bool any,
                 struct cache_sim *cache, struct hit *hit);
+
+/* The same for the tree of engine kd, nearest hits. */
+void touch_kd(const struct kd_tree *tree, const struct ray *ray, struct cache_sim *cache,
+              struct hit *hit);
 
 #endif

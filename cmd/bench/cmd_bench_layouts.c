@@ -126,7 +126,7 @@ static void add_contestant(struct layouts_field *field, size_t i, const struct s
     const bool wrong = row->differences > 0, vacuous = row->status == ROW_VACUOUS;
     double tris = field->scene->tri_count ? (double)field->scene->tri_count : 1.0;
     char nodes[32] = "-", all[32] = "-";
-    if (c->layout) {
+    if (c->layout || c->engine->own_tree) {
         snprintf(nodes, sizeof nodes, "%.1f", (double)row->node_bytes / tris);
         snprintf(all, sizeof all, "%.1f", (double)(row->node_bytes + row->item_bytes) / tris);
     }
@@ -159,7 +159,7 @@ static void print_contestant(struct layouts_field *field, size_t i)
     printf("%-8s %-13s %-5s %7.3f (%.3f-%.3f) %5.2f (%.2f-%.2f) of %-8s ", field->rays,
            c->engine->name, c->layout ? c->layout->name : "-", speed.median, speed.least,
            speed.most, ratio.median, ratio.least, ratio.most, race_base_name(&field->race, c));
-    if (c->layout)
+    if (c->layout || c->engine->own_tree)
         printf("%6.1f %6.1f", node, nodes);
     else
         printf("%6s %6s", "-", "-");

@@ -127,10 +127,11 @@ void matrix_forget_timed(struct matrix_row *row)
 
 /* --- lines ------------------------------------------------------------------------------------ */
 
-/* A traversal whose reads are recorded: of engine fast or fast_small, or of a packed tree. */
+/* A traversal whose reads are recorded: of engine fast or fast_small, kd, or of a packed tree. */
 struct watched {
     struct touch *touch;
     const struct fast_tree *fast;
+    const struct kd_tree *kd;
     struct job job;
     struct cache_sim cache;
 };
@@ -152,6 +153,8 @@ static enum status watch_kind(const struct matrix *m, struct watched *w, int kin
             struct hit hit;
             if (w->fast)
                 touch_fast(w->fast, &ray[i], false, &w->cache, &hit);
+            else if (w->kd)
+                touch_kd(w->kd, &ray[i], &w->cache, &hit);
             else
                 status = touch_ray(w->touch, &w->job, &ray[i], &hit);
         }
@@ -196,6 +199,19 @@ static enum status watch_fast(struct matrix *m, const struct contestant *c, stru
     return status;
 }
 
+static enum status watch_kd(struct matrix *m, struct matrix_row *row, struct reason *reason)
+{
+    struct kd_tree tree;
+    enum status status = kd_make(m->scene, &tree, reason);
+    struct watched w = {.kd = &tree};
+    row->node_bytes = kd_node_bytes(&tree);
+    row->item_bytes = kd_item_bytes(&tree);
+    if (!status)
+        status = watch(m, &w, row, reason);
+    kd_free(&tree);
+    return status;
+}
+
 static enum status watch_packed(struct matrix *m, const struct contestant *c,
                                 struct matrix_row *row, struct reason *reason)
 {
@@ -229,6 +245,8 @@ enum status matrix_measure(struct matrix *matrix, const struct contestant *c,
     enum status status = count_errors(matrix, c, row, reason);
     if (status)
         return status;
+    if (!c->layout && c->engine == engine_find("kd"))
+        return watch_kd(matrix, row, reason);
     if (!c->layout) {
         if (!row->told)
             measure_embree(matrix, row);

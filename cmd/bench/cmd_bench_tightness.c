@@ -40,6 +40,7 @@ static const struct tightness_formula {
     {"woop", TWIN_WOOP, false},
     {"pluecker", TWIN_PLUECKER, false},
     {"baldwin_webber", TWIN_BALDWIN_WEBBER, false},
+    {"tri_accel", TWIN_TRI_ACCEL, false},
     {"embree", TWIN_EMBREE, true},
     {"embree_robust", TWIN_EMBREE_ROBUST, true},
 };

@@ -9,7 +9,7 @@ static void print_bytes(const struct row *row)
         printf("%9.1f", (double)row->node_bytes / 1e3);
     else
         printf("%9s", "-");
-    if (row->layout)
+    if (row->layout || (row->engine && row->engine->own_tree))
         printf(" %9.1f", (double)row->item_bytes / 1e3);
     else
         printf(" %9s", "-");

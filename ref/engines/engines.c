@@ -6,7 +6,7 @@
 
 extern const struct engine engine_brute, engine_cpu, engine_vulkan, engine_vulkan_brute,
     engine_rayquery, engine_embree, engine_embree_robust, engine_fast, engine_fast_small,
-    engine_cpu_stackless, engine_vulkan_stackless, engine_webgpu;
+    engine_cpu_stackless, engine_vulkan_stackless, engine_webgpu, engine_kd;
 
 /* Each engine_*.c holds one engine in the table, except engine_embree.c, which holds two. */
 #define OWN (ENGINE_FILES + 1)
@@ -15,11 +15,12 @@ static const struct engine *table[OWN + ENGINES_ADDED_MOST + 1] = {
     &engine_brute,      &engine_cpu,           &engine_vulkan,           &engine_vulkan_brute,
     &engine_rayquery,   &engine_embree,        &engine_embree_robust,    &engine_fast,
     &engine_fast_small, &engine_cpu_stackless, &engine_vulkan_stackless, &engine_webgpu,
+    &engine_kd,
 };
 static size_t count = OWN;
 
 /* Update the number when the table above changes. */
-_Static_assert(OWN == 12, "an engine_*.c is in no table");
+_Static_assert(OWN == 13, "an engine_*.c is in no table");
 
 const struct engine *const *const engines = table;
 

@@ -202,8 +202,8 @@ struct raydiff_answer {
 /* How answers are judged. All zero: nearest hits of an unknown formula. */
 struct raydiff_judging {
     /* The formula of the triangle test, not in a world: "mt", "woop", "embree", "embree_robust",
-     * "pluecker", "baldwin_webber"; answers are then held to its proven bounds. NULL or "unknown":
-     * by how far vertices must move to make an answer right. */
+     * "pluecker", "baldwin_webber", "tri_accel"; answers are then held to its proven bounds. NULL
+     * or "unknown": by how far vertices must move to make an answer right. */
     const char *formula;
     /* The arithmetic of a known formula: NULL or "ieee", "flushed" (subnormals are 0), "vulkan",
      * "vulkan_rte", "embree". It does not matter for an unknown one, but must be one of these. */

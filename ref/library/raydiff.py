@@ -329,7 +329,7 @@ class Scene:
         """Judges answers: a Judged. threads 0: all. What may be stated of the tracer:
             query         'closest' or 'any'
             formula       'unknown', 'mt', 'woop', 'embree', 'embree_robust', 'pluecker',
-                          'baldwin_webber'
+                          'baldwin_webber', 'tri_accel'
             rounding      of a known formula: 'ieee', 'flushed', 'vulkan', 'vulkan_rte', 'embree'
             displacement  of an unknown one, see raydiff.h
             open, watertight, unnamed, demand_watertight   booleans, see raydiff.h

@@ -14,7 +14,7 @@
  * rays or no triangles. The first has neither, and its answer describes the peer's arithmetic:
  *
  *   formula   0 unknown, 1 mt, 2 woop, 3 Embree's default, 4 Embree's robust, 5 pluecker,
- *             6 baldwin_webber (ref/twin/twin.h)
+ *             6 baldwin_webber, 7 tri_accel (ref/twin/twin.h)
  *   rounding  0 IEEE, 1 IEEE with subnormals flushed, 2 Vulkan, 3 Vulkan with RTE, 4 Embree
  *   flags     1: tmin < t < tmax; 2: watertight; 4: any-hits do not name their triangle
  *

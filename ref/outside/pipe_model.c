@@ -12,7 +12,8 @@ static const struct {
                 {"embree", TWIN_EMBREE},
                 {"embree_robust", TWIN_EMBREE_ROBUST},
                 {"pluecker", TWIN_PLUECKER},
-                {"baldwin_webber", TWIN_BALDWIN_WEBBER}};
+                {"baldwin_webber", TWIN_BALDWIN_WEBBER},
+                {"tri_accel", TWIN_TRI_ACCEL}};
 
 static const char *const roundings[] = {"ieee", "flushed", "vulkan", "vulkan_rte", "embree"};
 

@@ -179,7 +179,7 @@ static enum status read_formula(struct pipe_reading *r)
     if (!pipe_formula_name(r->out->formula))
         return scan_fail(&r->scan, r->reason,
                          "formulas are unknown, mt, woop, embree, embree_robust, "
-                         "pluecker, baldwin_webber");
+                         "pluecker, baldwin_webber, tri_accel");
     scan_blanks(&r->scan);
     if (scan_line_done(&r->scan))
         return STATUS_OK;

@@ -4,23 +4,25 @@
 
 #include <stdbool.h>
 
-/* The formula whose errors are bounded. The first five are those of ref/primitives/; the next two
- * are Embree's default and robust triangle tests, from their published descriptions. */
+/* The formula whose errors are bounded. The first five are those of ref/primitives/, the sixth is
+ * that of ref/kd/accel.h; the next two are Embree's default and robust triangle tests, from their
+ * published descriptions. */
 enum twin_formula {
     TWIN_MT,
     TWIN_MT_RTRS,
     TWIN_WOOP,
     TWIN_PLUECKER,
     TWIN_BALDWIN_WEBBER,
+    TWIN_TRI_ACCEL,
     TWIN_EMBREE,
     TWIN_EMBREE_ROBUST,
     TWIN_UNKNOWN, /* judged geometrically: by the smallest vertex displacement that excuses it */
 };
 
-/* True for the tests of ref/primitives/, each operation of which is known. */
+/* True for the tests that are written here, each operation of which is known. */
 static inline bool twin_is_own(enum twin_formula formula)
 {
-    return formula <= TWIN_BALDWIN_WEBBER;
+    return formula <= TWIN_TRI_ACCEL;
 }
 
 /* The error of one float32 operation. add, mul and div: its error is at most so many u of the exact

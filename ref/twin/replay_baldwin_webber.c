@@ -1,5 +1,5 @@
-/* The replay of baldwin_webber: t is a quotient, and u and v are those of the point at the very t
- * that is answered. */
+/* The replay of baldwin_webber and tri_accel: t is a quotient, and u and v are those of the point
+ * at the very t that is answered. */
 #include "ref/twin/replay_inner.h"
 
 #include <math.h>
@@ -38,20 +38,33 @@ static struct scatter along_normal(const struct liberty *k, const struct scatter
     return scatter_add(k, &sum, &by_b);
 }
 
+/* The plane's constant less the origin's height, which tri_accel takes off term by term. */
+static struct scatter above_origin(const struct replay *w, const struct scatter h[2], int a, int b,
+                                   int c, bool accel)
+{
+    const struct liberty *k = w->k;
+    struct scatter of_v = along_normal(k, h, w->v[0], a, b, c);
+    if (!accel) {
+        struct scatter of_o = along_normal(k, h, w->o, a, b, c);
+        return scatter_sub(k, &of_v, &of_o);
+    }
+    struct scatter by_a = scatter_mul(k, &h[0], &w->o[a]), by_b = scatter_mul(k, &h[1], &w->o[b]);
+    struct scatter part = scatter_sub(k, &of_v, &w->o[c]);
+    part = scatter_sub(k, &part, &by_a);
+    return scatter_sub(k, &part, &by_b);
+}
+
 static bool along_axis(const struct replay *w, const struct scatter e1[3],
                        const struct scatter e2[3], const struct scatter n[3], int c,
-                       const struct scatter *divisor)
+                       const struct scatter *divisor, bool accel)
 {
     const struct liberty *k = w->k;
     const struct replay_answer *answer = w->answer;
     int a = (c + 1) % 3, b = (c + 2) % 3;
     const struct scatter h[2] = {scatter_div(k, &n[a], divisor), scatter_div(k, &n[b], divisor)};
-    struct scatter of_v = along_normal(k, h, w->v[0], a, b, c);
-    struct scatter of_o = along_normal(k, h, w->o, a, b, c);
     struct scatter climb = along_normal(k, h, w->d, a, b, c);
-    struct scatter height = scatter_sub(k, &of_o, &of_v);
     struct quotients depth = replay_quotients(w, climb);
-    replay_part(w, &depth, scatter_negate(&height), 0);
+    replay_part(w, &depth, above_origin(w, h, a, b, c, accel), 0);
     if (scatter_is_zero(&climb) || !quotients_fit_either(&depth))
         return false;
     struct scatter t = {.lo = answer->lo[0], .hi = answer->hi[0], .grid = -149}, at[2];
@@ -68,30 +81,30 @@ static bool along_axis(const struct replay *w, const struct scatter e1[3],
 
 /* All divisors that the component may be, one by one while they are few. */
 static bool by_axis(const struct replay *w, const struct scatter e1[3], const struct scatter e2[3],
-                    const struct scatter n[3], int c)
+                    const struct scatter n[3], int c, bool accel)
 {
     const struct scatter *all = &n[c];
     for (int i = 0; i < all->count; i++) {
         struct scatter one = scatter_single(all->value[i]);
-        if (all->value[i] != 0.0 && along_axis(w, e1, e2, n, c, &one))
+        if (all->value[i] != 0.0 && along_axis(w, e1, e2, n, c, &one, accel))
             return true;
     }
     if (all->count)
         return false;
     if (all->lo > 0.0 || all->hi < 0.0)
-        return along_axis(w, e1, e2, n, c, all);
+        return along_axis(w, e1, e2, n, c, all, accel);
     double from = ceil(ldexp(all->lo, -all->grid)), to = floor(ldexp(all->hi, -all->grid));
     if (!(to - from <= AXIS_MOST))
         return true;
     for (double i = from; i <= to; i++) {
         struct scatter one = scatter_single(ldexp(i, all->grid));
-        if (i != 0.0 && along_axis(w, e1, e2, n, c, &one))
+        if (i != 0.0 && along_axis(w, e1, e2, n, c, &one, accel))
             return true;
     }
     return false;
 }
 
-bool replay_baldwin_webber(const struct replay *w)
+bool replay_baldwin_webber(const struct replay *w, bool accel)
 {
     struct scatter e1[3], e2[3], n[3];
     double least = 0.0; /* of the largest component */
@@ -105,7 +118,8 @@ bool replay_baldwin_webber(const struct replay *w)
         if (!scatter_has_zero(&n[c]))
             least = fmax(least, scatter_least(&n[c]));
     for (int c = 0; c < 3; c++)
-        if (!scatter_is_zero(&n[c]) && fmax(-n[c].lo, n[c].hi) >= least && by_axis(w, e1, e2, n, c))
+        if (!scatter_is_zero(&n[c]) && fmax(-n[c].lo, n[c].hi) >= least &&
+            by_axis(w, e1, e2, n, c, accel))
             return true;
     return false;
 }

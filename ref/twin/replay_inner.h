@@ -35,6 +35,7 @@ void replay_vertices(struct replay *w, const int axis[3], float v[3][3]);
 /* Whether the formula can give the answer. */
 bool replay_formula(struct replay *w, enum twin_formula formula);
 
-bool replay_baldwin_webber(const struct replay *w);
+/* `accel`: tri_accel, of the same numbers. */
+bool replay_baldwin_webber(const struct replay *w, bool accel);
 
 #endif

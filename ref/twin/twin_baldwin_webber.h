@@ -1,5 +1,7 @@
-/* The twin of baldwin_webber (ref/primitives/tri_baldwin_webber.h). For ref/twin/twin_steps.h,
- * which see.
+/* The twins of baldwin_webber (ref/primitives/tri_baldwin_webber.h) and of tri_accel
+ * (ref/kd/accel.h), which has the same numbers of a triangle, but takes the ray's origin from the
+ * plane's constant term by term, and multiplies by a reciprocal. For ref/twin/twin_steps.h, which
+ * see.
  *
  * The transform is made of rounded numbers, and its last column is as large as the coordinates: its
  * errors are carried into the ray's height, t, the point, u and v like any others, so that the
@@ -30,7 +32,7 @@ STEP struct bounded weight_of(const struct rules *k, const struct bounded row[3]
 }
 
 /* (p[c] + h[0] p[a]) + h[1] p[b]; *own: from the exact one of computed h. */
-STEP struct bounded along_normal(const struct rules *k, const struct bounded h[3],
+STEP struct bounded along_normal(const struct rules *k, const struct bounded h[2],
                                  const struct bounded p[3], int a, int b, int c, real *own)
 {
     struct bounded first = mul(k, h[0], p[a]), second = mul(k, h[1], p[b]);
@@ -40,40 +42,61 @@ STEP struct bounded along_normal(const struct rules *k, const struct bounded h[3
     return all;
 }
 
+/* How far the plane lies above the origin: `last` less the origin's height. *own: from the exact
+ * one of computed h and last. */
+STEP struct bounded above_origin(const struct rules *k, const struct bounded h[2],
+                                 struct bounded last, const struct bounded o[3], int a, int b,
+                                 int c, bool accel, real *own)
+{
+    if (!accel) {
+        struct bounded height = sub(k, along_normal(k, h, o, a, b, c, own), last);
+        *own = *own + own_of_sum(k, height);
+        return negate(height);
+    }
+    struct bounded first = mul(k, h[0], o[a]), second = mul(k, h[1], o[b]);
+    struct bounded part = sub(k, last, o[c]), two = sub(k, part, first), all = sub(k, two, second);
+    *own = own_of_product(k, h[0], o[a], first) + own_of_product(k, h[1], o[b], second) +
+           own_of_sum(k, part) + own_of_sum(k, two) + own_of_sum(k, all);
+    return all;
+}
+
 /* The formula if axis c is taken. det is 1 where the height changes for sure, else open: the
  * weights are positive inside, whichever way the triangle faces. */
 FORMULA struct outcome along_axis(const struct rules *k, const struct input *in,
                                   const struct bounded e1[3], const struct bounded e2[3],
-                                  const struct bounded n[3], int c)
+                                  const struct bounded n[3], int c, bool accel)
 {
     int a = (c + 1) % 3, b = (c + 2) % 3;
     const struct bounded *v0 = in->v[0], *o = in->o, *d = in->d;
-    struct bounded u[3], w[3], h[3];
+    struct bounded u[3], w[3], h[2], inverse = exact(EACH(1.0f));
     struct outcome out = {.band = ALL(0.0)};
     transform_row(k, e2[b], negate(e2[a]), n[c], v0[a], v0[b], u);
     transform_row(k, negate(e1[b]), e1[a], n[c], v0[a], v0[b], w);
     h[0] = divide(k, n[a], n[c]);
     h[1] = divide(k, n[b], n[c]);
     real own[3];
-    h[2] = negate(along_normal(k, h, v0, a, b, c, &own[0]));
-    struct bounded raised = along_normal(k, h, o, a, b, c, &own[1]), height = add(k, raised, h[2]);
+    struct bounded last = along_normal(k, h, v0, a, b, c, &own[0]);
+    struct bounded top = above_origin(k, h, last, o, a, b, c, accel, &own[1]);
     struct bounded climb = along_normal(k, h, d, a, b, c, &own[2]);
-    out.t = divide(k, negate(height), climb);
+    if (accel)
+        inverse = divide(k, inverse, climb);
+    out.t = accel ? mul(k, top, inverse) : divide(k, top, climb);
     struct bounded pa = add(k, o[a], mul(k, out.t, d[a]));
     struct bounded pb = add(k, o[b], mul(k, out.t, d[b]));
     out.u = out.edge[1] = weight_of(k, u, pa, pb);
     out.v = out.edge[2] = weight_of(k, w, pa, pb);
     out.edge[0] = compare(exact(EACH(1.0f)), add(k, out.u, out.v));
-    /* -(height' + t climb') = -(h' - h) . (o + t d - v0) - h' . (o' - o + t (d' - d)), h_c being 1,
+    /* top' - t climb' = -(h' - h) . (o + t d - v0) - h' . (o' - o + t (d' - d)), h_c being 1,
      * and own roundings. */
-    real residual = own[0] + own[1] + own_of_sum(k, height) + size_of_t(out.t) * own[2] +
+    real residual = own[0] + own[1] + size_of_t(out.t) * own[2] +
                     h[0].e * reach_of(sub(k, o[a], v0[a]), d[a], out.t) +
                     h[1].e * reach_of(sub(k, o[b], v0[b]), d[b], out.t);
     if (RAY_BOUNDED)
         residual = residual + most(h[0]) * point_off(o[a].e, d[a], out.t) +
                    most(h[1]) * point_off(o[b].e, d[b], out.t) + point_off(o[c].e, d[c], out.t);
     out.t_running = out.t.e;
-    out.t = t_by_quotient(k, out.t, climb, residual);
+    out.t = accel ? t_by_reciprocal(k, out.t, top, climb, inverse, residual)
+                  : t_by_quotient(k, out.t, climb, residual);
     out.det = exact(EACH(1.0f));
     out.det.e = SELECT(LESS(climb.e, SIZE(climb.x)), ALL(0.0), ALL(INFINITY));
     return out;
@@ -102,7 +125,8 @@ STEP mask is_chosen(const struct bounded n[3], int c)
     return chosen;
 }
 
-FORMULA struct outcome eval_baldwin_webber(const struct rules *k, const struct input *in)
+FORMULA struct outcome eval_baldwin_webber(const struct rules *k, const struct input *in,
+                                           bool accel)
 {
     struct bounded e1[3], e2[3], n[3];
     subtract(k, in->v[1], in->v[0], e1);
@@ -119,7 +143,7 @@ FORMULA struct outcome eval_baldwin_webber(const struct rules *k, const struct i
         mask take = NOT_ABOVE(least, SIZE(n[c].x) + n[c].e);
         if (!ANY(take))
             continue;
-        const struct outcome one = along_axis(k, in, e1, e2, n, c);
+        const struct outcome one = along_axis(k, in, e1, e2, n, c, accel);
         for (int i = 0; i < 3; i++)
             out.edge[i] = wider(take, chosen, out.edge[i], one.edge[i]);
         out.det = wider(take, chosen, out.det, one.det);

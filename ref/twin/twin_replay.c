@@ -308,7 +308,8 @@ bool replay_formula(struct replay *given, enum twin_formula formula)
     case TWIN_PLUECKER:
         return pluecker(&w);
     case TWIN_BALDWIN_WEBBER:
-        return replay_baldwin_webber(&w);
+    case TWIN_TRI_ACCEL:
+        return replay_baldwin_webber(&w, formula == TWIN_TRI_ACCEL);
     case TWIN_EMBREE:
     case TWIN_EMBREE_ROBUST:
         for (int i = 1; i < 3; i++) /* it answers no weight above 1; of any answer, its band */

@@ -371,7 +371,8 @@ FORMULA struct outcome evaluate(enum twin_formula formula, const struct rules *k
     case TWIN_PLUECKER:
         return eval_pluecker(k, in);
     case TWIN_BALDWIN_WEBBER:
-        return eval_baldwin_webber(k, in);
+    case TWIN_TRI_ACCEL:
+        return eval_baldwin_webber(k, in, formula == TWIN_TRI_ACCEL);
     case TWIN_EMBREE:
         return eval_embree(k, in);
     case TWIN_EMBREE_ROBUST:

@@ -293,6 +293,8 @@ void gmp_bounds_of(const struct model *model, const struct ray *ray, float v[3][
     const struct rounding *rounding = &model->rounding;
     bool divides = model->formula == TWIN_WOOP;
     double depth, largest = largest_of(ray, v, divides, &depth);
+    bool accel = model->formula == TWIN_TRI_ACCEL;
+    bool by_map = accel || model->formula == TWIN_BALDWIN_WEBBER;
     struct unit unit;
     struct given in = {.summed = false, .reciprocal = false};
     out->divided = out->det_alone = false;
@@ -319,15 +321,16 @@ void gmp_bounds_of(const struct model *model, const struct ray *ray, float v[3][
         woop(&unit, ray, &in, out);
     else if (model->formula == TWIN_PLUECKER)
         pluecker(&unit, &in, out);
-    else if (model->formula == TWIN_BALDWIN_WEBBER)
-        out->none = !(out->divided = gmp_bounds_baldwin_webber(&unit, &in.o, &in.d, in.v, out));
+    else if (by_map)
+        out->none =
+            !(out->divided = gmp_bounds_baldwin_webber(&unit, &in.o, &in.d, in.v, accel, out));
     else if (model->formula == TWIN_EMBREE)
         embree(&unit, &in, out);
     else if (model->formula == TWIN_EMBREE_ROBUST)
         embree_robust(&unit, &in, out);
     else
         moeller_trumbore(&unit, &in, out);
-    if (model->formula != TWIN_BALDWIN_WEBBER) /* divides first */
+    if (!by_map) /* divides first */
         divide_all(&unit, &in, out);
     given_each(&in, vec_clear, known_clear);
     mpq_clears(unit.step, unit.quotient, unit.tiny, NULL);

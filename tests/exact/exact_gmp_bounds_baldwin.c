@@ -1,5 +1,5 @@
-/* The bounds of baldwin_webber: its map, and what is computed by it, step by step; a step's terms
- * are sums of products as elsewhere. */
+/* The bounds of baldwin_webber and of tri_accel: their map, and what is computed by it, step by
+ * step; a step's terms are sums of products as elsewhere. */
 #include "tests/exact/exact_gmp_known.h"
 
 /* What is larger than 2^80 is not bounded: two such factors could overflow. */
@@ -55,7 +55,7 @@ static void affine(const struct unit *unit, int sign, int n, const struct known 
 /* By the normal's component c. False if no bound follows. */
 static bool along(const struct unit *unit, const struct vec *o, const struct vec *d,
                   const struct vec v[3], const struct vec *e1, const struct vec *e2, int c,
-                  struct map *map)
+                  bool accel, struct map *map)
 {
     const int axis[2] = {(c + 1) % 3, (c + 2) % 3};
     const struct known *at[2] = {&v[0].k[axis[0]], &v[0].k[axis[1]]};
@@ -81,7 +81,7 @@ static bool along(const struct unit *unit, const struct vec *o, const struct vec
             return false;
     if (!divides(&map->climb))
         return false;
-    quotient(unit, &map->height, &map->climb, false, &map->t);
+    quotient(unit, &map->height, &map->climb, accel, &map->t);
     for (int k = 0; k < 2; k++) {
         const struct known *term[2] = {&map->t, way[k]};
         set_zero(&map->p[k]);
@@ -128,7 +128,7 @@ static void each_known(struct map *map, void (*each)(struct known *))
 }
 
 bool gmp_bounds_baldwin_webber(const struct unit *unit, const struct vec *o, const struct vec *d,
-                               const struct vec v[3], struct gmp_bounds *out)
+                               const struct vec v[3], bool accel, struct gmp_bounds *out)
 {
     struct vec e1, e2;
     struct map map;
@@ -149,7 +149,7 @@ bool gmp_bounds_baldwin_webber(const struct unit *unit, const struct vec *o, con
     for (int c = 0; c < 3 && bounded; c++) {
         if (!may_be_largest(map.n, c))
             continue;
-        bounded = along(unit, o, d, v, &e1, &e2, c, &map);
+        bounded = along(unit, o, d, v, &e1, &e2, c, accel, &map);
         if (!bounded)
             break;
         widen(&map.t, first, &out->t);

@@ -137,6 +137,6 @@ static inline void known_copy(struct known *to, const struct known *from)
 
 /* Bounds t, u, v, the edges and det of baldwin_webber; false if no bound follows. */
 bool gmp_bounds_baldwin_webber(const struct unit *unit, const struct vec *o, const struct vec *d,
-                               const struct vec v[3], struct gmp_bounds *out);
+                               const struct vec v[3], bool accel, struct gmp_bounds *out);
 
 #endif

@@ -277,7 +277,7 @@ bool exact_gmp_replay(const struct model *model, const struct ray *ray, float v[
     *out = (struct gmp_replay){0};
     if (!model->bits || memcmp(&model->rounding, &ieee, sizeof ieee) != 0)
         return false;
-    if (!twin_is_own(model->formula))
+    if (!twin_is_own(model->formula) || model->formula == TWIN_TRI_ACCEL)
         return false;
     struct exact_gmp_replay_replay r = {.lost = false};
     mpq_inits(r.x, r.y, NULL);

@@ -101,8 +101,20 @@ static struct evaluation pluecker(struct legal *l, const struct ray *ray, float 
     return out;
 }
 
+/* t of a plane p[c] + h[0] p[a] + h[1] p[b] = -h[2], as the published code of TriAccel has it: each
+ * term is taken off the constant, and a reciprocal multiplies what is left. */
+static float accel_t(struct legal *l, const struct ray *ray, const float h[3], float climb, int c)
+{
+    const int a = (c + 1) % 3, b = (c + 2) % 3;
+    float left = legal_sub(l, -h[2], ray->org[c]);
+    left = legal_multiply_add(l, -h[0], ray->org[a], left);
+    left = legal_multiply_add(l, -h[1], ray->org[b], left);
+    return legal_mul(l, left, legal_div(l, 1, climb));
+}
+
 /* Its normal decides which axis to project along, so that a rounding may decide otherwise. */
-static struct evaluation baldwin_webber(struct legal *l, const struct ray *ray, float v[3][3])
+static struct evaluation baldwin_webber(struct legal *l, const struct ray *ray, float v[3][3],
+                                        bool accel)
 {
     float e1[3], e2[3], n[3], row[3][3];
     struct evaluation out = {{0, -1, -1}, 0, 0, 0, false};
@@ -122,14 +134,14 @@ static struct evaluation baldwin_webber(struct legal *l, const struct ray *ray, 
                             : legal_multiply_add(l, row[i][0], v[0][a], v[0][c]);
         row[i][2] = -legal_multiply_add(l, row[i][1], v[0][b], first);
     }
+    float climb = legal_multiply_add(l, row[2][1], ray->dir[b],
+                                     legal_multiply_add(l, row[2][0], ray->dir[a], ray->dir[c]));
     float height =
         legal_add(l,
                   legal_multiply_add(l, row[2][1], ray->org[b],
                                      legal_multiply_add(l, row[2][0], ray->org[a], ray->org[c])),
                   row[2][2]);
-    float climb = legal_multiply_add(l, row[2][1], ray->dir[b],
-                                     legal_multiply_add(l, row[2][0], ray->dir[a], ray->dir[c]));
-    out.t = legal_div(l, -height, climb);
+    out.t = accel ? accel_t(l, ray, row[2], climb, c) : legal_div(l, -height, climb);
     float pa = legal_multiply_add(l, out.t, ray->dir[a], ray->org[a]);
     float pb = legal_multiply_add(l, out.t, ray->dir[b], ray->org[b]);
     for (int i = 0; i < 2; i++)
@@ -234,7 +246,8 @@ static struct evaluation evaluate(struct legal *l, enum twin_formula formula, co
     case TWIN_PLUECKER:
         return pluecker(l, ray, v);
     case TWIN_BALDWIN_WEBBER:
-        return baldwin_webber(l, ray, v);
+    case TWIN_TRI_ACCEL:
+        return baldwin_webber(l, ray, v, formula == TWIN_TRI_ACCEL);
     case TWIN_EMBREE:
         return embree(l, ray, v);
     case TWIN_EMBREE_ROBUST:

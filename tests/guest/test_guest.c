@@ -125,7 +125,7 @@ static void models_are_taken_or_refused(void **state)
     (void)state;
     static const struct {
         const char *what, *text;
-    } bad[] = {{"model_formula", "formula 7 is not one of 0 to 6"},
+    } bad[] = {{"model_formula", "formula 8 is not one of 0 to 7"},
                {"model_flags", "have more than"},
                {"model_both", "displacement 7 beside a formula"},
                {"model_endless", "displacement 1e+30 is not above 0"},

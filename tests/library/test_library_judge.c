@@ -186,6 +186,7 @@ static const struct raydiff_judging ways[] = {
     {.formula = "embree_robust", .rounding = "embree"},
     {.formula = "pluecker", .rounding = "flushed"},
     {.formula = "baldwin_webber", .rounding = "vulkan_rte"},
+    {.formula = "tri_accel"},
 };
 
 static void library_and_command_judge_alike(void **state)

@@ -76,6 +76,7 @@ static void near_values_have_this_much_slack(void **state)
                     {"woop", TWIN_WOOP},
                     {"pluecker", TWIN_PLUECKER},
                     {"baldwin_webber", TWIN_BALDWIN_WEBBER},
+                    {"tri_accel", TWIN_TRI_ACCEL},
                     {"embree", TWIN_EMBREE},
                     {"embree_robust", TWIN_EMBREE_ROBUST}};
     struct most most[ARRAY_COUNT(formulas)] = {{0}};

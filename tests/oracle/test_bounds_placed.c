@@ -19,7 +19,7 @@
 
 #include "tests/support/stand.h"
 
-#define OWN       5 /* formulas of ref/primitives/ come first */
+#define OWN       6 /* formulas that are written here come first */
 #define ROUNDINGS 4 /* Embree has transforms of its own */
 
 static uint64_t pairs_each(void)

@@ -183,8 +183,8 @@ static void assert_alike(const struct twin *a, const struct twin *b)
     assert_true(same_bits(a->t_off, b->t_off));
 }
 
-static const enum twin_formula own[] = {TWIN_MT, TWIN_MT_RTRS, TWIN_WOOP, TWIN_PLUECKER,
-                                        TWIN_BALDWIN_WEBBER};
+static const enum twin_formula own[] = {TWIN_MT,       TWIN_MT_RTRS,        TWIN_WOOP,
+                                        TWIN_PLUECKER, TWIN_BALDWIN_WEBBER, TWIN_TRI_ACCEL};
 
 /* Signs of zeros included: -0 in the transform is the identity, too. */
 static void an_instance_at_the_identity_has_the_twins_of_its_scene(void **state)

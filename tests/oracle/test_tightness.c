@@ -58,7 +58,8 @@ static void a_third_is_off_by_a_third(void **state)
 {
     (void)state;
     static const enum twin_formula formulas[] = {
-        TWIN_MT, TWIN_WOOP, TWIN_PLUECKER, TWIN_BALDWIN_WEBBER, TWIN_EMBREE, TWIN_EMBREE_ROBUST};
+        TWIN_MT,        TWIN_WOOP,   TWIN_PLUECKER,     TWIN_BALDWIN_WEBBER,
+        TWIN_TRI_ACCEL, TWIN_EMBREE, TWIN_EMBREE_ROBUST};
     for (size_t f = 0; f < ARRAY_COUNT(formulas); f++) {
         struct tightness_stand s;
         stand_make(&s, formulas[f], 0, 1);
@@ -145,8 +146,8 @@ static void no_bound_is_twenty_times_too_wide(void **state)
 {
     (void)state;
     static const enum twin_formula formulas[] = {
-        TWIN_MT,     TWIN_MT_RTRS,        TWIN_WOOP,         TWIN_PLUECKER,
-        TWIN_EMBREE, TWIN_BALDWIN_WEBBER, TWIN_EMBREE_ROBUST};
+        TWIN_MT,     TWIN_MT_RTRS,        TWIN_WOOP,          TWIN_PLUECKER,
+        TWIN_EMBREE, TWIN_BALDWIN_WEBBER, TWIN_EMBREE_ROBUST, TWIN_TRI_ACCEL};
     static const struct rounding roundings[] = {ROUNDING_IEEE, ROUNDING_FLUSHED, ROUNDING_EMBREE,
                                                 ROUNDING_VULKAN_RTE, ROUNDING_VULKAN};
     enum { PAIRS = 2000 };

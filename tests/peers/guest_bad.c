@@ -241,7 +241,7 @@ static void model(void *self, struct raydiff_engine_model *out)
     if (is("model_unnamed"))
         out->flags = RAYDIFF_ENGINE_UNNAMED;
     if (is("model_formula"))
-        out->formula = 7;
+        out->formula = 8;
     if (is("model_flags"))
         out->flags = 8;
     if (is("model_both"))

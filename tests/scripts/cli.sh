@@ -120,7 +120,7 @@ for key in trials_per_s judged_rays_per_s harness_share cpu_f32_us brute_alone_u
 done
 expect 2 "unknown .*'x'" bench fuzz --engine x
 expect 0 "^  woop  *ieee  " bench tightness --wide --scene sphere:n=4 --count 500 --csv "$dir/t.csv"
-[ "$(grep -c '^tightness,sphere:n=4,' "$dir/t.csv")" -eq 17 ] || bad "bench tightness has no row per formula and rounding"
+[ "$(grep -c '^tightness,sphere:n=4,' "$dir/t.csv")" -eq 20 ] || bad "bench tightness has no row per formula and rounding"
 expect 2 "soup:n=0: no triangles" bench tightness --scene soup:n=0
 expect 2 "--tri: not used by benchmark fuzz" bench fuzz --tri mt
 expect 2 "--svg: not used by benchmark builders" bench builders --svg "$dir/x.svg"

@@ -18,6 +18,7 @@ static const struct {
     {"woop", TWIN_WOOP},
     {"pluecker", TWIN_PLUECKER},
     {"baldwin_webber", TWIN_BALDWIN_WEBBER},
+    {"tri_accel", TWIN_TRI_ACCEL},
     {"embree", TWIN_EMBREE},
     {"embree_robust", TWIN_EMBREE_ROBUST},
 };

@@ -15,9 +15,9 @@
 
 #define PAIRS 60000
 
-static const enum twin_formula formulas[] = {TWIN_MT,           TWIN_MT_RTRS,        TWIN_WOOP,
-                                             TWIN_PLUECKER,     TWIN_BALDWIN_WEBBER, TWIN_EMBREE,
-                                             TWIN_EMBREE_ROBUST};
+static const enum twin_formula formulas[] = {
+    TWIN_MT,     TWIN_MT_RTRS,       TWIN_WOOP,     TWIN_PLUECKER, TWIN_BALDWIN_WEBBER,
+    TWIN_EMBREE, TWIN_EMBREE_ROBUST, TWIN_TRI_ACCEL};
 
 /* Exact to far below float32: edge products, determinant and t of Moeller-Trumbore in long double,
  * whose inputs are floats, so that the differences are exact. */

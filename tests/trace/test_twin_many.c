@@ -19,8 +19,8 @@
 #define ROUNDS 60u
 
 static const enum twin_formula formulas[] = {
-    TWIN_MT,     TWIN_MT_RTRS,       TWIN_WOOP,   TWIN_PLUECKER, TWIN_BALDWIN_WEBBER,
-    TWIN_EMBREE, TWIN_EMBREE_ROBUST, TWIN_UNKNOWN};
+    TWIN_MT,     TWIN_MT_RTRS,       TWIN_WOOP,    TWIN_PLUECKER, TWIN_BALDWIN_WEBBER,
+    TWIN_EMBREE, TWIN_EMBREE_ROBUST, TWIN_UNKNOWN, TWIN_TRI_ACCEL};
 static const struct rounding roundings[] = {{1, 1, 1, 0x1p-149},
                                             {1, 1, 1, 0x1p-126},
                                             {1, 1, 5.5, 0x1p-126},

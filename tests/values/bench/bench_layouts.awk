@@ -22,6 +22,12 @@ function laws(p, name,  base, tris, nodes, other) {
     if (v[p ".rounds"] == 1) near(name "ratio", v[p ".ratio_median"], v[p ".mrays_median"] / v[base ".mrays_median"])
     truth(name "more than all triangles tested", v[p ".tris_per_ray"] + 0 <= tris + 0)
     truth(name "differences and allowed", v[p ".differences"] + v[p ".allowed"] <= v[p ".count"] + 0)
+    if (v[p ".engine"] == "kd") { # a tree of its own: nodes of 8 bytes, entries of 4, and 48 a triangle
+        equal(name "memory", v[p ".memory_bytes"], v[p ".node_bytes"] + v[p ".item_bytes"])
+        truth(name "nodes of a binary tree", v[p ".node_bytes"] % 16 == 8)
+        truth(name "items", v[p ".item_bytes"] % 4 == 0 && v[p ".item_bytes"] + 0 >= 52 * tris)
+        return
+    }
     if (v[p ".layout"] == "-") {
         truth(name "bytes of no layout", v[p ".node_bytes"] + v[p ".item_bytes"] == 0)
         if (v[p ".engine"] ~ /brute/) equal(name "triangles tested", v[p ".tris_per_ray"] + 0, tris)
@@ -84,7 +90,7 @@ $8 == "of" && NF == 14 {
     same(name "ratio", $6, "%.2f", v[p ".ratio_median"])
     same_span(name "ratio", $7, "%.2f", v[p ".ratio_min"], v[p ".ratio_max"])
     equal(name "base", $9, v[p ".base_engine"] == v[p ".engine"] && v[p ".base_layout"] != "-" ? v[p ".base_layout"] : v[p ".base_engine"])
-    if (v[p ".layout"] == "-")
+    if (v[p ".layout"] == "-" && v[p ".engine"] != "kd")
         equal(name "no bytes", $10 $11, "--")
     else {
         same(name "nodeB", $10, "%.1f", v[p ".node_bytes"] / tris)

@@ -9,7 +9,7 @@ function number(title, format, value) { if (title in cell) same(p " " title, cel
 function word(title, text) { if (title in cell) equal(p " " title, cell[title], text == "null" ? "-" : text) }
 function share(title, events, count) { if (title in cell) rate(p " " title, cell[title], v[p events], v[p count]) }
 function bytes(title, count) {
-    if (v[p ".layout"] == "-") word(title, "-")
+    if (v[p ".layout"] == "-" && v[p ".engine"] != "kd") word(title, "-")
     else number(title, "%.1f", count / v[p ".triangles"])
 }
 function verdict(judged, wrong) { word("verdict", judged == "false" ? "counted" : wrong > 0 ? "WRONG" : "agrees") }
