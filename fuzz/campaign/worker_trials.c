@@ -12,7 +12,7 @@ static enum status mutate(const struct work_rules *rules, uint64_t index,
                           const struct fuzz_trial *base, struct fuzz_trial *out,
                           struct reason *reason)
 {
-    struct rng of_seed = rng_make(rules->seed, 0x6D757400u + GEN_VERSION);
+    struct rng of_seed = rng_make(rules->seed, 0x6D757400u + GEN_SALT);
     struct rng rng = rng_make(rng_u64(&of_seed), index);
     uint32_t edits = 1 + rng_below(&rng, EDITS_MOST);
     enum status status = fuzz_trial_copy(base, out, reason);
@@ -88,7 +88,7 @@ static enum status draw_members(const struct work_rules *rules, uint64_t index,
                                 const struct work_draw *draw, struct fuzz_trial *trial,
                                 struct reason *reason)
 {
-    struct rng of_seed = rng_make(rules->seed, 0x64726177u + GEN_VERSION);
+    struct rng of_seed = rng_make(rules->seed, 0x64726177u + GEN_SALT);
     struct rng rng = rng_make(rng_u64(&of_seed), index);
     trial->builder = draw->builder;
     trial->store = draw->store;

@@ -16,7 +16,7 @@ _Static_assert(FLT_EVAL_METHOD == 0, "float expressions must be evaluated in flo
 /* Neighbouring seeds share nothing, nor do neighbouring indices, nor scenes and worlds. */
 static struct rng rng_of_trial(uint64_t seed, uint64_t index, bool world)
 {
-    struct rng of_seed = rng_make(seed, (world ? 0x776F726Cu : 0x67656E00u) + GEN_VERSION);
+    struct rng of_seed = rng_make(seed, (world ? 0x776F726Cu : 0x67656E00u) + GEN_SALT);
     return rng_make(rng_u64(&of_seed), index);
 }
 

@@ -87,6 +87,15 @@ static inline float lanes_half_area(lanes side)
     return side[0] * side[1] + side[1] * side[2] + side[2] * side[0];
 }
 
+/* Half the area of a box in double, as box_half_area. */
+static inline double lane_box_half_area(const struct lane_box *box)
+{
+    double x = (double)box->hi[0] - (double)box->lo[0];
+    double y = (double)box->hi[1] - (double)box->lo[1];
+    double z = (double)box->hi[2] - (double)box->lo[2];
+    return x * y + y * z + z * x;
+}
+
 /* Half a box's sides: halved first, as the difference of two floats can overflow; 0 if empty. */
 static inline lanes lane_box_reach(const struct lane_box *box)
 {

@@ -161,6 +161,21 @@ enum status tree_collapse(struct bvh *bvh, uint32_t leaf)
     return enough ? STATUS_OK : STATUS_MEMORY;
 }
 
+enum status tree_collapsed_cost(const struct bvh *bvh, uint32_t leaf, double *out)
+{
+    double *cost = room_make(bvh->node_count, sizeof *cost);
+    uint32_t *items = room_make(bvh->node_count, sizeof *items);
+    bool enough = cost && items;
+    *out = 0;
+    if (enough && bvh->node_count) {
+        collapse_mark(bvh, leaf, cost, items);
+        *out = cost[0];
+    }
+    room_free(cost);
+    room_free(items);
+    return enough ? STATUS_OK : STATUS_MEMORY;
+}
+
 void tree_drop(struct bvh *bvh)
 {
     room_free(bvh->node);

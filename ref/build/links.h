@@ -27,6 +27,10 @@ enum status links_write(const struct links *links, struct bvh *out) MUST_USE;
  * in pre-order. Errors: STATUS_MEMORY; the tree is unchanged. */
 enum status tree_collapse(struct bvh *bvh, uint32_t leaf) MUST_USE;
 
+/* Sets *out to what tree_sah times half the root's area would be after tree_collapse(bvh, leaf). 0
+ * for an empty tree. Errors: STATUS_MEMORY. */
+enum status tree_collapsed_cost(const struct bvh *bvh, uint32_t leaf, double *out) MUST_USE;
+
 /* Like bvh_free, for a tree that a builder discards: its arrays come from room_make. */
 void tree_drop(struct bvh *bvh);
 

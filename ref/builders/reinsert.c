@@ -6,8 +6,6 @@
 #include "ref/build/room.h"
 #include "ref/builders/spots.h"
 
-#include <string.h>
-
 /* Places are searched for every TURNS-th node at a time, so that later turns of a pass see earlier
  * moves. */
 #define TURNS 4u
@@ -59,52 +57,6 @@ static enum status pass(struct reinsert *r, double *fall)
     return status;
 }
 
-static struct lane_box leaf(const void *user, uint32_t node, uint32_t *prim, uint32_t *items)
-{
-    const struct bvh *bvh = user;
-    const struct bvh_node *from = &bvh->node[node];
-    *items = from->item_count;
-    memcpy(prim, bvh->prim + from->item_first, from->item_count * sizeof *prim);
-    return lane_box_load(&from->bounds);
-}
-
-/* Replaces the old tree by the moved one. */
-static enum status finish(const struct reinsert *r, struct bvh *bvh)
-{
-    const uint32_t nodes = r->spots.count;
-    struct links links = {
-        .leaf = leaf, .user = bvh, .items = bvh->prim_count, .tris = bvh->tri_count};
-    struct bvh moved = {0};
-    links.child = room_make(nodes, sizeof *links.child);
-    links.leaves = room_make(nodes, sizeof *links.leaves);
-    uint32_t *list = room_make(nodes, sizeof *list);
-    enum status status = STATUS_MEMORY;
-    if (links.child && links.leaves && list) {
-        uint32_t count = 1;
-        list[0] = 0;
-        for (uint32_t i = 0; i < count; i++) {
-            const struct spot *spot = &r->spots.spot[list[i]];
-            memcpy(links.child[list[i]], spot->child, sizeof spot->child);
-            for (int k = 0; k < 2 && spot->child[0] != LINKS_NONE; k++)
-                list[count++] = spot->child[k];
-        }
-        while (count-- > 0) {
-            const uint32_t *child = links.child[list[count]];
-            links.leaves[list[count]] =
-                child[0] == LINKS_NONE ? 1 : links.leaves[child[0]] + links.leaves[child[1]];
-        }
-        status = links_write(&links, &moved);
-    }
-    room_free(links.child);
-    room_free(links.leaves);
-    room_free(list);
-    if (status)
-        return status;
-    tree_drop(bvh);
-    *bvh = moved;
-    return STATUS_OK;
-}
-
 enum status tree_reinsert(struct bvh *bvh, uint32_t passes, uint32_t threads)
 {
     if (bvh->node_count < 7)
@@ -119,8 +71,13 @@ enum status tree_reinsert(struct bvh *bvh, uint32_t passes, uint32_t threads)
     double fall = 1;
     for (uint32_t i = 0; i < passes && !status && fall > 0; i++)
         status = pass(&r, &fall);
+    struct bvh moved = {0};
     if (!status)
-        status = finish(&r, bvh);
+        status = spots_write(&r.spots, bvh, &moved);
+    if (!status) {
+        tree_drop(bvh);
+        *bvh = moved;
+    }
     spots_free(&r.spots);
     room_free(r.gain);
     room_free(r.target);

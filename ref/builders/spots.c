@@ -189,3 +189,44 @@ double spots_move(struct spots *spots, uint32_t node, uint32_t target)
     (void)move(spot, node, other);
     return 0;
 }
+
+static struct lane_box leaf(const void *user, uint32_t node, uint32_t *prim, uint32_t *items)
+{
+    const struct bvh *bvh = user;
+    const struct bvh_node *from = &bvh->node[node];
+    *items = from->item_count;
+    memcpy(prim, bvh->prim + from->item_first, from->item_count * sizeof *prim);
+    return lane_box_load(&from->bounds);
+}
+
+enum status spots_write(const struct spots *spots, const struct bvh *bvh, struct bvh *out)
+{
+    const uint32_t nodes = spots->count;
+    struct links links = {
+        .leaf = leaf, .user = bvh, .items = bvh->prim_count, .tris = bvh->tri_count};
+    *out = (struct bvh){0};
+    links.child = room_make(nodes, sizeof *links.child);
+    links.leaves = room_make(nodes, sizeof *links.leaves);
+    uint32_t *list = room_make(nodes, sizeof *list);
+    enum status status = STATUS_MEMORY;
+    if (links.child && links.leaves && list) {
+        uint32_t count = 1;
+        list[0] = 0;
+        for (uint32_t i = 0; i < count; i++) {
+            const struct spot *spot = &spots->spot[list[i]];
+            memcpy(links.child[list[i]], spot->child, sizeof spot->child);
+            for (int k = 0; k < 2 && spot->child[0] != LINKS_NONE; k++)
+                list[count++] = spot->child[k];
+        }
+        while (count-- > 0) {
+            const uint32_t *child = links.child[list[count]];
+            links.leaves[list[count]] =
+                child[0] == LINKS_NONE ? 1 : links.leaves[child[0]] + links.leaves[child[1]];
+        }
+        status = links_write(&links, out);
+    }
+    room_free(links.child);
+    room_free(links.leaves);
+    room_free(list);
+    return status;
+}

@@ -34,4 +34,9 @@ uint32_t spots_seek(const struct spots *spots, uint32_t node, float *gain);
  * current tree. Returns the decrease, 0 if there is none or the move is impossible. */
 double spots_move(struct spots *spots, uint32_t node, uint32_t target);
 
+/* Writes the tree in pre-order, with the leaves of that of which the nodes were made; inner boxes
+ * are those of the children. At most 60 deep: see links_write. Errors: STATUS_MEMORY; then *out is
+ * zero. */
+enum status spots_write(const struct spots *spots, const struct bvh *bvh, struct bvh *out) MUST_USE;
+
 #endif

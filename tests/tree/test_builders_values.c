@@ -131,6 +131,8 @@ static const struct valued_builder rows[] = {
     {"sbvh", {.leaf = 4, .split_budget = 3, .split_alpha = -1}, 0xc1beda96822cdaa8},
     {"sbvh", {.leaf = 4, .split_alpha = 0.05f}, 0x242f6bb1801e5a65},
     {"sbvh", {.leaf = 3, .split_budget = -1}, 0xcff7f3176a2cf7cc},
+    {"trbvh", {.leaf = 1}, 0x2cdaf8f8e1c27da2},
+    {"trbvh", {.leaf = 4}, 0x8ba3e0129712b74b},
     {"sah_binned", {.leaf = 4, .passes = 2}, 0x3bed1f85c59a5162},
     {"ploc", {.leaf = 2, .passes = 1}, 0x2ba4d1f2c3cb3f54},
     {"sbvh", {.leaf = 4, .passes = 3}, 0x599f70097f68a841},
@@ -147,6 +149,7 @@ static const struct {
     {{"lbvh", {.leaf = 4}, 0xf01b51459af52033}, 70000},
     {{"ploc", {.leaf = 4}, 0x2a0d842e99fcb1a6}, 9000},
     {{"sbvh", {.leaf = 4, .split_budget = 0.25f}, 0x77005c9bf3048fa6}, 9000},
+    {{"trbvh", {.leaf = 4}, 0xe0329ce52a713a93}, 20000},
     {{"sah_binned", {.leaf = 4, .passes = 1}, 0x7b014cfd8ae205ad}, 9000},
 };
 
