@@ -14,33 +14,42 @@
 struct builders_contestant {
     const struct builder *builder;
     uint32_t passes, threads;
+    bool rotates; /* the passes are of rotations */
     double ns[BENCH_ROUNDS];
     struct tree_quality quality;
     double overlap;
     struct reason refused; /* "" if it was not refused */
 };
 
-static void add(struct builders_contestant *list, size_t *count, const char *name, uint32_t passes,
-                uint32_t threads)
+static void add(struct builders_contestant *list, size_t *count,
+                const struct builders_contestant *c)
 {
     if (*count < MOST)
-        list[(*count)++] = (struct builders_contestant){
-            .builder = builder_find(name), .passes = passes, .threads = threads};
+        list[(*count)++] = *c;
 }
 
-/* All builders of C, and reinsertion after the fast ones: with one and with two threads, or with
- * the user's number of threads. */
+/* All builders of C, and reinsertion and rotations after fast ones: with one and with two threads, or
+ * with the user's number of threads. */
 static size_t contestants(const struct bench *bench, struct builders_contestant list[MOST])
 {
-    static const char *const optimized[] = {"sah_binned", "lbvh", "ploc"};
+    static const struct {
+        const char *builder;
+        bool rotates;
+    } optimized[] = {
+        {"sah_binned", false}, {"lbvh", false}, {"ploc", false}, {"lbvh", true}, {"ploc", true}};
     uint32_t first = bench->engines.threads ? bench->engines.threads : 1;
     uint32_t last = bench->engines.threads ? bench->engines.threads : 2;
     size_t count = 0;
     for (uint32_t threads = first; threads <= last; threads++) {
         for (size_t b = 0; builders_all[b] && !builders_all[b]->compare; b++)
-            add(list, &count, builders_all[b]->name, 0, threads);
+            add(list, &count,
+                &(struct builders_contestant){.builder = builders_all[b], .threads = threads});
         for (size_t i = 0; i < ARRAY_COUNT(optimized); i++)
-            add(list, &count, optimized[i], BUILD_PASSES_DEFAULT, threads);
+            add(list, &count,
+                &(struct builders_contestant){.builder = builder_find(optimized[i].builder),
+                                              .passes = BUILD_PASSES_DEFAULT,
+                                              .rotates = optimized[i].rotates,
+                                              .threads = threads});
     }
     return count;
 }
@@ -52,6 +61,7 @@ static enum status build_once(struct builders_contestant *c, const struct scene 
     const struct build_options options = {.leaf = BUILD_LEAF_DEFAULT,
                                           .eps = BUILD_EPS_DEFAULT,
                                           .passes = c->passes,
+                                          .rotates = c->rotates,
                                           .threads = c->threads};
     struct bvh bvh;
     uint64_t start = time_ns();
@@ -77,7 +87,8 @@ static void print_row(struct bench *bench, const char *spec, const struct scene 
     char name[64];
     int used = snprintf(name, sizeof name, "%s", c->builder->name);
     if (c->passes)
-        snprintf(name + used, sizeof name - (size_t)used, " reinsert=%u", c->passes);
+        snprintf(name + used, sizeof name - (size_t)used, " %s=%u",
+                 c->rotates ? "rotate" : "reinsert", c->passes);
     if (c->refused.text[0]) {
         screen_text(&bench->screen_is, "  %-24s %s\n", name, c->refused.text);
         return;
@@ -96,13 +107,15 @@ static void print_row(struct bench *bench, const char *spec, const struct scene 
                c->overlap, q->stats.depth, q->stats.node_count, q->leaf_fill, q->stats.largest_leaf,
                q->stats.loose_count);
     json_t *row = json_record(
-        "scene=%s builder=%s reinsert=%u threads=%u triangles=%u rounds=%zu ns_per_tri_median=%g "
+        "scene=%s builder=%s reinsert=%u rotate=%u threads=%u triangles=%u rounds=%zu "
+        "ns_per_tri_median=%g "
         "ns_per_tri_min=%g ns_per_tri_max=%g sah=%g overlap=%g overlap_exact=%i nodes=%u leaves=%u "
         "leaf_fill=%g depth=%u largest_leaf=%u loose=%u",
-        spec, c->builder->name, c->passes, c->threads, scene->tri_count, bench->rounds,
-        spread.median / tris, spread.least / tris, spread.most / tris, q->sah, c->overlap,
-        scene->tri_count <= OVERLAP_MOST, q->stats.node_count, q->stats.leaf_count, q->leaf_fill,
-        q->stats.depth, q->stats.largest_leaf, q->stats.loose_count);
+        spec, c->builder->name, c->rotates ? 0 : c->passes, c->rotates ? c->passes : 0, c->threads,
+        scene->tri_count, bench->rounds, spread.median / tris, spread.least / tris,
+        spread.most / tris, q->sah, c->overlap, scene->tri_count <= OVERLAP_MOST,
+        q->stats.node_count, q->stats.leaf_count, q->leaf_fill, q->stats.depth,
+        q->stats.largest_leaf, q->stats.loose_count);
     bench_row(bench, &bench_builders, row);
 }
 

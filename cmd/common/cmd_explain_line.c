@@ -48,7 +48,8 @@ static void append_build(const struct explain_of *of, const struct option_use *u
             text_append(text, EXPLAIN_COMMAND_MOST, " --%s %.9g", options[i].name,
                         options[i].value);
     if (build->passes)
-        text_append(text, EXPLAIN_COMMAND_MOST, " --optimize reinsert=%u", build->passes);
+        text_append(text, EXPLAIN_COMMAND_MOST, " --optimize %s=%u", build_optimization(build),
+                    build->passes);
 }
 
 void explain_command(const struct explain_of *of, const struct ray *ray,

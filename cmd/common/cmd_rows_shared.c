@@ -92,16 +92,19 @@ static enum status take_share(void *options, const struct option_value *given,
 static enum status take_optimize(void *options, const struct option_value *given,
                                  struct reason *reason)
 {
-    static const char name[] = "reinsert";
-    const char *text = given->text;
+    struct build_options *o = options;
+    const size_t length = strcspn(given->text, "=");
     uint64_t n = BUILD_PASSES_DEFAULT;
     enum status status = STATUS_OK;
-    if (strncmp(text, name, sizeof name - 1) != 0 || !strchr("=", text[sizeof name - 1]))
-        return fail(reason, STATUS_INPUT, "--optimize: '%.60s' is not reinsert or reinsert=N",
-                    text);
-    if (text[sizeof name - 1] == '=')
-        status = parse_count("--optimize", text + sizeof name, 1, 1000, &n, reason);
-    ((struct build_options *)options)->passes = (uint32_t)n;
+    o->rotates = strncmp(given->text, "rotate", length) == 0;
+    if (strlen(build_optimization(o)) != length ||
+        strncmp(given->text, build_optimization(o), length) != 0)
+        return fail(reason, STATUS_INPUT,
+                    "--optimize: '%.60s' is not reinsert, reinsert=N, rotate or rotate=N",
+                    given->text);
+    if (given->text[length] == '=')
+        status = parse_count("--optimize", given->text + length + 1, 1, 1000, &n, reason);
+    o->passes = (uint32_t)n;
     return status;
 }
 
@@ -130,7 +133,7 @@ const struct option_row build_rows[] = {
      OF_OWN(take_share), .standard = BUILD_SPLIT_ALPHA_DEFAULT},
     {"optimize", "O",
      "reinsert or reinsert=N: moves subtrees of what a builder made to where they cost less, N (4) "
-     "times over the tree",
+     "times over the tree; rotate or rotate=N: exchanges children with grandchildren, likewise",
      OF_OWN(take_optimize)},
     {0},
 };

@@ -44,7 +44,8 @@ static void fill(const struct fuzz_command *c, struct pair_tables *t)
     for (size_t i = 0; box_tests[i]; i++)
         if (all || !box_tests[i]->faithful)
             add(t, MEET_BOX, box_tests[i]);
-    t->count[MEET_OPTIMIZE] = t->count[MEET_MOTION] = drawn ? 2 : 1;
+    t->count[MEET_OPTIMIZE] = drawn ? MEET_OPTIMIZATIONS : 1;
+    t->count[MEET_MOTION] = drawn ? 2 : 1;
 }
 
 enum status fuzz_pairs_make(struct fuzz_command *c, struct reason *reason)

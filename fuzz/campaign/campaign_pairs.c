@@ -34,7 +34,7 @@ static struct work_draw draw_of(const struct campaign *c, const struct combinati
                              .store = member[MEET_STORE],
                              .tri = member[MEET_TRI],
                              .box = member[MEET_BOX],
-                             .optimized = combination->member[MEET_OPTIMIZE] > 0,
+                             .optimized = combination->member[MEET_OPTIMIZE],
                              .moved = combination->member[MEET_MOTION] > 0};
     while (draw.contestant + 1 < c->rules.field.count &&
            c->rules.field.who[draw.contestant].engine != engine)

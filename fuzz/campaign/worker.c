@@ -106,7 +106,7 @@ static void tell(struct worker *w, uint32_t count)
                                   .store = w->trial[i].store,
                                   .tri = w->trial[i].tri,
                                   .box = w->trial[i].box,
-                                  .optimized = w->trial[i].build.passes > 0,
+                                  .optimized = work_optimized(&w->trial[i].build),
                                   .rays = w->trial[i].ray_count,
                                   .triangles = w->trial[i].scene.tri_count};
         memcpy(to->coverage, from->coverage, sizeof to->coverage);

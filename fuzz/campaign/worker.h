@@ -31,7 +31,8 @@ struct work_draw {
     const struct tri_store *store;
     const struct tri_test *tri;
     const struct box_test *box;
-    bool optimized, moved;
+    uint32_t optimized; /* member of MEET_OPTIMIZE */
+    bool moved;
     enum query query;
 };
 
@@ -47,6 +48,12 @@ struct work_rules {
     const struct fuzz_trial *kept; /* that reached rare states in earlier runs */
     size_t kept_count;
 };
+
+/* The member of MEET_OPTIMIZE that a trial has. */
+static inline uint32_t work_optimized(const struct build_options *build)
+{
+    return build->passes == 0 ? 0 : build->rotates ? 2 : 1;
+}
 
 /* Makes trial `index` of a stream: a pure function of rules, stream, index and base (NULL where the
  * stream has none). Errors: STATUS_MEMORY; STATUS_LIMIT, see gen_trial. */
@@ -93,7 +100,7 @@ struct work_trial {
     const struct tri_store *store;
     const struct tri_test *tri;
     const struct box_test *box;
-    bool optimized;
+    uint32_t optimized; /* member of MEET_OPTIMIZE */
 };
 
 struct work_finding {

@@ -97,8 +97,9 @@ static enum status draw_members(const struct work_rules *rules, uint64_t index,
     trial->query = draw->query;
     if (!draw->builder->faithful)
         trial->build.eps = BUILD_EPS_DEFAULT;
-    if (draw->optimized)
+    if (draw->optimized > 0)
         trial->build.passes = 1 + rng_below(&rng, BUILD_PASSES_DEFAULT);
+    trial->build.rotates = draw->optimized > 1;
     if (draw->moved) {
         trial->move = gen_move(&rng);
         trial->move_seed = rng_below(&rng, 1000);

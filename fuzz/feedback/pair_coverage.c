@@ -19,8 +19,9 @@ const struct pair_tables *pair_coverage_tables(const struct pair_coverage *m)
 
 const char *pair_coverage_name(const struct pair_coverage *m, enum pair_factor factor, uint32_t i)
 {
+    static const char *const optimize[MEET_OPTIMIZATIONS] = {"plain", "reinsert", "rotate"};
     if (factor == MEET_OPTIMIZE)
-        return i == 0 ? "plain" : "reinsert";
+        return optimize[i];
     if (factor == MEET_MOTION)
         return i == 0 ? "still" : "moved";
     return *(const char *const *)m->tables.member[factor][i]; /* all begin with their names */
@@ -185,14 +186,15 @@ static uint16_t place_of(const struct pair_tables *t, enum pair_factor factor, c
 struct combination pair_coverage_of(const struct pair_coverage *m, const struct engine *engine,
                                     const struct layout *layout, const struct builder *builder,
                                     const struct tri_store *store, const struct tri_test *tri,
-                                    const struct box_test *box, bool optimized, bool moved)
+                                    const struct box_test *box, uint32_t optimized, bool moved)
 {
     const struct pair_tables *t = &m->tables;
     const void *const member[] = {engine, layout, builder, store, tri, box};
     struct combination out;
     for (enum pair_factor f = 0; f < MEET_OPTIMIZE; f++)
         out.member[f] = place_of(t, f, member[f]);
-    out.member[MEET_OPTIMIZE] = optimized < t->count[MEET_OPTIMIZE] ? optimized : MEET_NONE;
+    out.member[MEET_OPTIMIZE] =
+        optimized < t->count[MEET_OPTIMIZE] ? (uint16_t)optimized : MEET_NONE;
     out.member[MEET_MOTION] = moved < t->count[MEET_MOTION] ? moved : MEET_NONE;
     for (enum pair_factor f = 0; f < MEET_FACTORS; f++)
         if (!pair_coverage_meets(engine, f))

@@ -16,7 +16,7 @@ enum pair_factor {
     MEET_STORE,
     MEET_TRI,
     MEET_BOX,
-    MEET_OPTIMIZE, /* plain, reinsert */
+    MEET_OPTIMIZE, /* plain, reinsert, rotate */
     MEET_MOTION,   /* still, moved: refitted, not rebuilt */
     MEET_FACTORS
 };
@@ -24,14 +24,16 @@ enum pair_factor {
 /* "engine", ... */
 const char *pair_factor_name(enum pair_factor factor);
 
-#define MEET_MOST 256u /* members of a factor */
-#define MEET_NONE UINT16_MAX
+#define MEET_MOST          256u /* members of a factor */
+#define MEET_OPTIMIZATIONS 3u   /* of MEET_OPTIMIZE */
+#define MEET_NONE          UINT16_MAX
 
 /* The members that take part; borrowed. An engine without a tree meets triangle tests only, one
  * with a test of its own neither triangle nor box tests. */
 struct pair_tables {
     const void *member[MEET_FACTORS][MEET_MOST]; /* of OPTIMIZE and MOTION not read */
-    uint32_t count[MEET_FACTORS];                /* of those at most 2, the first plain or still */
+    uint32_t count[MEET_FACTORS];                /* of those at most MEET_OPTIMIZATIONS and 2, the
+                                                    first plain or still */
 };
 
 /* A member of each factor. MEET_NONE where its engine does not meet that factor's; also where a
@@ -68,7 +70,7 @@ struct combination pair_coverage_of(const struct pair_coverage *pair_coverage,
                                     const struct engine *engine, const struct layout *layout,
                                     const struct builder *builder, const struct tri_store *store,
                                     const struct tri_test *tri, const struct box_test *box,
-                                    bool optimized, bool moved);
+                                    uint32_t optimized, bool moved);
 
 /* One more trial that was answered. */
 void pair_coverage_add(struct pair_coverage *pair_coverage, const struct combination *met);

@@ -118,7 +118,15 @@ static void read_store(struct finding_scan *in, struct finding_file *file)
 
 static void read_optimize(struct finding_scan *in, struct finding_file *file)
 {
+    if (!in->status && file->trial.build.passes > 0)
+        in->status = scan_fail(&in->scan, in->reason, "a tree is optimized in one way");
     file->trial.build.passes = (uint32_t)finding_whole(in, "passes", FUZZ_PASSES_MOST);
+}
+
+static void read_rotate(struct finding_scan *in, struct finding_file *file)
+{
+    read_optimize(in, file);
+    file->trial.build.rotates = true;
 }
 
 static void read_move(struct finding_scan *in, struct finding_file *file)
@@ -149,6 +157,7 @@ static const struct {
     {"recipe", read_recipe, false, false}, {"with", read_with, false, true},
     {"store", read_store, false, false},   {"optimize", read_optimize, false, false},
     {"move", read_move, false, false},     {"filter", read_filter, false, false},
+    {"rotate", read_rotate, false, false},
 };
 
 /* All lines before "vertices", which is left to be read. */

@@ -83,7 +83,7 @@ static void put_head(const struct finding_file *file, FILE *to)
     if (trial->store != tri_stores[0])
         fprintf(to, "store %s\n", trial->store->name);
     if (trial->build.passes > 0)
-        fprintf(to, "optimize %u\n", trial->build.passes);
+        fprintf(to, "%s %u\n", trial->build.rotates ? "rotate" : "optimize", trial->build.passes);
     if (trial->move > 0) {
         char move[FLOAT_WORD_MOST];
         float_word_write(trial->move, move);

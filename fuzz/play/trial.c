@@ -102,7 +102,8 @@ uint64_t fuzz_trial_hash(const struct fuzz_trial *trial)
     hash = trial_mix_float(trial_mix_u32(hash, trial->build.leaf), trial->build.eps);
     /* What older trials had not; its default keeps their hashes. */
     if (trial->build.passes > 0)
-        hash = trial_mix_u32(mix_text(hash, "passes"), trial->build.passes);
+        hash = trial_mix_u32(mix_text(hash, trial->build.rotates ? "rotate" : "passes"),
+                             trial->build.passes);
     if (trial->store != tri_stores[0])
         hash = mix_text(mix_text(hash, "store"), trial->store->name);
     if (trial->move > 0) {
@@ -158,7 +159,7 @@ static uint64_t member_weight(const struct fuzz_trial *trial)
         weight += 1 + trial_float_weight(trial->build.eps);
     for (size_t i = 0; tri_stores[i] && tri_stores[i] != trial->store; i++)
         weight++;
-    weight += trial->build.passes;
+    weight += trial->build.passes + (trial->build.passes > 0 && trial->build.rotates);
     if (trial->move > 0)
         weight += 1 + trial_float_weight(trial->move) + (trial->move_seed > 0);
     return weight;
@@ -222,7 +223,7 @@ enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reas
     if (trial->build.passes > FUZZ_PASSES_MOST ||
         !(trial->move >= 0 && trial->move <= FUZZ_MOVE_MOST))
         return fail(reason, STATUS_INPUT,
-                    "a trial has at most %u passes of reinsertion, and moves by "
+                    "a trial has at most %u passes of optimization, and moves by "
                     "0 to %g extents",
                     FUZZ_PASSES_MOST, (double)FUZZ_MOVE_MOST);
     if (trial->build.passes > 0 && trial->builder->faithful)

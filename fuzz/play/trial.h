@@ -11,7 +11,7 @@
 
 #define FUZZ_TRIANGLES_MOST 131072u /* of a trial; generated ones are far smaller */
 #define FUZZ_RAYS_MOST      65536u
-#define FUZZ_PASSES_MOST    16u   /* of reinsertion */
+#define FUZZ_PASSES_MOST    16u   /* of optimization */
 #define FUZZ_MOVE_MOST      64.0f /* extents of the scene */
 
 /* Where a trial comes from. */

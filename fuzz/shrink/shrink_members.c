@@ -28,6 +28,7 @@ enum {
     STORE,
     PASSES,
     PASSES_ONE,
+    REINSERTS,
     STILL,
     MOVE_LESS,
     MOVE_ROUND,
@@ -74,9 +75,13 @@ static bool change_past(struct fuzz_trial *trial, uint32_t variant)
         return true;
     case PASSES:
         trial->build.passes = 0;
+        trial->build.rotates = false;
         return true;
     case PASSES_ONE:
         trial->build.passes = trial->build.passes > 0;
+        return true;
+    case REINSERTS:
+        trial->build.rotates = false;
         return true;
     case STILL:
         trial->move = 0;

@@ -1,5 +1,6 @@
 #include "ref/build/links.h"
 #include "ref/builders/reinsert.h"
+#include "ref/builders/rotate.h"
 #include "ref/tree/bvh.h"
 #include "ref/base/memory.h"
 
@@ -48,6 +49,7 @@ const struct builder *builder_find(const char *name)
 
 #define GIGA           1000000000.0
 #define REINSERT_BYTES 310u /* least memory of tree_reinsert, as tri_bytes */
+#define ROTATE_BYTES   295u /* of tree_rotate */
 
 uint64_t bvh_build_bytes(const struct builder *builder, uint32_t tri_count,
                          const struct build_options *options)
@@ -57,8 +59,8 @@ uint64_t bvh_build_bytes(const struct builder *builder, uint32_t tri_count,
     if (builder == &build_sbvh && budget > 0)
         items += items * fmin((double)budget, (double)BUILD_SPLIT_BUDGET_MOST);
     uint64_t build = (uint64_t)(items * builder->tri_bytes);
-    uint64_t reinsert = options->passes > 0 ? (uint64_t)REINSERT_BYTES * tri_count : 0;
-    return build > reinsert ? build : reinsert;
+    uint64_t change = (uint64_t)(options->rotates ? ROTATE_BYTES : REINSERT_BYTES) * tri_count;
+    return options->passes > 0 && change > build ? change : build;
 }
 
 static enum status may_build(const struct builder *builder, const struct scene *scene,
@@ -91,7 +93,8 @@ enum status bvh_build(const struct builder *builder, const struct scene *scene,
     status = builder->build(scene, &single, out, reason);
     if (status || out->node_count == 0)
         return status;
-    status = tree_reinsert(out, options->passes, options->threads);
+    status = options->rotates ? tree_rotate(out, options->passes, options->threads)
+                              : tree_reinsert(out, options->passes, options->threads);
     if (!status)
         status = tree_collapse(out, options->leaf);
     if (status) {

@@ -43,7 +43,8 @@ struct build_options {
     float eps;          /* rtrs: a node whose longest side is below eps / 2 is not split */
     uint32_t bins;      /* sah_binned: bins per axis, up to 64; BUILD_BINS_DEFAULT */
     uint32_t radius;    /* ploc: neighbours compared on either side; BUILD_RADIUS_DEFAULT */
-    uint32_t passes;    /* reinsertion passes in bvh_build; none */
+    uint32_t passes;    /* optimization passes in bvh_build; none */
+    bool rotates;       /* they are rotations, not reinsertion */
     uint32_t threads;   /* does not affect the tree; all */
     float split_budget; /* sbvh: most additional items, as a fraction of the triangles; below 0:
                            none; BUILD_SPLIT_BUDGET_DEFAULT */
@@ -107,11 +108,18 @@ const struct builder *builder_find(const char *name);
 uint64_t bvh_build_bytes(const struct builder *builder, uint32_t tri_count,
                          const struct build_options *options);
 
-/* Builds, then moves subtrees to better places in options->passes passes over the tree. With
- * passes, a builder that respects the leaf size first makes leaves of one triangle; these are
- * merged into leaves of up to `leaf` where that costs less. Errors: those of builders; STATUS_INPUT
- * passes with a faithful builder, whose cut boxes would not be kept; STATUS_MEMORY, checked first:
- * bvh_build_bytes exceeds the memory left (ref/base/memory.h). */
+/* "rotate" or "reinsert": what options->passes are. */
+static inline const char *build_optimization(const struct build_options *options)
+{
+    return options->rotates ? "rotate" : "reinsert";
+}
+
+/* Builds, then moves subtrees to better places in options->passes passes over the tree
+ * (ref/builders/reinsert.h, rotate.h). With passes, a builder that respects the leaf size first
+ * makes leaves of one triangle; these are merged into leaves of up to `leaf` where that costs less.
+ * Errors: those of builders; STATUS_INPUT passes with a faithful builder, whose cut boxes would not
+ * be kept; STATUS_MEMORY, checked first: bvh_build_bytes exceeds the memory left
+ * (ref/base/memory.h). */
 enum status bvh_build(const struct builder *builder, const struct scene *scene,
                       const struct build_options *options, struct bvh *out,
                       struct reason *reason) MUST_USE;

@@ -96,6 +96,25 @@ static void a_child_and_a_grandchild_change_places(void **state)
     scene_free(&scene);
 }
 
+/* Triangles 0 and 1 lie between 2 and 3: to put them beside the nearer one gains most, in whatever
+ * order. */
+static void the_best_of_four_is_taken(void **state)
+{
+    (void)state;
+    for (int order = 0; order < 4; order++) {
+        const float at[2][2] = {{40, 42}, {order % 2 ? 100 : 0, order % 2 ? 0 : 100}};
+        struct scene scene = trees_grid(4);
+        for (uint32_t i = 0; i < 36; i++)
+            scene.vertex[i] = (i % 3 == 0 ? at[(i / 18) ^ (uint32_t)(order / 2)][i / 9 % 2] : 0) +
+                              (i % 9 == 3 || i % 9 == 7 ? 1.0f : 0);
+        struct bvh bvh = trees_make(&scene, 1, TREES_BALANCED);
+        assert_int_equal(tree_rotate(&bvh, 1, 1), STATUS_OK);
+        assert_true(cost_of(&bvh) == 101.0 + 43 + 3 + 4 * 1); /* [0, 101], [0, 43], [40, 43] */
+        bvh_free(&bvh);
+        scene_free(&scene);
+    }
+}
+
 /* --- the cost --------------------------------------------------------------------------------- */
 
 /* Long thin triangles side by side, as many as `built_scene` has; and a pile of one triangle. */
@@ -348,6 +367,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(up_to_seven_triangles_cost_the_least),
         cmocka_unit_test(a_child_and_a_grandchild_change_places),
+        cmocka_unit_test(the_best_of_four_is_taken),
         cmocka_unit_test(no_round_raises_the_cost),
         cmocka_unit_test(rounds_lower_the_cost),
         cmocka_unit_test(treelets_count_leaves_as_they_will_be),

@@ -19,7 +19,7 @@ static const char *const engine_names[] = {"cpu", "fast", "cpu_stackless", "brut
 /* Every member that is not as published. */
 static inline struct pair_tables all_tables(void)
 {
-    struct pair_tables t = {.count = {[MEET_OPTIMIZE] = 2, [MEET_MOTION] = 2}};
+    struct pair_tables t = {.count = {[MEET_OPTIMIZE] = MEET_OPTIMIZATIONS, [MEET_MOTION] = 2}};
     for (size_t i = 0; i < ARRAY_COUNT(engine_names); i++)
         add(&t, MEET_ENGINE, engine_find(engine_names[i]));
     for (size_t i = 0; layouts_all[i]; i++)

@@ -220,6 +220,7 @@ static const struct {
     {"eps 0.02", "eps inf", 8, "not finite"},
     {"box robust", "store sand\nbox robust", 9, "unknown storage 'sand'"},
     {"box robust", "optimize 1000\nbox robust", 9, "passes: "},
+    {"box robust", "rotate 2\noptimize 1\nbox robust", 10, "optimized in one way"},
     {"box robust", "move -1 seed 1\nbox robust", 9, "how far is 0 to"},
     {"box robust", "move 1e9 seed 1\nbox robust", 9, "how far is 0 to"},
     {"box robust", "move nan seed 1\nbox robust", 9, "how far: 'nan'"},

@@ -85,7 +85,7 @@ static void rarest_pairs_are_drawn(void **state)
                              t->member[MEET_STORE][drawn.member[MEET_STORE]],
                              t->member[MEET_TRI][drawn.member[MEET_TRI]],
                              t->member[MEET_BOX][drawn.member[MEET_BOX]],
-                             drawn.member[MEET_OPTIMIZE] > 0, drawn.member[MEET_MOTION] > 0);
+                             drawn.member[MEET_OPTIMIZE], drawn.member[MEET_MOTION] > 0);
         for (enum pair_factor a = 0; a < MEET_FACTORS; a++)
             for (enum pair_factor b = a + 1; b < MEET_FACTORS; b++)
                 if (met.member[a] != MEET_NONE && met.member[b] != MEET_NONE)
@@ -172,7 +172,7 @@ static const struct work_rules rules = {
     .seed = 11, .gen = {.triangles_least = 8, .triangles_most = 30, .rays = 40}};
 
 static struct work_draw draw_of(const char *layout, const char *builder, const char *store,
-                                bool optimized, bool moved)
+                                uint32_t optimized, bool moved)
 {
     return (struct work_draw){.on = true,
                               .layout = layout_find(layout),
@@ -266,7 +266,7 @@ static void drawn_trials_come_back_from_their_file(void **state)
             fail_msg("%s", reason.text);
         assert_int_equal(fuzz_trial_hash(&file.trial), fuzz_trial_hash(&again.trial));
         assert_ptr_equal(again.trial.store, draw.store);
-        assert_int_equal(again.trial.build.passes > 0, draw.optimized);
+        assert_int_equal(work_optimized(&again.trial.build), draw.optimized);
         assert_int_equal(again.trial.move > 0, draw.moved);
         free(bytes);
         finding_file_free(&file);

@@ -25,8 +25,9 @@ static bool is_lawful(const struct builder *builder)
 static void check_one(const struct builder *builder, const struct scene *scene, uint32_t leaf,
                       const char *what)
 {
-    for (uint32_t passes = 0; passes < 3; passes += 2) {
-        struct build_options options = {.leaf = leaf, .passes = passes};
+    for (uint32_t how = 0; how < 3; how++) {
+        const uint32_t passes = how > 0 ? 2 : 0;
+        struct build_options options = {.leaf = leaf, .passes = passes, .rotates = how > 1};
         struct reason reason = {""};
         struct bvh bvh;
         if (bvh_build(builder, scene, &options, &bvh, &reason) || bvh_check(&bvh, scene, &reason))

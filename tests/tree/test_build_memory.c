@@ -31,9 +31,10 @@ void room_free(void *room)
 
 /* Fails the first, second, ... allocation until there is none to fail. Returns how many there were.
  */
-static int fail_each(const struct builder *builder, const struct scene *scene, uint32_t passes)
+static int fail_each(const struct builder *builder, const struct scene *scene, uint32_t passes,
+                     bool rotates)
 {
-    const struct build_options options = {.leaf = 2, .passes = passes};
+    const struct build_options options = {.leaf = 2, .passes = passes, .rotates = rotates};
     for (int n = 0; n < 200; n++) {
         struct bvh bvh = {.node_count = 7};
         struct reason reason = {""};
@@ -61,13 +62,13 @@ static int fail_each(const struct builder *builder, const struct scene *scene, u
 static void memory_that_ends_anywhere_is_an_error(void **state)
 {
     (void)state;
-    static const char *const name[] = {"sah_binned", "sah_sweep", "lbvh",
-                                       "ploc",       "sbvh",      "trbvh"};
+    static const char *const name[] = {"sah_binned", "sah_sweep", "lbvh", "ploc", "sbvh", "trbvh"};
     struct scene scene = built_soup(300, 1);
     for (size_t i = 0; i < ARRAY_COUNT(name); i++) {
-        int plain = fail_each(builder_find(name[i]), &scene, 0);
+        int plain = fail_each(builder_find(name[i]), &scene, 0, false);
         assert_true(plain >= 4);
-        assert_true(fail_each(builder_find(name[i]), &scene, 1) >= plain + 8);
+        assert_true(fail_each(builder_find(name[i]), &scene, 1, false) >= plain + 8);
+        assert_true(fail_each(builder_find(name[i]), &scene, 1, true) >= plain + 8);
     }
     scene_free(&scene);
 }

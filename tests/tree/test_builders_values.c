@@ -134,6 +134,7 @@ static const struct valued_builder rows[] = {
     {"trbvh", {.leaf = 1}, 0x2cdaf8f8e1c27da2},
     {"trbvh", {.leaf = 4}, 0x8ba3e0129712b74b},
     {"sah_binned", {.leaf = 4, .passes = 2}, 0x3bed1f85c59a5162},
+    {"lbvh", {.leaf = 4, .passes = 2, .rotates = true}, 0xf32b1d540c7bfe80},
     {"ploc", {.leaf = 2, .passes = 1}, 0x2ba4d1f2c3cb3f54},
     {"sbvh", {.leaf = 4, .passes = 3}, 0x599f70097f68a841},
 };

@@ -1,5 +1,9 @@
 # The text of `raydiff bench builders` against its JSON, and trees against those that `raydiff precompute` wrote
 # (other.flat, each path with the builder's name before it): awk -f lib.awk -f tree.awk -f bench_builders.awk FLAT other.flat TEXT
+# Its name, as it is printed.
+function how(p) {
+    return v[p ".builder"] (v[p ".reinsert"] > 0 ? " reinsert=" v[p ".reinsert"] : v[p ".rotate"] > 0 ? " rotate=" v[p ".rotate"] : "")
+}
 function laws(p, name,  tree, other, i) {
     equal(name "a binary tree", v[p ".nodes"], 2 * v[p ".leaves"] - 1)
     truth(name "fill and largest leaf", v[p ".leaf_fill"] <= v[p ".largest_leaf"] && v[p ".largest_leaf"] <= v[p ".triangles"])
@@ -7,13 +11,14 @@ function laws(p, name,  tree, other, i) {
     equal(name "overlap is exact", v[p ".overlap_exact"], v[p ".triangles"] <= 50000 ? "true" : "false")
     for (i = 0; i < v["rows.count"]; i++) { # as many threads as they are, it is one tree
         other = "rows." i
-        if (v[other ".scene"] != v[p ".scene"] || v[other ".builder"] != v[p ".builder"] || v[other ".reinsert"] != v[p ".reinsert"]) continue
+        if (v[other ".scene"] != v[p ".scene"] || v[other ".builder"] != v[p ".builder"] || how(other) != how(p)) continue
         if (v[other ".threads"] != v[p ".threads"]) threaded++
         equal(name "tree of other threads", v[other ".sah"] v[other ".nodes"] v[other ".overlap"], v[p ".sah"] v[p ".nodes"] v[p ".overlap"])
     }
     built += rounds * v[p ".triangles"] * v[p ".ns_per_tri_median"]
     most_built += rounds * v[p ".triangles"] * v[p ".ns_per_tri_max"]
-    tree = v[p ".builder"] "_" v[p ".reinsert"]
+    tree = how(p)
+    sub(/ /, "_", tree)
     if (!((tree ".uniforms.count") in w)) return
     compared++
     measure(tree)
@@ -35,8 +40,8 @@ function laws(p, name,  tree, other, i) {
 rows && NF >= 11 {
     p = "rows." r++
     shift = NF - 11
-    name = v[p ".scene"] " " v[p ".builder"] " " v[p ".reinsert"] " " v[p ".threads"] " "
-    equal(name "builder", $1 (shift ? " " $2 : ""), v[p ".builder"] (v[p ".reinsert"] > 0 ? " reinsert=" v[p ".reinsert"] : ""))
+    name = v[p ".scene"] " " how(p) " " v[p ".threads"] " "
+    equal(name "builder", $1 (shift ? " " $2 : ""), how(p))
     equal(name "threads", $(2 + shift), v[p ".threads"])
     same(name "ns a triangle", $(3 + shift), "%.1f", v[p ".ns_per_tri_median"])
     same_span(name "ns a triangle", $(4 + shift), "%.1f", v[p ".ns_per_tri_min"], v[p ".ns_per_tri_max"])
@@ -52,7 +57,7 @@ rows && NF >= 11 {
 }
 END {
     equal("rows", r, v["rows.count"])
-    if (w["median_0.uniforms.count"] > 0) truth("trees of precompute", compared >= 5)
+    if (w["median.uniforms.count"] > 0) truth("trees of precompute", compared >= 5)
     truth("trees of more threads", threaded > 0)
     # All trees together took less time than the command, and no thousandth of it.
     truth("ns a triangle: all trees took " built " of " took, built <= took && most_built > took / 500)
