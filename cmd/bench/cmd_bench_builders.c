@@ -6,6 +6,8 @@
 #include "ref/base/json_record.h"
 #include "ref/base/text.h"
 
+#include <inttypes.h>
+
 /* End-point overlap is estimated for scenes with more triangles. */
 #define OVERLAP_MOST 50000u
 #define MOST         64
@@ -18,7 +20,8 @@ struct builders_contestant {
     double ns[BENCH_ROUNDS];
     struct tree_quality quality;
     double overlap;
-    struct reason refused; /* "" if it was not refused */
+    struct build_traffic traffic; /* of a builder that is a stream */
+    struct reason refused;        /* "" if it was not refused */
 };
 
 static void add(struct builders_contestant *list, size_t *count,
@@ -76,6 +79,8 @@ static enum status build_once(struct builders_contestant *c, const struct scene 
         if (!status && tree_overlap(&bvh, scene, OVERLAP_MOST, &c->overlap))
             status = fail(reason, STATUS_MEMORY, "no memory to judge a tree of %u nodes",
                           bvh.node_count);
+        if (!status && c->builder->traffic && c->passes == 0)
+            status = c->builder->traffic(scene, &options, &c->traffic, reason);
     }
     bvh_free(&bvh);
     return status;
@@ -110,13 +115,31 @@ static void print_row(struct bench *bench, const char *spec, const struct scene 
         "scene=%s builder=%s reinsert=%u rotate=%u threads=%u triangles=%u rounds=%zu "
         "ns_per_tri_median=%g "
         "ns_per_tri_min=%g ns_per_tri_max=%g sah=%g overlap=%g overlap_exact=%i nodes=%u leaves=%u "
-        "leaf_fill=%g depth=%u largest_leaf=%u loose=%u",
+        "leaf_fill=%g depth=%u largest_leaf=%u loose=%u sweeps=%p boxes_read=%p boxes_written=%p",
         spec, c->builder->name, c->rotates ? 0 : c->passes, c->rotates ? c->passes : 0, c->threads,
         scene->tri_count, bench->rounds, spread.median / tris, spread.least / tris,
         spread.most / tris, q->sah, c->overlap, scene->tri_count <= OVERLAP_MOST,
         q->stats.node_count, q->stats.leaf_count, q->leaf_fill, q->stats.depth,
-        q->stats.largest_leaf, q->stats.loose_count);
+        q->stats.largest_leaf, q->stats.loose_count, json_known(c->traffic.sweeps),
+        json_known(c->traffic.boxes_read), json_known(c->traffic.boxes_written));
     bench_row(bench, &bench_builders, row);
+}
+
+/* What a streaming unit would move. With several numbers of threads it is the same. */
+static void print_traffic(const struct bench *bench, const struct scene *scene,
+                          const struct builders_contestant *list, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        const struct build_traffic *t = &list[i].traffic;
+        if (t->sweeps == 0 || list[i].threads != list[0].threads)
+            continue;
+        double bytes = (double)(t->boxes_read + t->boxes_written) * BUILD_TRAFFIC_BYTES;
+        screen_text(&bench->screen_is,
+                    "%s: %u sweeps read %" PRIu64 " boxes and write %" PRIu64
+                    ", %u bytes each: %.0f bytes a sweep, %.1f a triangle\n",
+                    list[i].builder->name, t->sweeps, t->boxes_read, t->boxes_written,
+                    BUILD_TRAFFIC_BYTES, bytes / t->sweeps, bytes / scene->tri_count);
+    }
 }
 
 static enum status build_all(struct bench *bench, const char *spec, const struct scene *scene,
@@ -153,6 +176,7 @@ static enum status build_all(struct bench *bench, const char *spec, const struct
         print_row(bench, spec, scene, &list[i], &grid);
     if (!bench->screen_is.wide)
         grid_print(&grid, &bench->screen_is);
+    print_traffic(bench, scene, list, count);
     return STATUS_OK;
 }
 
@@ -164,8 +188,9 @@ const struct benchmark bench_builders = {
     .about = "leaf size 4. SAH: expected cost of a line through the scene's box, 1 for a node or "
              "a triangle; overlap: what a ray pays that ends on a surface in boxes of triangles "
              "elsewhere, likewise (of 50,000 triangles, if there are more); fill: triangles per "
-             "leaf; loose: inner nodes that do not contain their triangles. --threads N: only so "
-             "many.",
+             "leaf; loose: inner nodes that do not contain their triangles. sweeps: of the "
+             "streams that ploctree's are, what a unit would read and write of them. --threads N: "
+             "only so many.",
     .scenes = "soup:n=20000,size=0.01;sphere:n=100",
     .play = build_all,
     .titled = true,

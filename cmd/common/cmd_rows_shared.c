@@ -122,7 +122,7 @@ const struct option_row leaf_rows[] = {
 const struct option_row build_rows[] = {
     {"bins", "N", "builder sah_binned: bins per axis", OF_COUNT(bins, 2, BUILD_BINS_MOST),
      .standard = BUILD_BINS_DEFAULT},
-    {"radius", "N", "builder ploc: neighbours on either side",
+    {"radius", "N", "builders ploc, ploctree: neighbours on either side",
      OF_COUNT(radius, 1, BUILD_RADIUS_MOST), .standard = BUILD_RADIUS_DEFAULT},
     {"split-budget", "X",
      "builder sbvh: items beyond one a triangle, at most, in parts of the triangles",

@@ -10,7 +10,7 @@
 #include <string.h>
 
 extern const struct builder build_median, build_rtrs, build_sah_binned, build_sah_sweep, build_lbvh,
-    build_ploc, build_sbvh, build_trbvh, build_lbvh30, build_lbvh63, build_hploc;
+    build_ploc, build_sbvh, build_trbvh, build_ploctree, build_lbvh30, build_lbvh63, build_hploc;
 
 #define CORE &build_median, &build_rtrs
 
@@ -18,7 +18,7 @@ const struct builder *const builders[] = {CORE, NULL};
 
 #define OWN                                                                                        \
     CORE, &build_sah_binned, &build_sah_sweep, &build_lbvh, &build_ploc, &build_sbvh,              \
-        &build_trbvh, &build_lbvh30, &build_lbvh63, &build_hploc
+        &build_trbvh, &build_ploctree, &build_lbvh30, &build_lbvh63, &build_hploc
 #define OWN_COUNT     ARRAY_COUNT(((const struct builder *const[]){OWN}))
 #define MORE_OF_FILES 1 /* build_karras.c has two */
 _Static_assert(OWN_COUNT - MORE_OF_FILES == BUILDER_FILES, "a ref/builders/build_*.c has no entry");

@@ -67,6 +67,16 @@ struct build_options {
  * Returns true immediately for trees that are not split. */
 bool bvh_items_differ(const struct bvh *bvh, uint32_t first, uint32_t count);
 
+/* What a builder that works through a stream moves: sweeps over it, and boxes read and written in
+ * all of them. */
+struct build_traffic {
+    uint32_t sweeps;
+    uint64_t boxes_read, boxes_written;
+};
+
+/* A box and the number of its node. */
+#define BUILD_TRAFFIC_BYTES 28u
+
 /* A builder. `build` reads a checked scene and makes *out; 0 triangles give an empty tree. Errors:
  * STATUS_INPUT leaf is 0; STATUS_LIMIT it would not terminate (with the reason); STATUS_MEMORY. */
 struct builder {
@@ -77,7 +87,10 @@ struct builder {
                          struct bvh *out, struct reason *reason);
     uint32_t tri_bytes; /* least memory of a build per triangle, the tree included; sbvh: per
                            item */
-    const char *takes;  /* options of struct build_options that it reads besides leaf and threads,
+    /* Counts what a build moves; NULL for a builder that is no stream. Errors: those of `build`. */
+    enum status (*traffic)(const struct scene *scene, const struct build_options *options,
+                           struct build_traffic *out, struct reason *reason);
+    const char *takes; /* options of struct build_options that it reads besides leaf and threads,
                            named as on the command line, separated by blanks; NULL: none */
     /* Set only if a device builds: `build` then also fails with STATUS_UNSUPPORTED where there is
      * none, and with STATUS_DEVICE. Builds in C what the device builds, and compares, stage by

@@ -1,5 +1,6 @@
-/* Clusters from below (ploc), node by node, against a slow builder that compares every cluster with
- * each neighbour anew in every round; at the borders of parts and of rounds that join little. */
+/* Clusters from below (ploc, ploctree), node by node, against a slow builder that compares every
+ * cluster with each neighbour anew in every round; at the borders of parts and of rounds that join
+ * little. */
 #include "ref/tree/bvh.h"
 
 #include <stdarg.h>
@@ -9,6 +10,7 @@
 #include <cmocka.h>
 
 #include "tests/base/slow_tree.h"
+#include "tests/support/built.h"
 
 /* Nodes 0 .. triangles - 1 are the triangles. */
 struct slow_join {
@@ -22,6 +24,7 @@ struct slow_clusters {
     uint32_t *choice;
     uint32_t joins, count, radius, triangles;
     struct slow_tree tree;
+    struct build_traffic traffic;
 };
 
 /* Integers: exact. */
@@ -53,6 +56,8 @@ static uint32_t best_of(const struct slow_clusters *s, uint32_t i)
 static void join(struct slow_clusters *s)
 {
     uint32_t left = 0;
+    s->traffic.sweeps++;
+    s->traffic.boxes_read += s->count;
     for (uint32_t i = 0; i < s->count; i++) {
         uint32_t j = s->choice[i], node = s->node[i];
         struct box box = s->box[i];
@@ -66,6 +71,7 @@ static void join(struct slow_clusters *s)
         }
         s->box[left] = box;
         s->node[left++] = node;
+        s->traffic.boxes_written++;
     }
     s->count = left;
 }
@@ -134,6 +140,25 @@ static void write_node(struct slow_clusters *s, uint32_t node, uint32_t depth)
     write_node(s, from->snd, depth + 1);
 }
 
+static void compare_builders(const struct slow_clusters *s, const struct scene *scene,
+                             uint32_t radius)
+{
+    static const char *const names[] = {"ploc", "ploctree"};
+    const struct build_options options = {.leaf = 1, .radius = radius};
+    struct build_traffic traffic;
+    for (size_t i = 0; i < ARRAY_COUNT(names); i++) {
+        struct bvh bvh;
+        assert_int_equal(builder_find(names[i])->build(scene, &options, &bvh, NULL), STATUS_OK);
+        slow_compare(&s->tree, &bvh, scene, names[i]);
+        bvh_free(&bvh);
+    }
+    assert_null(builder_find("ploc")->traffic);
+    assert_int_equal(builder_find("ploctree")->traffic(scene, &options, &traffic, NULL), STATUS_OK);
+    assert_int_equal(traffic.sweeps, s->traffic.sweeps);
+    assert_int_equal(traffic.boxes_read, s->traffic.boxes_read);
+    assert_int_equal(traffic.boxes_written, s->traffic.boxes_written);
+}
+
 static void compare(const struct scene *scene, uint32_t option, uint32_t radius)
 {
     uint32_t count = scene->tri_count;
@@ -147,8 +172,6 @@ static void compare(const struct scene *scene, uint32_t option, uint32_t radius)
                               .triangles = count,
                               .tree = slow_room(count)};
     struct slow_item *item = slow_items(scene);
-    const struct build_options options = {.leaf = 1, .radius = option};
-    struct bvh bvh;
     assert_true(s.join && s.box && s.node && s.choice);
     (void)slow_codes(item, count);
     for (uint32_t i = 0; i < count; i++) {
@@ -159,9 +182,7 @@ static void compare(const struct scene *scene, uint32_t option, uint32_t radius)
     while (s.count > 1)
         round_of(&s);
     write_node(&s, s.node[0], 0);
-    assert_int_equal(builder_find("ploc")->build(scene, &options, &bvh, NULL), STATUS_OK);
-    slow_compare(&s.tree, &bvh, scene, "ploc");
-    bvh_free(&bvh);
+    compare_builders(&s, scene, option);
     slow_free(&s.tree);
     free(item);
     free(s.join);
@@ -228,12 +249,34 @@ static void rounds_that_join_few_are_the_slow_ones(void **state)
         }
 }
 
+/* Whatever the scene, leaves of several triangles included. */
+static void a_stream_makes_the_tree_of_ploc(void **state)
+{
+    static const uint32_t radii[] = {1, 5, 0, 256};
+    (void)state;
+    for (uint32_t i = 0; i < BUILT_SCENES * ARRAY_COUNT(radii); i++) {
+        const struct build_options options = {.leaf = 1 + i % 3, .radius = radii[i % 4]};
+        const char *what;
+        struct scene scene = built_scene(i / 4, &what);
+        struct bvh ploc, stream;
+        assert_int_equal(builder_find("ploc")->build(&scene, &options, &ploc, NULL), STATUS_OK);
+        assert_int_equal(builder_find("ploctree")->build(&scene, &options, &stream, NULL),
+                         STATUS_OK);
+        if (!built_same(&ploc, &stream))
+            fail_msg("%s, radius %u: another tree", what, options.radius);
+        bvh_free(&ploc);
+        bvh_free(&stream);
+        scene_free(&scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(clusters_are_the_slow_ones),
         cmocka_unit_test(parts_are_the_slow_ones),
         cmocka_unit_test(rounds_that_join_few_are_the_slow_ones),
+        cmocka_unit_test(a_stream_makes_the_tree_of_ploc),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -62,7 +62,8 @@ static int fail_each(const struct builder *builder, const struct scene *scene, u
 static void memory_that_ends_anywhere_is_an_error(void **state)
 {
     (void)state;
-    static const char *const name[] = {"sah_binned", "sah_sweep", "lbvh", "ploc", "sbvh", "trbvh"};
+    static const char *const name[] = {"sah_binned", "sah_sweep", "lbvh",    "ploc",
+                                       "sbvh",       "trbvh",     "ploctree"};
     struct scene scene = built_soup(300, 1);
     for (size_t i = 0; i < ARRAY_COUNT(name); i++) {
         int plain = fail_each(builder_find(name[i]), &scene, 0, false);

@@ -87,7 +87,7 @@ play_builders() {
 }
 # A tree by each builder, as precompute writes it.
 trees() {
-    for builder in median rtrs sah_binned sah_sweep lbvh ploc sbvh trbvh 'sah_binned --optimize reinsert=4' \
+    for builder in median rtrs sah_binned sah_sweep lbvh ploc sbvh trbvh ploctree 'sah_binned --optimize reinsert=4' \
         'lbvh --optimize rotate=4'; do
         "$raydiff" precompute --scene "$1" --out "$dir/tree" --builder $builder 2>"$dir/err" || bad "precompute $builder" >&2
         name=${builder%% *}$(case $builder in *=4) echo "_${builder##* }" ;; esac)

@@ -36,6 +36,22 @@ function laws(p, name,  tree, other, i) {
     equal("triangles", $(NF - 1), v["rows." r + 0 ".triangles"])
     next
 }
+# A box more is read than written for each merge, and all but one triangle's is merged away.
+/^ploctree: / {
+    p = ""
+    for (i = 0; i < v["rows.count"]; i++)
+        if (v["rows." i ".sweeps"] != "null" && v["rows." i ".scene"] == v["rows." r - 1 ".scene"]) p = "rows." i
+    name = v[p ".scene"] " stream "
+    equal(name "builder", $1, v[p ".builder"] ":")
+    equal(name "sweeps", $2, v[p ".sweeps"])
+    equal(name "boxes read", $5, v[p ".boxes_read"])
+    equal(name "boxes written", $9 ",", v[p ".boxes_written"] ",,")
+    equal(name "merges", v[p ".boxes_read"] - v[p ".boxes_written"], v[p ".triangles"] - 1)
+    same(name "bytes a sweep", $(NF - 6), "%.0f", 28 * (v[p ".boxes_read"] + v[p ".boxes_written"]) / v[p ".sweeps"])
+    same(name "bytes a triangle", $(NF - 2), "%.1f", 28 * (v[p ".boxes_read"] + v[p ".boxes_written"]) / v[p ".triangles"])
+    streams++
+    next
+}
 /^  builder  *threads/ { rows = 1; next }
 rows && NF >= 11 {
     p = "rows." r++
@@ -59,6 +75,7 @@ END {
     equal("rows", r, v["rows.count"])
     if (w["median.uniforms.count"] > 0) truth("trees of precompute", compared >= 5)
     truth("trees of more threads", threaded > 0)
+    truth("streams", streams > 0)
     # All trees together took less time than the command, and no thousandth of it.
     truth("ns a triangle: all trees took " built " of " took, built <= took && most_built > took / 500)
     print "bench builders: " checked " values, " wrong + 0 " wrong"
