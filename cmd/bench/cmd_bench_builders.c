@@ -31,8 +31,8 @@ static void add(struct builders_contestant *list, size_t *count,
         list[(*count)++] = *c;
 }
 
-/* All builders of C, and reinsertion and rotations after fast ones: with one and with two threads, or
- * with the user's number of threads. */
+/* All builders of C, and reinsertion and rotations after fast ones: with one and with two threads,
+ * or with the user's number of threads. */
 static size_t contestants(const struct bench *bench, struct builders_contestant list[MOST])
 {
     static const struct {
