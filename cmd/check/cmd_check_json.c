@@ -148,8 +148,8 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
         "item_bytes=%p memory_bytes=%p rays=%zu hits=%zu compared_with_brute=%zu",
         scene->spec, json_text(row->layout ? row->layout->name : NULL), o->builder->name,
         o->build.leaf, json_text(row->engine ? row->engine->name : NULL),
-        json_text(row->layout ? row_box_name(row) : NULL), row_tri_name(row), query_name(o->query),
-        bytes_json(row, row->node_bytes), bytes_json(row, row->item_bytes),
+        json_text(strcmp(row_box_name(row), "-") ? row_box_name(row) : NULL), row_tri_name(row),
+        query_name(o->query), bytes_json(row, row->node_bytes), bytes_json(row, row->item_bytes),
         json_known(row->memory_bytes), row->rays, row->hits, row->brute);
     if (!out)
         return NULL;

@@ -8,7 +8,7 @@
 #include "ref/judge/judge.h"
 #include "ref/layout.h"
 
-#define COVERAGE_BITS  512u
+#define COVERAGE_BITS  640u
 #define COVERAGE_WORDS (COVERAGE_BITS / 64)
 
 /* The tree: depth, size of leaves, which members and storage, whether optimized, how large the

@@ -102,6 +102,7 @@ static struct explain_of draw(struct rng *rng, const char *const *spec)
     of.build = build_options_default();
     of.build.leaf = rng_below(rng, 2) ? 4 : 1 + rng_below(rng, 1u << 20);
     of.build.passes = rng_below(rng, 2) ? 0 : 1 + rng_below(rng, 1000);
+    of.build.rotates = of.build.passes > 0 && rng_below(rng, 2);
     of.build.eps = rng_below(rng, 4) ? any_number(rng) : BUILD_EPS_DEFAULT;
     of.build.bins = rng_below(rng, 2) ? 0 : 2 + rng_below(rng, BUILD_BINS_MOST - 1);
     of.build.radius = rng_below(rng, 2) ? 0 : 1 + rng_below(rng, BUILD_RADIUS_MOST);
@@ -119,11 +120,12 @@ static struct build_options read_by(const struct explain_of *of)
         return build;
     build.leaf = of->build.leaf;
     build.passes = of->build.passes;
+    build.rotates = of->build.rotates;
     if (strcmp(name, "rtrs") == 0)
         build.eps = of->build.eps;
     if (strcmp(name, "sah_binned") == 0)
         build.bins = of->build.bins;
-    if (strcmp(name, "ploc") == 0)
+    if (strcmp(name, "ploc") == 0 || strcmp(name, "ploctree") == 0)
         build.radius = of->build.radius;
     if (strcmp(name, "sbvh") == 0) {
         build.split_budget = of->build.split_budget;

@@ -108,7 +108,7 @@ static void the_first_thousand_trials_are_what_they_were(void **state)
 {
     (void)state;
     static const struct gen_options published = {16, 64, 100, true, false};
-    const uint64_t golden = 0x0FCDF98FEFC8B1FCu, golden_published = 0xA558CBD5F0C562FEu;
+    const uint64_t golden = 0x7B0361CE74869F45u, golden_published = 0x44000F44487293E7u;
     uint64_t hash = hash_of_many(&ordinary), faithful = hash_of_many(&published);
     if (hash != golden || faithful != golden_published)
         print_error("0x%016llXu, 0x%016llXu\n", (unsigned long long)hash,
@@ -179,11 +179,12 @@ static void members_as_published_take_part_if_asked_for(void **state)
     (void)state;
     for (int faithful = 0; faithful < 2; faithful++) {
         struct gen_options options = {16, 64, 4, faithful, false};
-        uint32_t seen[3][8] = {{0}}, queries[QUERY_COUNT] = {0}, leaves[17] = {0};
+        uint32_t seen[3][16] = {{0}}, queries[QUERY_COUNT] = {0}, leaves[17] = {0};
         for (uint32_t i = 0; i < 1000; i++) {
             struct fuzz_trial trial = trial_of(5, i, &options);
-            for (uint32_t m = 0; m < 8; m++) {
+            for (uint32_t m = 0; builders_all[m]; m++)
                 seen[0][m] += builders_all[m] == trial.builder;
+            for (uint32_t m = 0; m < 8; m++) {
                 seen[1][m] += m < 3 && box_tests[m] == trial.box;
                 seen[2][m] += m < 5 && tri_tests[m] == trial.tri;
             }
@@ -193,7 +194,7 @@ static void members_as_published_take_part_if_asked_for(void **state)
             fuzz_trial_free(&trial);
         }
         for (uint32_t m = 0; builders_all[m]; m++)
-            assert_int_equal(seen[0][m] > 25, faithful || !builders_all[m]->faithful);
+            assert_int_equal(seen[0][m] > 12, faithful || !builders_all[m]->faithful);
         for (uint32_t m = 0; box_tests[m]; m++)
             assert_int_equal(seen[1][m] > 100, faithful || !box_tests[m]->faithful);
         for (uint32_t m = 0; tri_tests[m]; m++)

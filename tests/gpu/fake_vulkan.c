@@ -162,7 +162,12 @@ static VkResult vkCreateInstance(const VkInstanceCreateInfo *info, const VkAlloc
     (void)a;
     fake.api = info->pApplicationInfo->apiVersion;
     const VkValidationFeaturesEXT *checks = info->pNext;
-    fake.checks = checks && checks->enabledValidationFeatureCount > 0;
+    for (uint32_t i = 0; checks && i < checks->enabledValidationFeatureCount; i++) {
+        const VkValidationFeatureEnableEXT feature = checks->pEnabledValidationFeatures[i];
+        fake.checks = fake.checks || feature == VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT;
+        fake.races = fake.races ||
+                     feature == VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+    }
     if (info->enabledLayerCount != (fake.layer ? 1 : 0) ||
         info->enabledExtensionCount != 2 * info->enabledLayerCount)
         fake_wrong("layers and extensions of the instance");

@@ -80,6 +80,7 @@ struct fake {
     VkBool32 robust;
     uint32_t extensions; /* enabled for the device */
     bool checks;         /* the layer's checks of memory accesses are enabled */
+    bool races;          /* likewise those of races between dispatches */
     uint64_t ticks[2];   /* what the timestamps are */
     struct fake_dispatch log[FAKE_LOG];
     char recorded[64];      /* the last command buffer, a letter each: see fake_record() */

@@ -54,6 +54,7 @@ static void healthy_device_does_all_and_nothing_is_left(void **state)
         assert_int_equal(fake.builds, options.ray_query ? 2 : 0);
         assert_int_equal(fake.robust, !options.watch);
         assert_int_equal(fake.checks, options.watch);
+        assert_int_equal(fake.races, options.validate && !options.watch);
         assert_int_equal(fake.extensions, options.ray_query ? 3 : 0);
         assert_int_equal(fake.idles > 0, options.watch);
     }
