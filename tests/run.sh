@@ -93,7 +93,7 @@ plain)
     suite values_export sh tests/values/values_export.sh "$build/raydiff"
     suite values_reports sh tests/values/values_reports.sh "$build/raydiff"
     suite exits sh tests/values/exits.sh "$build/raydiff" judging
-    suite exits_findings sh tests/values/exits.sh "$build/raydiff" findings
+    waits exits_findings sh tests/values/exits.sh "$build/raydiff" findings
     suite exits_files sh tests/values/exits.sh "$build/raydiff" files
     suite exits_mixed sh tests/values/exits.sh "$build/raydiff" mixed
     suite exits_folders sh tests/values/exits.sh "$build/raydiff" folders
@@ -175,7 +175,7 @@ plain)
     suite library sh tests/library/abi.sh "$build"
     suite library_python sh tests/library/python.sh "$build"
     suite tutorial sh tests/house/tutorial.sh "$build"
-    suite plugin sh tests/scripts/plugin.sh "$build"
+    waits plugin sh tests/scripts/plugin.sh "$build"
     suite plugin_findings sh tests/scripts/plugin_findings.sh "$build/raydiff"
     ;;
 sanitize)

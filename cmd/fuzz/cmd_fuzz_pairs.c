@@ -34,7 +34,7 @@ static void fill(const struct fuzz_command *c, struct pair_tables *t)
     for (size_t i = 0; i < c->builder.count; i++)
         add(t, MEET_BUILDER, builders_all[c->builder.index[i]]);
     for (size_t i = 0; builders_all[i] && c->builder.count == 0; i++)
-        if (all || !builders_all[i]->faithful)
+        if ((all || !builders_all[i]->faithful) && !builders_all[i]->compare)
             add(t, MEET_BUILDER, builders_all[i]);
     for (size_t i = 0; tri_stores[i] && (drawn || i == 0); i++)
         add(t, MEET_STORE, tri_stores[i]);

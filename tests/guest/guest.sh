@@ -40,7 +40,7 @@ expect 0 '0 distinct' fuzz --trials 200 --engine ./bvh.so --corpus none --dir cl
 # --- as many as there can be: four of one's own beside all of the program's
 own=$("$raydiff" list engines | sed -n 's/^  \([a-z_]*\) .*/\1/p' | paste -sd, -)
 for command in 'check --layout f32 --repeat 1' 'conform'; do
-    case $command in conform*) subject='closest.*.soup.random.1' ;; *) subject=sphere:n=4 ;; esac
+    case $command in conform*) subject='closest.*.soup.random.1 --builder median --layout f32,cwbvh80' ;; *) subject=sphere:n=4 ;; esac
     "$raydiff" $command $subject --count 50 --engine "$own,./brute.so,inside:./brute.so,./bvh.so,inside:./bvh.so" >out 2>err
     ! grep -q 'more than' out err && [ "$(grep -cE '^engine (inside:)?\./(brute|bvh)\.so answered ([1-9][0-9]*) of \3$' out)" -eq 4 ] ||
         bad "$command: every engine and four of one's own"

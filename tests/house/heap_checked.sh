@@ -30,7 +30,12 @@ ends() { # kind, exit code with the variables
     [ "$code" -eq "$2" ] || { echo "$1: exit code $code, not $2"; failed=1; }
 }
 ends n 0
-ends b 134
+# The byte that is looked at behind a block depends on its address: one address in 256 hides what is written there.
+code=0
+for try in 1 2 3; do
+    [ "$code" -eq 134 ] || { env $heap "$dir/heap" b >"$dir/heap.log" 2>&1; code=$?; }
+done
+[ "$code" -eq 134 ] || { echo "b: exit code $code, not 134"; failed=1; }
 ends t 134
 ends z 0
 grep -q 'cannot be preloaded' "$dir/heap.log" && { echo 'libc_malloc_debug.so.0 is missing'; failed=1; }

@@ -23,7 +23,7 @@ small='--count 1000 --repeat 3 --threads 1'
 both 250 check sphere:n=8 soup:n=300 --layout f32,rf16,half4 --engine cpu,fast $small
 both 100 check soup:n=200 --layout f32,rf16 --engine all --query any $small
 # A layout so slow that it is told from f32 on any machine.
-sed 's/"mine"/"slow"/; s/    const uint32_t \*word = packed->word + (size_t)WORDS \* ref;/&\n    for (volatile int i = 0; i < 3000; i++) continue;/' \
+sed 's/"mine"/"slow"/; s/    const uint32_t \*word = packed->word + (size_t)WORDS \* ref;/&\n    for (volatile int i = 0; i < 30000; i++) continue;/' \
     fuzz/samples/layout/mine.c >"$dir/slow.c"
 cc -std=c17 -O2 -ffp-contract=off -shared -fPIC -I. -o "$dir/slow.so" "$dir/slow.c" || bad 'a layout is not compiled'
 both 60 check sphere:n=4 --layout "f32,$dir/slow.so" --engine cpu --count 300 --repeat 3 --threads 1
