@@ -1,4 +1,4 @@
-/* Boxes of nodes, and the way up from a leaf: whoever is second at a node goes on. */
+/* Boxes of nodes, and the way up from a leaf. */
 #ifndef BUILD_CLIMB_GLSL
 #define BUILD_CLIMB_GLSL
 

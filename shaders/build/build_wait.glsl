@@ -1,5 +1,5 @@
-/* The way up from the leaves of a tree: whoever is second at a node goes on. Before this file comes
- * the buffer of the links. */
+/* The way up from the leaves of a tree: the invocation that is second at a node goes on. The buffer
+ * of the links is declared before this file is included. */
 #ifndef BUILD_WAIT_GLSL
 #define BUILD_WAIT_GLSL
 

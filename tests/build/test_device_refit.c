@@ -4,24 +4,9 @@
 #include "ref/store.h"
 #include "scenes/move.h"
 #include "tests/support/built.h"
-#include "tests/support/gpu.h"
+#include "tests/build/device_fixture.h"
 
 static const char *const layout_names[] = {"f32", "rf16"};
-
-static struct device_tree *open_or_null(const char *driver)
-{
-    struct vk_options options = gpu_options();
-    struct device_tree *tree;
-    struct reason reason = {""};
-    options.driver = driver;
-    enum status status = device_tree_open(&options, &tree, &reason);
-    if (status == STATUS_UNSUPPORTED) {
-        print_message("SKIP %s\n", reason.text);
-        return NULL;
-    }
-    gpu_must(status, &reason);
-    return tree;
-}
 
 /* A tree of the scene as it is, packed; false if the layout cannot hold it. */
 static bool packed_of(const struct scene *scene, const char *builder, const char *layout,
@@ -112,28 +97,14 @@ static void check_driver(struct device_tree *tree)
 static void words_are_those_of_c(void **state)
 {
     (void)state;
-    int played = 0;
-    for (size_t d = 0; d < ARRAY_COUNT(cpu_drivers); d++) {
-        struct device_tree *tree = open_or_null(cpu_drivers[d]);
-        struct reason reason = {""};
-        if (!tree)
-            continue;
-        check_driver(tree);
-        if (device_tree_close(tree, &reason) > 0)
-            fail_msg("%s: %s", cpu_drivers[d], reason.text);
-        played++;
-    }
-    if (played == 0)
-        skip();
+    device_each(check_driver);
 }
 
 /* Halves from the least to the largest, and what lies between and beyond them. */
 static void every_half_is_rounded_outward(void **state)
 {
     (void)state;
-    struct device_tree *tree = open_or_null(NULL);
-    if (!tree)
-        skip();
+    struct device_tree *tree = device_open(false);
     struct scene scene = built_soup(2000, 3);
     struct packed packed;
     assert_true(packed_of(&scene, "median", "rf16", 4, &packed));
@@ -150,15 +121,13 @@ static void every_half_is_rounded_outward(void **state)
     assert_int_equal(refit_both(tree, &packed, &scene, "beyond"), STATUS_LIMIT);
     packed_free(&packed);
     scene_free(&scene);
-    assert_int_equal(device_tree_close(tree, NULL), 0);
+    device_close(tree);
 }
 
 static void what_cannot_be_refitted_is_refused(void **state)
 {
     (void)state;
-    struct device_tree *tree = open_or_null(NULL);
-    if (!tree)
-        skip();
+    struct device_tree *tree = device_open(false);
     struct scene scene = built_soup(50, 3);
     struct packed packed;
     struct reason reason = {""};
@@ -177,7 +146,7 @@ static void what_cannot_be_refitted_is_refused(void **state)
     assert_int_equal(device_refit(tree, &packed, &scene, NULL, &ns, &reason), STATUS_UNSUPPORTED);
     packed_free(&packed);
     scene_free(&scene);
-    assert_int_equal(device_tree_close(tree, NULL), 0);
+    device_close(tree);
 }
 
 int main(void)

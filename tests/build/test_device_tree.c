@@ -1,25 +1,9 @@
 /* Trees that a device builds are C's, in every byte of every stage, on every driver here. */
 #include "gpu/build/device_tree.h"
 #include "tests/support/built.h"
-#include "tests/support/gpu.h"
+#include "tests/build/device_fixture.h"
 
 static const char *const kind_names[STAGED_KINDS] = {"lbvh30", "lbvh63", "hploc"};
-
-static struct device_tree *open_or_null(const char *driver)
-{
-    struct vk_options options = gpu_options();
-    struct device_tree *tree;
-    struct reason reason = {""};
-    options.driver = driver;
-    enum status status = device_tree_open(&options, &tree, &reason);
-    if (status == STATUS_UNSUPPORTED) {
-        assert_null(tree);
-        print_message("SKIP %s\n", reason.text);
-        return NULL;
-    }
-    gpu_must(status, &reason);
-    return tree;
-}
 
 static void check_same(struct device_tree *tree, const struct scene *scene, const char *what)
 {
@@ -40,24 +24,6 @@ static void check_same(struct device_tree *tree, const struct scene *scene, cons
         assert_true(scene->tri_count == 0 || times.bytes > 100 * (uint64_t)scene->tri_count);
         staged_free(&mine);
         staged_free(&devices);
-    }
-}
-
-/* A buffer is kept from scene to scene: large and small ones by turns. */
-static void check_driver(struct device_tree *tree)
-{
-    static const uint32_t sizes[] = {1023, 1,  1024, 2,  1025, 3,  2048, 0,   4097, 16,
-                                     17,   63, 64,   65, 31,   33, 1200, 130, 5,    20000};
-    for (size_t i = 0; i < BUILT_SCENES; i++) {
-        const char *what;
-        struct scene scene = built_scene(i, &what);
-        check_same(tree, &scene, what);
-        scene_free(&scene);
-    }
-    for (size_t i = 0; i < ARRAY_COUNT(sizes); i++) {
-        struct scene scene = built_soup(sizes[i], i);
-        check_same(tree, &scene, "soup");
-        scene_free(&scene);
     }
 }
 
@@ -93,59 +59,54 @@ static void check_offsets(struct device_tree *tree)
     }
 }
 
+/* A buffer is kept from scene to scene: large and small ones by turns. */
+static void check_driver(struct device_tree *tree)
+{
+    static const uint32_t sizes[] = {1023, 1,  1024, 2,  1025, 3,  2048, 0,   4097, 16,
+                                     17,   63, 64,   65, 31,   33, 1200, 130, 5,    20000};
+    for (size_t i = 0; i < BUILT_SCENES; i++) {
+        const char *what;
+        struct scene scene = built_scene(i, &what);
+        check_same(tree, &scene, what);
+        scene_free(&scene);
+    }
+    for (size_t i = 0; i < ARRAY_COUNT(sizes); i++) {
+        struct scene scene = built_soup(sizes[i], i);
+        check_same(tree, &scene, "soup");
+        scene_free(&scene);
+    }
+    check_signs(tree);
+    check_offsets(tree);
+}
+
 static void trees_are_those_of_c(void **state)
 {
     (void)state;
-    int played = 0;
-    for (size_t d = 0; d < ARRAY_COUNT(cpu_drivers); d++) {
-        struct device_tree *tree = open_or_null(cpu_drivers[d]);
-        struct reason reason = {""};
-        if (!tree)
-            continue;
-        check_driver(tree);
-        check_signs(tree);
-        check_offsets(tree);
-        if (device_tree_close(tree, &reason) > 0)
-            fail_msg("%s: %s", cpu_drivers[d], reason.text);
-        played++;
-    }
-    if (played == 0)
-        skip();
+    device_each(check_driver);
 }
 
 /* 10,000 equal triangles, among others: places decide there. */
 static void piles_of_equal_triangles(void **state)
 {
     (void)state;
-    struct device_tree *tree = open_or_null(NULL);
-    if (!tree)
-        skip();
+    struct device_tree *tree = device_open(false);
     struct scene scene = built_soup(40000, 3);
     for (size_t i = 0; i < (size_t)9 * 10000; i++)
         scene.vertex[i] = scene.vertex[i % 9];
     check_same(tree, &scene, "pile");
     scene_free(&scene);
-    assert_int_equal(device_tree_close(tree, NULL), 0);
+    device_close(tree);
 }
 
 /* Nothing shows in the answers of a driver that runs dispatches one by one: the layer looks. */
 static void dispatches_do_not_race(void **state)
 {
     (void)state;
-    const struct vk_options options = {.device = -1, .validate = true};
-    struct device_tree *tree;
-    struct reason reason = {""};
-    enum status status = device_tree_open(&options, &tree, &reason);
-    if (status == STATUS_UNSUPPORTED) {
-        print_message("SKIP %s\n", reason.text);
-        skip();
-    }
-    gpu_must(status, &reason);
+    struct device_tree *tree = device_open(true);
     struct scene scene = built_soup(3000, 1);
     check_same(tree, &scene, "validated");
     scene_free(&scene);
-    if (device_tree_close(tree, &reason) > 0)
-        fail_msg("%s", reason.text);
+    device_close(tree);
 }
 
 int main(void)

@@ -10,8 +10,7 @@ files=$dir/files
 mkdir "$files"
 runs=0 pairs=0 done= input=/dev/null
 
-commands='check explain bisect fuzz merge min replay export conform judge gen verify bench construct report web precompute diff
-    render scene leaks list doctor'
+commands=$("$raydiff" help --commands)
 for command in $commands; do
     "$raydiff" $command --help >"$dir/help"
     [ $command != diff ] || "$raydiff" diff a.png --help >>"$dir/help"
@@ -188,6 +187,7 @@ walk "precompute --scene soup:n=40 --builder median --out $files/tree" 'scene=sp
 walk 'scene list' ''
 walk 'scene info soup:n=9' 'json seed=3'
 walk 'list builders' ''
+walk 'build soup:n=40 --builder gpu_lbvh63 --rounds 1' "builder=gpu_lbvh30 ~driver=stock ~device=0 ~rounds=2 move=0.1 ~seed=3 json=@ ~wide color=always"
 trial=fuzz/corpus/slot-not-read.trial
 walk "export $trial --form text" 'to=@ ~form=text engine=embree ~ray=0'
 walk "web $trial --out $files/w" '~index=0 engine=brute layout=f32 out=@ ~threads=1 ~force'
@@ -252,6 +252,7 @@ walk "fuzz --trials 20 --jobs 1 --engine cpu --layout f32 --corpus none --dir $f
 "$raydiff" render --path rtrs -w 8 -h 8 --engine cpu --benchmark --benchmark-frames 2 \
     --benchmark-out "$dir/benchmark" >/dev/null 2>&1
 "$raydiff" fuzz --trials 2 --jobs 1 --engine cpu --layout f32 --corpus none --dir "$dir/found" >/dev/null 2>&1
+walk "merge --to $files/all $dir/found" 'to=@'
 walk "report soup:n=40 --out $files/r.html --parts machine" "~title=T parts=check ~threads=1 json=@ out=@ ~driver=stock
     ~device=0 ~workgroup=32 ~time=99 check=$dir/check.json bench=$dir/bench.json benchmark=$dir/benchmark.json
     ~picture=P=$dir/p.png ~doctor=$dir/doctor.json ~findings=$dir/found"
@@ -260,5 +261,8 @@ walk "report --findings $dir/found --out $files/r.html" "~title=T ~peer-memory=9
     ~picture=P=$dir/p.png ~doctor=$dir/doctor.json ~findings=$dir/found ~baseline=fuzz/baseline.txt
     ~web=pages"
 
+for command in ${walked:-$commands}; do
+    case " $done " in *" $command "*) ;; *) bad "no run of $command" ;; esac
+done
 echo "options: $pairs pairs of run and option, $runs runs, $failed failed"
 [ "$failed" -eq 0 ]

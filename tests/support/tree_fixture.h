@@ -124,4 +124,16 @@ static inline struct bvh trees_make(const struct scene *scene, uint32_t leaf,
     return bvh;
 }
 
+/* True if each leaf has triangles with consecutive numbers, in their order. */
+static inline bool trees_leaves_are_whole(const struct bvh *bvh)
+{
+    for (uint32_t i = 0; i < bvh->node_count; i++) {
+        const struct bvh_node *node = &bvh->node[i];
+        for (uint32_t k = 1; k < node->item_count; k++)
+            if (bvh->prim[node->item_first + k] != bvh->prim[node->item_first] + k)
+                return false;
+    }
+    return true;
+}
+
 #endif
