@@ -4,17 +4,6 @@
 #include "ref/build/keys.h"
 #include "ref/build/room.h"
 
-/* Moves bit i to bit 3 i, of 21 bits. */
-static uint64_t spread(uint32_t x)
-{
-    uint64_t v = x & 0x1FFFFFu;
-    v = (v | v << 32) & 0x001F00000000FFFFu;
-    v = (v | v << 16) & 0x001F0000FF0000FFu;
-    v = (v | v << 8) & 0x100F00F00F00F00Fu;
-    v = (v | v << 4) & 0x10C30C30C30C30C3u;
-    return (v | v << 2) & 0x1249249249249249u;
-}
-
 static void codes_make(const struct ref *ref, uint32_t count, const struct lane_box *centres,
                        uint32_t threads, uint64_t *key, uint32_t index_bits)
 {
@@ -30,8 +19,8 @@ static void codes_make(const struct ref *ref, uint32_t count, const struct lane_
         lanes at = lanes_min((ref_centre(&ref[i]) - centres->lo) * scale, last);
         at[3] = 0;
         lanes_int cell = lanes_to_int(at);
-        uint64_t code = spread((uint32_t)cell[0]) << 2 | spread((uint32_t)cell[1]) << 1 |
-                        spread((uint32_t)cell[2]);
+        uint64_t code = morton_spread((uint32_t)cell[0]) << 2 |
+                        morton_spread((uint32_t)cell[1]) << 1 | morton_spread((uint32_t)cell[2]);
         key[i] = code << index_bits | i;
     }
 }

@@ -2,6 +2,7 @@
 #include "ref/staged/staged_inner.h"
 
 #include "ref/base/text.h"
+#include "ref/build/morton.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -47,22 +48,6 @@ static struct staged_frame frame_of(const uint32_t all[6])
     return frame;
 }
 
-/* Bit i of each axis becomes bit 3 i + 2 of x, 3 i + 1 of y, 3 i of z. */
-static uint64_t interleave(const uint64_t cell[3])
-{
-    uint64_t code = 0;
-    for (int k = 0; k < 3; k++) {
-        uint64_t v = cell[k];
-        v = (v | v << 32) & 0x001F00000000FFFFu;
-        v = (v | v << 16) & 0x001F0000FF0000FFu;
-        v = (v | v << 8) & 0x100F00F00F00F00Fu;
-        v = (v | v << 4) & 0x10C30C30C30C30C3u;
-        v = (v | v << 2) & 0x1249249249249249u;
-        code |= v << (2 - k);
-    }
-    return code;
-}
-
 /* Cells are cubes: the longest side of the scene, doubled as centres are, has just fewer than
  * 2^axis_bits of a power of two of units. */
 static void make_codes(const struct staged_frame *frame, const uint32_t all[6], uint32_t axis_bits,
@@ -81,13 +66,14 @@ static void make_codes(const struct staged_frame *frame, const uint32_t all[6], 
         finer *= 2;
     for (uint32_t i = 0; i < staged->count; i++) {
         const uint32_t *box = staged->box[staged->count - 1 + i];
-        uint64_t cell[3];
+        uint32_t cell[3];
         for (int k = 0; k < 3; k++) {
             int64_t twice = (int64_t)frame_coordinate(frame, float_from_bits(box[k])) +
                             frame_coordinate(frame, float_from_bits(box[3 + k]));
-            cell[k] = (uint64_t)((twice - base[k]) * finer / cell_size);
+            cell[k] = (uint32_t)((twice - base[k]) * finer / cell_size);
         }
-        staged->code[i] = interleave(cell);
+        staged->code[i] =
+            morton_spread(cell[0]) << 2 | morton_spread(cell[1]) << 1 | morton_spread(cell[2]);
     }
 }
 
