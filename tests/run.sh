@@ -122,7 +122,7 @@ plain)
     suite explain_worlds sh tests/worlds/explain_worlds.sh "$build/raydiff"
     suite check_worlds sh tests/worlds/check_worlds.sh "$build/raydiff"
     suite fuzz_worlds sh tests/worlds/fuzz_worlds.sh "$build/raydiff"
-    suite worlds_piped sh tests/worlds/worlds_piped.sh "$build/raydiff"
+    suite worlds_piped sh tests/worlds/worlds_piped.sh "$build/raydiff" most
     suite render sh tests/scripts/render.sh "$build/raydiff"
     suite orbit sh tests/scenes/orbit.sh "$build/raydiff"
     suite tree_files sh tests/scripts/tree_files.sh "$build/raydiff"

@@ -269,7 +269,8 @@ static int run_benchmarks(struct bench *bench, const char *name)
     struct reason reason = {""};
     if (check_given(bench, name, &reason))
         return usage_error("bench", "%s", reason.text);
-    const int code = compilers_apply("bench", &bench->compilers, false, &bench->engine);
+    const int code =
+        compilers_apply("bench", &bench->compilers, option_was_given("engine"), &bench->engine);
     if (code >= 0)
         return code;
     /* Once more, of the engines that are left. */

@@ -43,8 +43,8 @@ static const struct column columns[] = {
     {"+items", .rank = 6},
 };
 
-/* With --compiler only the engines that it names, and those with the shaders as built beside them;
- * without it, all but the reference without a tree: its time depends on the triangles, not on a
+/* Named engines, and beside those under a compiler the ones with the shaders as built; without
+ * names, all but the reference without a tree: its time depends on the triangles, not on a
  * layout. */
 static bool takes_part(const struct layouts_field *field, const struct engine *engine)
 {
@@ -59,26 +59,65 @@ static bool takes_part(const struct layouts_field *field, const struct engine *e
     return false;
 }
 
-/* Enters every engine on every layout that can run here and hold the scene. */
+/* Named, or without --layout one of layouts[]; but RTRS's as published test every node, so that
+ * speed cannot be compared. */
+static bool takes_layout(const struct layouts_field *field, size_t l, bool core)
+{
+    const struct list *named = &field->bench->layout;
+    return named->count ? list_has(named, l) : core && !layouts_all[l]->faithful;
+}
+
+/* Enters one, or says why it is left out. */
+static enum status enter_one(struct layouts_field *field, const struct engine *engine,
+                             const struct layout *layout)
+{
+    struct reason reason = {""};
+    const struct contestant who = {.engine = engine,
+                                   .layout = layout,
+                                   .box = field->match.options.box,
+                                   .tri = field->match.options.tri};
+    enum status status = race_add(&field->race, &who, &field->bench->engines, &reason);
+    if (status && !field->told)
+        screen_text(&field->bench->screen_is, "%-14s %-12s left out: %s\n", engine->name,
+                    layout ? layout->name : "-", reason.text);
+    return status;
+}
+
+/* Enters an engine on every layout that it takes. Named and on none, it counts. */
+static void enter_engine(struct layouts_field *field, const struct engine *engine)
+{
+    size_t before = field->race.count;
+    enum status status = engine->needs_packed ? STATUS_OK : enter_one(field, engine, NULL);
+    bool core = true; /* layouts_all begins with layouts */
+    for (size_t l = 0; layouts_all[l] && engine->needs_packed; l++) {
+        core = core && layouts[l];
+        if (!takes_layout(field, l, core))
+            continue;
+        enum status one = enter_one(field, engine, layouts_all[l]);
+        status = one ? one : status;
+    }
+    if (field->race.count == before && status && option_was_given("engine"))
+        bench_worse(field->bench, exit_of_status(status));
+}
+
+static bool is_entered(const struct race *race, const struct layout *layout)
+{
+    for (size_t i = 0; i < race->count; i++)
+        if (race->contestant[i].layout == layout)
+            return true;
+    return false;
+}
+
+/* Enters all that can run here and hold the scene. A named layout that none can take counts. */
 static void enter_all(struct layouts_field *field)
 {
-    for (size_t e = 0; engines[e]; e++) {
-        bool tree = engines[e]->needs_packed;
-        if (!takes_part(field, engines[e]))
-            continue;
-        for (size_t l = 0; tree ? layouts[l] != NULL : l == 0; l++) {
-            struct reason reason = {""};
-            if (tree && layouts[l]->faithful)
-                continue; /* as published they test every node, so speed cannot be compared */
-            const struct contestant who = {.engine = engines[e],
-                                           .layout = tree ? layouts[l] : NULL,
-                                           .box = field->match.options.box,
-                                           .tri = field->match.options.tri};
-            if (race_add(&field->race, &who, &field->bench->engines, &reason) && !field->told)
-                screen_text(&field->bench->screen_is, "%-14s %-12s left out: %s\n",
-                            engines[e]->name, tree ? layouts[l]->name : "-", reason.text);
-        }
-    }
+    const struct list *named = &field->bench->layout;
+    for (size_t e = 0; engines[e]; e++)
+        if (takes_part(field, engines[e]))
+            enter_engine(field, engines[e]);
+    for (size_t i = 0; i < named->count; i++)
+        if (!is_entered(&field->race, layouts_all[named->index[i]]))
+            bench_worse(field->bench, EXIT_USAGE);
 }
 
 /* Counts every contestant's errors with the match's judge. */
@@ -252,7 +291,8 @@ const struct benchmark bench_layouts = {
     .shown = "no answer is WRONG",
     .refuted = "an answer is WRONG, or no ray hits anything",
     .summary = "engines and layouts: speed, bytes, memory, errors on the same tree",
-    .takes = "scene count rounds csv json seed bvh" BENCH_MACHINE BENCH_SCREEN BENCH_COMPILERS,
+    .takes = "scene count rounds csv json seed bvh engine layout" BENCH_MACHINE BENCH_SCREEN
+        BENCH_COMPILERS,
     .scenes = "sphere:n=50;terrain:k=6;scenes/fetched/dragon-11k.ply.gz",
     .play = play_scene,
 };

@@ -179,26 +179,28 @@ void race_leave(struct race *race)
     race->count = 0;
 }
 
+/* The same tests, by this engine on this layout. */
+static bool is_alike(const struct contestant *b, const struct contestant *c,
+                     const struct engine *engine, const struct layout *layout)
+{
+    return b->engine == engine && b->tri == c->tri && b->box == c->box && b->layout == layout;
+}
+
 /* Index of the contestant that contestant i is compared with: of compiled shaders the same with the
- * shaders as built; else on a GPU the same engine and tests on the first layout, else Embree; i
- * itself if that does not run. */
+ * shaders as built; on a GPU the same engine and tests on the first layout; else Embree or, if that
+ * does not run, as on a GPU; i itself if there is none. */
 static size_t base_of(const struct race *race, size_t i)
 {
     const struct contestant *c = &race->contestant[i];
-    bool gpu = c->engine->gpu && c->layout;
-    for (size_t k = 0; k < race->count; k++) {
-        const struct contestant *b = &race->contestant[k];
-        if (c->engine->compiled) {
-            if (b->engine == c->engine->compiled->raw && b->tri == c->tri && b->box == c->box &&
-                b->layout == c->layout)
-                return k;
-            continue;
-        }
-        if (gpu ? b->engine == c->engine && b->tri == c->tri && b->box == c->box &&
-                      b->layout == layouts[0]
-                : b->engine->library)
+    const struct engine_compiled *compiled = c->engine->compiled;
+    const bool gpu = c->engine->gpu && c->layout;
+    for (size_t k = 0; k < race->count && !compiled && !gpu; k++)
+        if (race->contestant[k].engine->library)
             return k;
-    }
+    for (size_t k = 0; k < race->count; k++)
+        if (is_alike(&race->contestant[k], c, compiled ? compiled->raw : c->engine,
+                     compiled ? c->layout : layouts[0]))
+            return k;
     return i;
 }
 

@@ -27,7 +27,7 @@ struct contestant {
     double ratio[BENCH_ROUNDS]; /* relative to its base, per round */
     double warm[BENCH_ROUNDS];  /* the two again, of races with `warm` */
     double warm_ratio[BENCH_ROUNDS];
-    size_t base; /* index of the contestant it is compared with; its own index: none */
+    size_t base;        /* index of the contestant it is compared with; its own index: none */
     struct hit *answer; /* to race_run's rays, or to race.few, when it was timed */
     size_t answers;     /* room for so many */
 };
@@ -73,12 +73,12 @@ enum status race_prepare(struct race *race, enum query query, struct reason *rea
 
 /* Traces `count` rays with all contestants, which are prepared for `query`: one round to warm up,
  * then the rounds of the bench. Fills in speeds and ratios. The base of vulkan is vulkan on f32;
- * that of the others is Embree. In a round each contestant traces once, with the others' data in
- * the caches. With `warm` it goes on: RACE_WARM traces follow, and the last is its warm speed, as
- * of a renderer that runs alone. Each trace begins at another ray, by whole packets of 16, so that
- * answers that were kept are of no use. contestant.answer has what was answered when it was timed,
- * the same every time. Errors: those of engine.trace; STATUS_DEVICE the answers of a contestant
- * change; STATUS_MEMORY. */
+ * that of the others is Embree or, without it, the same engine on f32. In a round each contestant
+ * traces once, with the others' data in the caches. With `warm` it goes on: RACE_WARM traces
+ * follow, and the last is its warm speed, as of a renderer that runs alone. Each trace begins at
+ * another ray, by whole packets of 16, so that answers that were kept are of no use.
+ * contestant.answer has what was answered when it was timed, the same every time. Errors: those of
+ * engine.trace; STATUS_DEVICE the answers of a contestant change; STATUS_MEMORY. */
 enum status race_run(struct race *race, enum query query, const struct ray *ray, size_t count,
                      struct reason *reason) MUST_USE;
 

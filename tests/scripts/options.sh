@@ -204,7 +204,7 @@ walk 'conform hard.01-* --list --engine cpu' 'engine=brute layout=rf16 builder=p
 walk 'conform world.*.identity.*.1.1 --list --engine cpu' 'engine=brute layout=rf16 builder=ploc box=watertight tri=woop ~list
     ~worlds'
 walk 'bench builders --scene soup:n=40 --rounds 1 --threads 1' 'scene=soup:n=41 ~rounds=2 csv=@ json=@ threads=2 wide color=always'
-walk 'bench layouts --scene soup:n=40,seed=2 --count 64 --rounds 1 --compiler size' "scene=soup:n=41 ~count=70 ~rounds=2 csv=@ json=@ ~seed=3
+walk 'bench layouts --scene soup:n=40,seed=2 --count 64 --rounds 1 --layout f32 --engine vulkan --compiler size' "scene=soup:n=41 layout=rf16 engine=vulkan_stackless ~count=70 ~rounds=2 csv=@ json=@ ~seed=3
     ~bvh=$dir/soup.json compiler=opt decorate=final buffers=reference ~driver=stock ~device=0 ~workgroup=32 wide color=always"
 walk 'bench fuzz --count 3 --rounds 1 --engine cpu --layout f32' '~count=4 ~rounds=2 csv=@ ~seed=3 json=@ engine=cpu_stackless
     layout=f32,rf16'

@@ -178,6 +178,15 @@ single 1 bench error --scene soup:n=1 $few $test_one --tri mt
 single 1 bench layouts --scene soup:n=1 --count 1 --rounds 1 --threads 1
 grep -q '^vacuous f32 *cpu ' "$dir/out" && ! grep -q '^agrees .* random ' "$dir/out" && tail -n 1 "$dir/out" | grep -q ', or no ray hits anything$' ||
     bad 'bench layouts: rows that prove nothing agree'
+# What is named is measured or counted; speeds are beside f32 where Embree is not.
+printf 'v 0 0 0\nv 1e6 0 0\nv 0 1e6 0\nf 1 2 3\n' >"$dir/far.obj"
+single 2 bench layouts --scene "$dir/far.obj" $few --engine cpu --layout f32,rf16
+grep -q '^cpu  *rf16  *left out: rf16: a bound is at most 65504 ' "$dir/out" || bad 'bench layouts: why rf16 is left out'
+single 1 bench layouts --scene "$dir/one.obj" $few --engine cpu --layout f32,cwbvh80,rtrs_rf
+[ "$(grep -cE '^(agrees|vacuous) +(f32|cwbvh80|rtrs_rf) +cpu .* f32$' "$dir/out")" -eq 9 ] || bad 'bench layouts: nine rows beside f32'
+single 2 bench layouts --scene "$dir/one.obj" $few --engine cpu --layout f32 --compiler opt
+grep -q 'needs an engine vulkan' "$dir/err" || bad 'bench layouts: --compiler without an engine that has shaders'
+VK_ICD_FILENAMES=/nonexistent single 77 bench layouts --scene sphere:n=4 --count 300 --rounds 1 --engine vulkan,cpu --layout f32
 single 1 bench spawn --scene soup:n=1 $few --engine cpu --tri mt
 single 0 bench builders --scene soup:n=1 --rounds 1 --threads 1
 single 0 bench oracle --scene soup:n=1 $few
