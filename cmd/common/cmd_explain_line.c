@@ -41,7 +41,8 @@ static void append_build(const struct explain_of *of, const struct option_use *u
                    {"bins", build->bins != 0, build->bins},
                    {"radius", build->radius != 0, build->radius},
                    {"split-budget", build->split_budget != 0, fmax(build->split_budget, 0)},
-                   {"split-alpha", build->split_alpha != 0, fmax(build->split_alpha, 0)}};
+                   {"split-alpha", build->split_alpha != 0, fmax(build->split_alpha, 0)},
+                   {"presplit", build->presplit > 0, (double)build->presplit}};
     struct reason why;
     for (size_t i = 0; i < ARRAY_COUNT(options); i++)
         if (options[i].differs && option_is_used(use, options[i].name, &why))

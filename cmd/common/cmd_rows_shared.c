@@ -131,6 +131,10 @@ const struct option_row build_rows[] = {
      "builder sbvh: planes are tried where children overlap in at least this part of the root's "
      "area",
      OF_OWN(take_share), .standard = BUILD_SPLIT_ALPHA_DEFAULT},
+    {"presplit", "X",
+     "builders that cut no triangles themselves: parts that are cut from triangles before, at most, "
+     "in parts of the triangles",
+     OF_REAL(presplit, 0, BUILD_PRESPLIT_MOST), .value = "0"},
     {"optimize", "O",
      "reinsert or reinsert=N: moves subtrees of what a builder made to where they cost less, N (4) "
      "times over the tree; rotate or rotate=N: exchanges children with grandchildren, likewise",

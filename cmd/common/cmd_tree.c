@@ -8,7 +8,7 @@
 enum status tree_check_options(const char *path, size_t scene_count, struct reason *reason)
 {
     static const char builds[] =
-        "builder store leaf eps bins radius split-budget split-alpha optimize";
+        "builder store leaf eps bins radius split-budget split-alpha presplit optimize";
     const char *name;
     for (size_t i = 0; path && (name = option_given(i)) != NULL; i++)
         if (option_among(builds, name))

@@ -107,8 +107,7 @@ static bool by_builder(const struct option_use *use, const char *option)
 {
     bool any = !use->builder;
     for (size_t i = 0; use->builder && i < use->builder->count; i++) {
-        const char *takes = builders_all[use->builder->index[i]]->takes;
-        any = any || (takes && option_among(takes, option));
+        any = any || builder_takes(builders_all[use->builder->index[i]], option);
     }
     return any;
 }
@@ -153,9 +152,10 @@ static const struct {
     bool (*is)(const struct engine *engine); /* true for one engine of the run; NULL: see is_met */
     bool (*is_met)(const struct option_use *use, const char *option);
 } needs[] = {
-    {"layout store builder box leaf eps bvh braid bins radius split-budget split-alpha optimize",
+    {"layout store builder box leaf eps bvh braid bins radius split-budget split-alpha presplit "
+     "optimize",
      "an engine that walks trees", walks_trees, NULL},
-    {"eps bins radius split-budget split-alpha", "builder", NULL, by_builder},
+    {"eps bins radius split-budget split-alpha presplit", "builder", NULL, by_builder},
     {"tri", "an engine that has no triangle test of its own", tests_ours, NULL},
     {"workgroup", "an engine on Vulkan", is_gpu, NULL},
     {"driver device", "an engine or a builder on Vulkan", NULL, on_vulkan},
@@ -172,13 +172,13 @@ static const struct {
 static void name_builders(const char *option, char *text, size_t text_bytes)
 {
     for (size_t i = 0; builders_all[i]; i++)
-        if (builders_all[i]->takes && option_among(builders_all[i]->takes, option))
+        if (builder_takes(builders_all[i], option))
             text_append(text, text_bytes, " %s", builders_all[i]->name);
 }
 
 bool option_is_used(const struct option_use *use, const char *option, struct reason *why)
 {
-    char text[120];
+    char text[200];
     const bool left_out = (use->only && !option_among(use->only, option)) ||
                           (use->never && option_among(use->never, option));
     if (left_out) {

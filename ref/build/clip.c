@@ -58,3 +58,13 @@ void clip_inside(float v[3][3], struct box *box)
         for (int k = 0; k < 3 && !clip_is_empty(box); k++)
             clip_between(v, k, box->lo[k], box->hi[k], box);
 }
+
+int part_cut(float v[3][3], const struct part *part, int axis, float at, struct part piece[2])
+{
+    piece[0] = piece[1] = *part;
+    piece[0].box.hi[axis] = at;
+    piece[1].box.lo[axis] = at;
+    clip_inside(v, &piece[0].box);
+    clip_inside(v, &piece[1].box);
+    return !clip_is_empty(&piece[0].box) + 2 * !clip_is_empty(&piece[1].box);
+}

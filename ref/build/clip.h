@@ -29,6 +29,10 @@ void clip_between(float v[3][3], int axis, float lo, float hi, struct box *box);
  * the tightest: axes are cut one after the other, twice. */
 void clip_inside(float v[3][3], struct box *box);
 
+/* Cuts a part of triangle `v` in two at a plane inside its box; returns one bit for each piece that
+ * is not empty. */
+int part_cut(float v[3][3], const struct part *part, int axis, float at, struct part piece[2]);
+
 static inline bool clip_is_empty(const struct box *box)
 {
     return !(box->lo[0] <= box->hi[0] && box->lo[1] <= box->hi[1] && box->lo[2] <= box->hi[2]);

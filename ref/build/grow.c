@@ -1,5 +1,6 @@
 #include "ref/build/grow.h"
 
+#include "ref/build/presplit.h"
 #include "ref/build/room.h"
 
 #include <stdlib.h>
@@ -195,18 +196,25 @@ enum status grow_build(const struct grow_rule *rule, void *user, const struct sc
     if (status || scene->tri_count == 0)
         return status;
     uint32_t threads = build_threads(options, scene->tri_count);
-    struct grow_range root = {.count = scene->tri_count};
-    struct ref *ref;
-    status = refs_make(scene, threads, &ref, &root.centres);
+    struct refs refs;
+    status = refs_make(scene, options, threads, &refs, reason);
+    if (status == STATUS_LIMIT)
+        return status;
     if (!status) {
-        status = rule->start(user, ref, threads, &root);
+        struct grow_range root = {.count = refs.count, .centres = refs.centres};
+        status = rule->start(user, refs.ref, threads, &root);
         if (!status)
             status = grow_tree(rule, user, &root, threads, out);
         if (rule->end)
             rule->end(user);
-        room_free(ref);
     }
-    if (status)
-        (void)fail(reason, status, "no memory to build a tree of %u triangles", scene->tri_count);
-    return status;
+    room_free(refs.ref);
+    if (!status && options->presplit > 0)
+        status = presplit_merge(out, scene->tri_count);
+    if (!status)
+        return STATUS_OK;
+    room_free(out->node);
+    room_free(out->prim);
+    *out = (struct bvh){0};
+    return fail(reason, status, "no memory to build a tree of %u triangles", scene->tri_count);
 }

@@ -21,7 +21,7 @@ struct grow_range {
 };
 
 struct grow_rule {
-    /* Receives the references of all triangles (see refs_make), which remain until the end, and
+    /* Receives the references (see refs_make), root->count of them, which remain until the end, and
      * allocates what the builder needs. Sets root->centres, which has the bounds of the centres, if
      * it stores something else there. Errors: STATUS_MEMORY; end() is called nevertheless. */
     enum status (*start)(void *user, struct ref *ref, uint32_t threads, struct grow_range *root);
@@ -33,12 +33,12 @@ struct grow_rule {
                       uint32_t threads);
     /* The same in two halves, whatever they cost. */
     uint32_t (*halve)(void *user, const struct grow_range *range, struct grow_range child[2]);
-    /* Writes the numbers of the items to prim, and returns their bounds. */
+    /* Writes the triangles of the items to prim, and returns the items' bounds. */
     struct lane_box (*leaf)(void *user, const struct grow_range *range, uint32_t *prim);
 };
 
 /* Builds the tree of a scene; implements builder->build. The rule limits leaf sizes. Errors: as
- * build_check; STATUS_MEMORY; then *out is zero. */
+ * build_check; STATUS_LIMIT as presplit_make; STATUS_MEMORY; then *out is zero. */
 enum status grow_build(const struct grow_rule *rule, void *user, const struct scene *scene,
                        const struct build_options *options, struct bvh *out,
                        struct reason *reason) MUST_USE;

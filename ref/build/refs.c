@@ -1,5 +1,6 @@
 #include "ref/build/refs.h"
 
+#include "ref/build/presplit.h"
 #include "ref/build/room.h"
 
 #include <omp.h>
@@ -41,26 +42,41 @@ static struct ref ref_of(const struct scene *scene, uint32_t prim)
                          (lanes)((lanes_int)((lanes)hi + zero) | high)}};
 }
 
-enum status refs_make(const struct scene *scene, uint32_t threads, struct ref **out,
-                      struct lane_box *centres)
+static struct ref ref_of_part(const struct part *part)
 {
-    uint32_t count = scene->tri_count;
-    struct ref *ref = *out = room_make(count, sizeof *ref);
-    *centres = lane_box_empty();
-    if (!ref)
-        return STATUS_MEMORY;
+    struct lane_box box = lane_box_load(&part->box);
+    lanes zero = lanes_all(0);
+    struct ref ref = {{box.lo + zero, box.hi + zero}};
+    ref.box.lo[3] = float_from_bits(0x3F800000u | (part->prim & 0xFFFFu));
+    ref.box.hi[3] = float_from_bits(0x3F800000u | part->prim >> 16);
+    return ref;
+}
+
+enum status refs_make(const struct scene *scene, const struct build_options *options,
+                      uint32_t threads, struct refs *out, struct reason *reason)
+{
+    struct part *part = NULL;
+    *out = (struct refs){.count = scene->tri_count, .centres = lane_box_empty()};
+    if (options->presplit > 0) {
+        enum status status = presplit_make(scene, options, threads, &part, &out->count, reason);
+        if (status)
+            return status;
+    }
+    struct ref *ref = out->ref = room_make(out->count, sizeof *ref);
+    uint32_t count = ref ? out->count : 0;
 #pragma omp parallel num_threads(threads) if (threads > 1)
     {
         struct lane_box mine = lane_box_empty();
 #pragma omp for schedule(static)
         for (uint32_t i = 0; i < count; i++) {
-            ref[i] = ref_of(scene, i);
+            ref[i] = part ? ref_of_part(&part[i]) : ref_of(scene, i);
             lanes centre = ref_centre(&ref[i]);
             lane_box_add(&mine, &(struct lane_box){centre, centre});
         }
         /* Minimum and maximum, without -0: the order does not matter. */
 #pragma omp critical(refs)
-        lane_box_add(centres, &mine);
+        lane_box_add(&out->centres, &mine);
     }
-    return STATUS_OK;
+    room_free(part);
+    return ref ? STATUS_OK : STATUS_MEMORY;
 }

@@ -36,9 +36,17 @@ static inline uint32_t order_key(float x)
  * not start threads. */
 uint32_t build_threads(const struct build_options *options, uint32_t count);
 
-/* Makes the references of all triangles in order, with -0 as 0 in the boxes, and the bounds of
- * their centres. Free with room_free. Errors: STATUS_MEMORY. */
-enum status refs_make(const struct scene *scene, uint32_t threads, struct ref **out,
-                      struct lane_box *centres) MUST_USE;
+/* References of a scene, and the bounds of their centres. */
+struct refs {
+    struct ref *ref; /* free with room_free */
+    uint32_t count;
+    struct lane_box centres;
+};
+
+/* Makes the references of all triangles in order, with -0 as 0 in the boxes: one each, or of all
+ * parts if options->presplit is above 0 (ref/build/presplit.h). Errors: STATUS_LIMIT as
+ * presplit_make; STATUS_MEMORY, without a reason. */
+enum status refs_make(const struct scene *scene, const struct build_options *options,
+                      uint32_t threads, struct refs *out, struct reason *reason) MUST_USE;
 
 #endif

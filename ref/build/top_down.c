@@ -1,6 +1,8 @@
 #include "ref/build/top_down.h"
 
 #include "ref/build/grow.h"
+#include "ref/build/presplit.h"
+#include "ref/build/room.h"
 
 #include <stdlib.h>
 
@@ -81,9 +83,23 @@ static enum status step(const struct build_rule *rule, struct build *build,
     return status;
 }
 
-static enum status build_start(const struct build_rule *rule, struct build *build)
+/* Sets an item's box and centroid. */
+static void item_start(const struct build_rule *rule, struct build *build, uint32_t i,
+                       const struct part *part)
 {
-    uint32_t count = build->scene->tri_count;
+    float v[3][3], *centroid = build->centroid + 3 * (size_t)i;
+    const struct box whole = scene_tri_bounds(build->scene, part->prim);
+    build->tri_box[i] = part->box;
+    scene_tri(build->scene, part->prim, v);
+    rule->centroid(v, centroid);
+    for (int k = 0; k < 3 && !box_contains_box(&part->box, &whole); k++)
+        centroid[k] = 0.5f * part->box.lo[k] + 0.5f * part->box.hi[k];
+}
+
+static enum status build_start(const struct build_rule *rule, struct build *build,
+                               const struct part *part)
+{
+    uint32_t count = build->count;
     build->tri_box = alloc_zeroed(count, sizeof *build->tri_box);
     build->centroid = alloc_zeroed(3 * (size_t)count, sizeof *build->centroid);
     build->prim = alloc_zeroed(count, sizeof *build->prim);
@@ -91,10 +107,9 @@ static enum status build_start(const struct build_rule *rule, struct build *buil
     if (!build->tri_box || !build->centroid || !build->prim || !build->spare)
         return STATUS_MEMORY;
     for (uint32_t i = 0; i < count; i++) {
-        float v[3][3];
-        scene_tri(build->scene, i, v);
-        build->tri_box[i] = scene_tri_bounds(build->scene, i);
-        rule->centroid(v, build->centroid + 3 * (size_t)i);
+        const struct part item =
+            part ? part[i] : (struct part){scene_tri_bounds(build->scene, i), i};
+        item_start(rule, build, i, &item);
         build->prim[i] = i;
     }
     return STATUS_OK;
@@ -103,15 +118,23 @@ static enum status build_start(const struct build_rule *rule, struct build *buil
 static enum status build_all(const struct build_rule *rule, struct build *build,
                              struct top_down_progress *progress, struct reason *reason)
 {
-    enum status status = build_start(rule, build);
-    if (status)
-        return status;
-    uint32_t count = build->scene->tri_count;
-    struct task root = {.parent = NO_PARENT,
-                        .node = {.bounds = range_bounds(build, 0, count), .count = count}};
-    status = push(progress, &root);
+    struct part *part = NULL;
+    enum status status = STATUS_OK;
+    build->count = build->scene->tri_count;
+    if (build->options->presplit > 0)
+        status = presplit_make(build->scene, build->options, 1, &part, &build->count, reason);
+    if (!status)
+        status = build_start(rule, build, part);
+    if (!status) {
+        struct build_node all = {.bounds = range_bounds(build, 0, build->count),
+                                 .count = build->count};
+        status = push(progress, &(struct task){.parent = NO_PARENT, .node = all});
+    }
     while (!status && progress->task_count > 0)
         status = step(rule, build, progress, reason);
+    for (uint32_t i = 0; i < build->count && part && !status; i++)
+        build->prim[i] = part[build->prim[i]].prim;
+    room_free(part);
     return status;
 }
 
@@ -126,21 +149,20 @@ enum status build_top_down(const struct build_rule *rule, const struct scene *sc
     struct build build = {.scene = scene, .options = options};
     struct top_down_progress progress = {0};
     status = build_all(rule, &build, &progress, reason);
+    *out = (struct bvh){.node = progress.node,
+                        .prim = build.prim,
+                        .node_count = (uint32_t)progress.node_count,
+                        .prim_count = build.count,
+                        .tri_count = build.count};
+    if (!status && options->presplit > 0)
+        status = presplit_merge(out, scene->tri_count);
     if (status == STATUS_MEMORY)
         (void)fail(reason, status, "no memory to build a tree of %u triangles", scene->tri_count);
     free(build.tri_box);
     free(build.centroid);
     free(build.spare);
     free(progress.task);
-    if (status) {
-        free(build.prim);
-        free(progress.node);
-        return status;
-    }
-    *out = (struct bvh){.node = progress.node,
-                        .prim = build.prim,
-                        .node_count = (uint32_t)progress.node_count,
-                        .prim_count = scene->tri_count,
-                        .tri_count = scene->tri_count};
-    return STATUS_OK;
+    if (status)
+        bvh_free(out);
+    return status;
 }

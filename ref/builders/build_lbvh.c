@@ -48,8 +48,9 @@ static struct lane_box leaf(void *user, const struct grow_range *range, uint32_t
     const struct lbvh *l = user;
     struct lane_box box = lane_box_empty();
     for (uint32_t i = 0; i < range->count; i++) {
-        prim[i] = (uint32_t)l->key[range->first + i] & l->index_mask;
-        lane_box_add(&box, &l->ref[prim[i]].box);
+        const struct ref *ref = &l->ref[(uint32_t)l->key[range->first + i] & l->index_mask];
+        prim[i] = ref_prim(ref);
+        lane_box_add(&box, &ref->box);
     }
     return box;
 }
@@ -83,5 +84,6 @@ const struct builder build_lbvh = {
     .name = "lbvh",
     .summary = "the order of Morton codes, cut where their highest bits change; fast to build",
     .build = build,
+    .takes = "presplit",
     .tri_bytes = 120,
 };

@@ -130,5 +130,6 @@ const struct builder build_median = {
     .summary = "middle of the longest axis of exact bounds, halves if that separates nothing; "
                "depth at most 60; ignores eps",
     .build = build_median_tree,
+    .takes = "presplit",
     .tri_bytes = 44,
 };

@@ -82,6 +82,6 @@ const struct builder build_ploc = {
     .name = "ploc",
     .summary = "clusters from below that join their best neighbour within --radius places",
     .build = build,
-    .takes = "radius",
+    .takes = "radius presplit",
     .tri_bytes = 190,
 };

@@ -127,6 +127,6 @@ const struct builder build_ploctree = {
     .summary = "the tree of ploc, merged in sweeps over a stream, which are counted; one thread",
     .build = build,
     .traffic = traffic,
-    .takes = "radius",
+    .takes = "radius presplit",
     .tri_bytes = 185,
 };

@@ -88,7 +88,9 @@ static enum status build_rtrs_tree(const struct scene *scene, const struct build
                                    struct bvh *out, struct reason *reason)
 {
     static const struct build_rule rule = {centroid, split};
-    return build_top_down(&rule, scene, options, out, reason);
+    struct build_options whole = *options;
+    whole.presplit = 0;
+    return build_top_down(&rule, scene, &whole, out, reason);
 }
 
 extern const struct builder build_rtrs;

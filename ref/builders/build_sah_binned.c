@@ -112,6 +112,6 @@ const struct builder build_sah_binned = {
     .name = "sah_binned",
     .summary = "surface area heuristic between --bins bins, exact for 8 triangles and fewer",
     .build = build,
-    .takes = "bins",
+    .takes = "bins presplit",
     .tri_bytes = 190,
 };

@@ -137,7 +137,8 @@ static uint32_t split(void *user, const struct grow_range *range, struct grow_ra
 static struct lane_box leaf(void *user, const struct grow_range *range, uint32_t *prim)
 {
     const struct sweep *s = user;
-    memcpy(prim, s->order[0] + range->first, range->count * sizeof *prim);
+    for (uint32_t i = 0; i < range->count; i++)
+        prim[i] = ref_prim(&s->ref[s->order[0][range->first + i]]);
     return range->centres;
 }
 
@@ -197,5 +198,6 @@ const struct builder build_sah_sweep = {
     .name = "sah_sweep",
     .summary = "surface area heuristic at every place; the best of the top-down trees",
     .build = build,
+    .takes = "presplit",
     .tri_bytes = 225,
 };

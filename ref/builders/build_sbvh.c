@@ -116,20 +116,6 @@ static void halve(const struct sbvh *s, const struct range *range, struct range 
     finish(&poor, &f, child);
 }
 
-/* Cuts a part in two at the plane; returns one bit for each piece that is not empty. */
-static int cut(const struct sbvh *s, const struct part *part, int axis, float at,
-               struct part piece[2])
-{
-    float v[3][3];
-    scene_tri(s->scene, part->prim, v);
-    piece[0] = piece[1] = *part;
-    piece[0].box.hi[axis] = at;
-    piece[1].box.lo[axis] = at;
-    clip_inside(v, &piece[0].box);
-    clip_inside(v, &piece[1].box);
-    return !clip_is_empty(&piece[0].box) + 2 * !clip_is_empty(&piece[1].box);
-}
-
 /* Returns the cost of a side if a box is added to it. */
 static double cost_with(const struct filling *f, int side, const struct box *box, uint32_t count)
 {
@@ -144,7 +130,9 @@ static void put_cut(const struct sbvh *s, const struct part *part, const struct 
                     struct filling *f, uint32_t count[2])
 {
     struct part piece[2];
-    int sides = cut(s, part, split->axis, split->at, piece);
+    float v[3][3];
+    scene_tri(s->scene, part->prim, v);
+    int sides = part_cut(v, part, split->axis, split->at, piece);
     if (sides == 3) {
         double both =
             cost_with(f, 0, &piece[0].box, count[0]) + cost_with(f, 1, &piece[1].box, count[1]);

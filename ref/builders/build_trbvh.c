@@ -32,5 +32,6 @@ const struct builder build_trbvh = {
     .summary = "the order of Morton codes, its treelets of 7 leaves made anew three times where "
                "that costs less",
     .build = build,
+    .takes = "presplit",
     .tri_bytes = 320,
 };

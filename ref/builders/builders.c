@@ -1,4 +1,5 @@
 #include "ref/build/links.h"
+#include "ref/build/presplit.h"
 #include "ref/builders/reinsert.h"
 #include "ref/builders/rotate.h"
 #include "ref/tree/bvh.h"
@@ -47,6 +48,18 @@ const struct builder *builder_find(const char *name)
     return NULL;
 }
 
+bool builder_takes(const struct builder *builder, const char *option)
+{
+    size_t length = strlen(option);
+    for (const char *at = builder->takes ? builder->takes : ""; *at; at += strspn(at, " ")) {
+        size_t word = strcspn(at, " ");
+        if (word == length && strncmp(at, option, length) == 0)
+            return true;
+        at += word;
+    }
+    return false;
+}
+
 #define GIGA           1000000000.0
 #define REINSERT_BYTES 310u /* least memory of tree_reinsert, as tri_bytes */
 #define ROTATE_BYTES   295u /* of tree_rotate */
@@ -58,6 +71,8 @@ uint64_t bvh_build_bytes(const struct builder *builder, uint32_t tri_count,
     float budget = options->split_budget == 0 ? BUILD_SPLIT_BUDGET_DEFAULT : options->split_budget;
     if (builder == &build_sbvh && budget > 0)
         items += items * fmin((double)budget, (double)BUILD_SPLIT_BUDGET_MOST);
+    if (builder_takes(builder, "presplit"))
+        items = presplit_most(tri_count, options);
     uint64_t build = (uint64_t)(items * builder->tri_bytes);
     uint64_t change = (uint64_t)(options->rotates ? ROTATE_BYTES : REINSERT_BYTES) * tri_count;
     return options->passes > 0 && change > build ? change : build;
@@ -95,6 +110,8 @@ enum status bvh_build(const struct builder *builder, const struct scene *scene,
         return status;
     status = options->rotates ? tree_rotate(out, options->passes, options->threads)
                               : tree_reinsert(out, options->passes, options->threads);
+    if (!status && options->presplit > 0 && builder_takes(builder, "presplit"))
+        status = presplit_merge(out, out->tri_count);
     if (!status)
         status = tree_collapse(out, options->leaf);
     if (status) {

@@ -3,6 +3,7 @@
 #include "ref/build/grow.h"
 #include "ref/build/links.h"
 #include "ref/build/morton.h"
+#include "ref/build/presplit.h"
 #include "ref/build/room.h"
 
 uint32_t clusters_join(struct clusters *c, uint32_t a, uint32_t b)
@@ -34,9 +35,10 @@ static void start(struct clusters *c, const uint64_t *key, uint32_t index_bits)
 
 static struct lane_box leaf(const void *user, uint32_t node, uint32_t *prim, uint32_t *items)
 {
-    *prim = node;
+    const struct ref *ref = (const struct ref *)user + node;
+    *prim = ref_prim(ref);
     *items = 1;
-    return ((const struct ref *)user)[node].box;
+    return ref->box;
 }
 
 static enum status cluster(const struct cluster_rule *rule, struct clusters *c, const uint64_t *key,
@@ -80,23 +82,26 @@ enum status clusters_build(const struct cluster_rule *rule, const struct scene *
         return status;
     uint32_t threads = build_threads(options, scene->tri_count), index_bits = 0;
     uint32_t radius = options->radius ? options->radius : BUILD_RADIUS_DEFAULT;
-    struct lane_box centres;
-    struct ref *ref = NULL;
+    struct refs refs;
     uint64_t *key = NULL;
-    status = refs_make(scene, threads, &ref, &centres);
+    status = refs_make(scene, options, threads, &refs, reason);
+    if (status == STATUS_LIMIT)
+        return status;
     if (!status)
-        status = morton_order(ref, scene->tri_count, &centres, threads, &key, &index_bits);
-    struct clusters c = {.ref = ref,
-                         .count = scene->tri_count,
+        status = morton_order(refs.ref, refs.count, &refs.centres, threads, &key, &index_bits);
+    struct clusters c = {.ref = refs.ref,
+                         .count = refs.count,
                          .radius = radius < BUILD_RADIUS_MOST ? radius : BUILD_RADIUS_MOST,
                          .threads = threads};
     if (!status)
         status = cluster(rule, &c, key, index_bits, out);
+    if (!status && options->presplit > 0)
+        status = presplit_merge(out, scene->tri_count);
     if (!status)
         status = tree_collapse(out, options->leaf);
     if (traffic)
         *traffic = c.traffic;
-    room_free(ref);
+    room_free(refs.ref);
     room_free(key);
     if (!status)
         return STATUS_OK;

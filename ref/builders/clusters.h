@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-/* Nodes 0 .. tri_count - 1 are the triangles. */
+/* The first nodes are the references. */
 struct clusters {
     const struct ref *ref;
     uint32_t (*child)[2];

@@ -48,6 +48,9 @@ struct build_options {
     uint32_t threads;   /* does not affect the tree; all */
     float split_budget; /* sbvh: most additional items, as a fraction of the triangles; below 0:
                            none; BUILD_SPLIT_BUDGET_DEFAULT */
+    float presplit;     /* those that take it: most items beyond one a triangle that are made before
+                           the build, as a fraction of the triangles; BUILD_PRESPLIT_MOST at most;
+                           none */
     float split_alpha;  /* sbvh: least overlap of the children, as a fraction of the root's area, at
                            which planes are tried; below 0: any; BUILD_SPLIT_ALPHA_DEFAULT */
 };
@@ -60,6 +63,7 @@ struct build_options {
 #define BUILD_RADIUS_MOST          256u
 #define BUILD_SPLIT_BUDGET_DEFAULT 1.0f
 #define BUILD_SPLIT_BUDGET_MOST    64.0f
+#define BUILD_PRESPLIT_MOST        64.0f
 #define BUILD_SPLIT_ALPHA_DEFAULT  1e-5f
 #define BUILD_PASSES_DEFAULT       4u /* if passes are requested without a number */
 
@@ -115,6 +119,9 @@ enum status builder_add(const struct builder *builder, struct reason *reason) MU
 
 /* Returns the builder of that name among all, or NULL. */
 const struct builder *builder_find(const char *name);
+
+/* True if the builder reads that option, one of `takes`. */
+bool builder_takes(const struct builder *builder, const char *option);
 
 /* Returns the least number of bytes that bvh_build needs, including the tree but not the scene.
  * With leaves of few triangles it can be several times as much. */

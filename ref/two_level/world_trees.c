@@ -79,6 +79,7 @@ enum status world_top_make(const struct world *world, const struct world_parts *
     struct scene active;
     uint32_t *number;
     whole.split_budget = -1;
+    whole.presplit = 0;
     *out = (struct bvh){.node = NULL};
     enum status status = entries_make(world, parts, box, &number, &active);
     if (!status)
