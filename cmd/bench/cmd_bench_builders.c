@@ -11,18 +11,26 @@
 /* End-point overlap is estimated for scenes with more triangles. */
 #define OVERLAP_MOST 50000u
 #define MOST         64
+#define PARTS        0.3 /* the budget that Karras and Aila 2013 recommend */
 
 /* One way to build. */
 struct builders_contestant {
     const struct builder *builder;
     uint32_t passes, threads;
     bool rotates; /* the passes are of rotations */
+    double share; /* of parts of triangles: --presplit, or --split-budget of sbvh; 0: the default */
     double ns[BENCH_ROUNDS];
     struct tree_quality quality;
     double overlap;
     struct build_traffic traffic; /* of a builder that is a stream */
     struct reason refused;        /* "" if it was not refused */
 };
+
+/* It cuts triangles by itself. */
+static bool splits(const struct builders_contestant *c)
+{
+    return builder_takes(c->builder, "split-budget");
+}
 
 static void add(struct builders_contestant *list, size_t *count,
                 const struct builders_contestant *c)
@@ -31,15 +39,24 @@ static void add(struct builders_contestant *list, size_t *count,
         list[(*count)++] = *c;
 }
 
-/* All builders of C, and reinsertion and rotations after fast ones: with one and with two threads,
- * or with the user's number of threads. */
+/* All builders of C, and fast ones with reinsertion and rotations after them, and some with a budget
+ * of parts of triangles: with one and with two threads, or with the user's number of threads. */
 static size_t contestants(const struct bench *bench, struct builders_contestant list[MOST])
 {
     static const struct {
         const char *builder;
+        uint32_t passes;
         bool rotates;
-    } optimized[] = {
-        {"sah_binned", false}, {"lbvh", false}, {"ploc", false}, {"lbvh", true}, {"ploc", true}};
+        double share;
+    } changed[] = {{"sah_binned", BUILD_PASSES_DEFAULT, false, 0},
+                   {"lbvh", BUILD_PASSES_DEFAULT, false, 0},
+                   {"ploc", BUILD_PASSES_DEFAULT, false, 0},
+                   {"lbvh", BUILD_PASSES_DEFAULT, true, 0},
+                   {"ploc", BUILD_PASSES_DEFAULT, true, 0},
+                   {"sah_binned", 0, false, PARTS},
+                   {"lbvh", 0, false, PARTS},
+                   {"trbvh", 0, false, PARTS},
+                   {"sbvh", 0, false, PARTS}};
     uint32_t first = bench->engines.threads ? bench->engines.threads : 1;
     uint32_t last = bench->engines.threads ? bench->engines.threads : 2;
     size_t count = 0;
@@ -47,11 +64,12 @@ static size_t contestants(const struct bench *bench, struct builders_contestant 
         for (size_t b = 0; builders_all[b] && !builders_all[b]->compare; b++)
             add(list, &count,
                 &(struct builders_contestant){.builder = builders_all[b], .threads = threads});
-        for (size_t i = 0; i < ARRAY_COUNT(optimized); i++)
+        for (size_t i = 0; i < ARRAY_COUNT(changed); i++)
             add(list, &count,
-                &(struct builders_contestant){.builder = builder_find(optimized[i].builder),
-                                              .passes = BUILD_PASSES_DEFAULT,
-                                              .rotates = optimized[i].rotates,
+                &(struct builders_contestant){.builder = builder_find(changed[i].builder),
+                                              .passes = changed[i].passes,
+                                              .rotates = changed[i].rotates,
+                                              .share = changed[i].share,
                                               .threads = threads});
     }
     return count;
@@ -65,6 +83,8 @@ static enum status build_once(struct builders_contestant *c, const struct scene 
                                           .eps = BUILD_EPS_DEFAULT,
                                           .passes = c->passes,
                                           .rotates = c->rotates,
+                                          .presplit = splits(c) ? 0 : (float)c->share,
+                                          .split_budget = splits(c) ? (float)c->share : 0,
                                           .threads = c->threads};
     struct bvh bvh;
     uint64_t start = time_ns();
@@ -94,6 +114,9 @@ static void print_row(struct bench *bench, const char *spec, const struct scene 
     if (c->passes)
         snprintf(name + used, sizeof name - (size_t)used, " %s=%u",
                  c->rotates ? "rotate" : "reinsert", c->passes);
+    if (c->share > 0)
+        snprintf(name + used, sizeof name - (size_t)used, " %s=%g",
+                 splits(c) ? "split-budget" : "presplit", c->share);
     if (c->refused.text[0]) {
         screen_text(&bench->screen_is, "  %-24s %s\n", name, c->refused.text);
         return;
@@ -112,11 +135,12 @@ static void print_row(struct bench *bench, const char *spec, const struct scene 
                c->overlap, q->stats.depth, q->stats.node_count, q->leaf_fill, q->stats.largest_leaf,
                q->stats.loose_count);
     json_t *row = json_record(
-        "scene=%s builder=%s reinsert=%u rotate=%u threads=%u triangles=%u rounds=%zu "
+        "scene=%s builder=%s reinsert=%u rotate=%u presplit=%g split_budget=%g threads=%u triangles=%u rounds=%zu "
         "ns_per_tri_median=%g "
         "ns_per_tri_min=%g ns_per_tri_max=%g sah=%g overlap=%g overlap_exact=%i nodes=%u leaves=%u "
         "leaf_fill=%g depth=%u largest_leaf=%u loose=%u sweeps=%p boxes_read=%p boxes_written=%p",
-        spec, c->builder->name, c->rotates ? 0 : c->passes, c->rotates ? c->passes : 0, c->threads,
+        spec, c->builder->name, c->rotates ? 0 : c->passes, c->rotates ? c->passes : 0,
+        splits(c) ? 0 : c->share, splits(c) ? c->share : 0, c->threads,
         scene->tri_count, bench->rounds, spread.median / tris, spread.least / tris,
         spread.most / tris, q->sah, c->overlap, scene->tri_count <= OVERLAP_MOST,
         q->stats.node_count, q->stats.leaf_count, q->leaf_fill, q->stats.depth,

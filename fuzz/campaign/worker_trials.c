@@ -34,6 +34,8 @@ static void settle(struct fuzz_trial *trial)
 {
     if (trial->builder->faithful)
         trial->build.passes = 0;
+    if (!builder_takes(trial->builder, "presplit"))
+        trial->build.presplit = 0;
     if (!tri_store_answers(trial->store, trial->tri->id))
         trial->store = tri_stores[0];
 }
@@ -97,6 +99,8 @@ static enum status draw_members(const struct work_rules *rules, uint64_t index,
     trial->query = draw->query;
     if (!draw->builder->faithful)
         trial->build.eps = BUILD_EPS_DEFAULT;
+    if (!builder_takes(draw->builder, "presplit"))
+        trial->build.presplit = 0;
     if (draw->optimized > 0)
         trial->build.passes = 1 + rng_below(&rng, BUILD_PASSES_DEFAULT);
     trial->build.rotates = draw->optimized > 1;

@@ -129,6 +129,14 @@ static void read_rotate(struct finding_scan *in, struct finding_file *file)
     file->trial.build.rotates = true;
 }
 
+static void read_presplit(struct finding_scan *in, struct finding_file *file)
+{
+    float share = file->trial.build.presplit = finding_float(in, "how many parts", false);
+    if (!in->status && !(share >= 0 && share <= FUZZ_PRESPLIT_MOST))
+        in->status = scan_fail(&in->scan, in->reason, "how many parts is 0 to %g of the triangles",
+                               (double)FUZZ_PRESPLIT_MOST);
+}
+
 static void read_move(struct finding_scan *in, struct finding_file *file)
 {
     float move = file->trial.move = finding_float(in, "how far", false);
@@ -157,7 +165,7 @@ static const struct {
     {"recipe", read_recipe, false, false}, {"with", read_with, false, true},
     {"store", read_store, false, false},   {"optimize", read_optimize, false, false},
     {"move", read_move, false, false},     {"filter", read_filter, false, false},
-    {"rotate", read_rotate, false, false},
+    {"rotate", read_rotate, false, false}, {"presplit", read_presplit, false, false},
 };
 
 /* All lines before "vertices", which is left to be read. */

@@ -13,6 +13,7 @@
  *   store compact                                     optional; indexed
  *   optimize 4                                        optional; passes of reinsertion, or:
  *   rotate 4                                          passes of rotations
+ *   presplit 0x1p-2                                   optional; parts cut before the build
  *   move 0x1p-3 seed 7                                optional; since the tree was built
  *   vertices 3
  *   0x0p+0 0x0p+0 0x0p+0                              # 0.0 0.0 0.0

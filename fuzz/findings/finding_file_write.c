@@ -84,6 +84,13 @@ static void put_head(const struct finding_file *file, FILE *to)
         fprintf(to, "store %s\n", trial->store->name);
     if (trial->build.passes > 0)
         fprintf(to, "%s %u\n", trial->build.rotates ? "rotate" : "optimize", trial->build.passes);
+    if (trial->build.presplit > 0) {
+        char share[FLOAT_WORD_MOST];
+        float_word_write(trial->build.presplit, share);
+        fprintf(to, "presplit %s # ", share);
+        finding_put_decimal(trial->build.presplit, to);
+        fputc('\n', to);
+    }
     if (trial->move > 0) {
         char move[FLOAT_WORD_MOST];
         float_word_write(trial->move, move);

@@ -110,6 +110,7 @@ static enum status make(uint64_t seed, uint64_t index, const struct gen_options 
         return status;
     }
     gen_choose_tests(&rng, options, sketch.leaf, out);
+    out->build.presplit = gen_presplit(seed, index, out->builder);
     struct aim aim;
     aim_make(&out->scene, out->build.leaf, &rng, &aim);
     aim_rays(&aim, &rng, out->ray, out->ray_count);
@@ -131,6 +132,7 @@ static enum status make_world(uint64_t seed, uint64_t index, const struct gen_op
     for (uint32_t i = 0; i < count && !status; i++)
         status = mutate_once(&rng, out, EDIT_SCENE, reason);
     gen_choose_tests(&rng, options, 0, out);
+    out->build.presplit = gen_presplit(seed, index, out->builder);
     if (!status)
         status = gen_world_aim(&rng, out, reason);
     if (status)

@@ -8,7 +8,7 @@
 
 /* Raised whenever other bytes are made of the same seed and index, of scenes or of worlds: by
  * another generator or edit, or by a builder or test that comes or goes. */
-#define GEN_VERSION 6u
+#define GEN_VERSION 7u
 /* Mixed into the seeds. Since version 5 only members have come, so that most trials are drawn as
  * before. */
 #define GEN_SALT 5u

@@ -1,9 +1,12 @@
 #include "fuzz/gen/gen_members.h"
 
+#include "fuzz/gen/gen.h"
 #include "fuzz/gen/gen_sketch.h"
 
 /* One member in that many is one that the products of tests leave out. */
 #define OTHER_IN 4u
+/* One trial in that many has triangles cut before the build, if its builder takes their parts. */
+#define PRESPLIT_IN 8u
 
 /* A random member of a table that may take part: of the products, or of the others, each as likely.
  * `is_core`: whether member i is of the products; `is_here`: whether it is there on any machine. */
@@ -52,4 +55,13 @@ float gen_eps(struct rng *rng)
 float gen_move(struct rng *rng)
 {
     return power_of_two((int)rng_below(rng, 12) - 10);
+}
+
+float gen_presplit(uint64_t seed, uint64_t index, const struct builder *builder)
+{
+    struct rng of_seed = rng_make(seed, 0x70617274u + GEN_SALT);
+    struct rng rng = rng_make(rng_u64(&of_seed), index);
+    bool some = rng_below(&rng, PRESPLIT_IN) == 0;
+    float share = power_of_two((int)rng_below(&rng, 6) - 4);
+    return some && builder_takes(builder, "presplit") ? share : 0;
 }

@@ -20,4 +20,8 @@ float gen_eps(struct rng *rng);
  * of an animation to the next, to 2. */
 float gen_move(struct rng *rng);
 
+/* The share of parts that are cut from triangles before the build of a trial: none, or 1/16 to 2 if
+ * the builder takes them. Drawn apart from the rest, which is as it was before there were parts. */
+float gen_presplit(uint64_t seed, uint64_t index, const struct builder *builder);
+
 #endif

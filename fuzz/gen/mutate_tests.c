@@ -21,6 +21,8 @@ enum status edit_builder(struct rng *rng, struct fuzz_trial *trial, bool *change
     const struct builder *builder = gen_builder(rng, is_faithful(trial));
     *changed = builder != trial->builder;
     trial->builder = builder;
+    if (!builder_takes(builder, "presplit"))
+        trial->build.presplit = 0;
     return STATUS_OK;
 }
 

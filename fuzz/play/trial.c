@@ -104,6 +104,8 @@ uint64_t fuzz_trial_hash(const struct fuzz_trial *trial)
     if (trial->build.passes > 0)
         hash = trial_mix_u32(mix_text(hash, trial->build.rotates ? "rotate" : "passes"),
                              trial->build.passes);
+    if (trial->build.presplit > 0)
+        hash = trial_mix_float(mix_text(hash, "presplit"), trial->build.presplit);
     if (trial->store != tri_stores[0])
         hash = mix_text(mix_text(hash, "store"), trial->store->name);
     if (trial->move > 0) {
@@ -160,6 +162,8 @@ static uint64_t member_weight(const struct fuzz_trial *trial)
     for (size_t i = 0; tri_stores[i] && tri_stores[i] != trial->store; i++)
         weight++;
     weight += trial->build.passes + (trial->build.passes > 0 && trial->build.rotates);
+    if (trial->build.presplit > 0)
+        weight += 1 + trial_float_weight(trial->build.presplit);
     if (trial->move > 0)
         weight += 1 + trial_float_weight(trial->move) + (trial->move_seed > 0);
     return weight;
@@ -226,6 +230,12 @@ enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reas
                     "a trial has at most %u passes of optimization, and moves by "
                     "0 to %g extents",
                     FUZZ_PASSES_MOST, (double)FUZZ_MOVE_MOST);
+    if (!(trial->build.presplit >= 0 && trial->build.presplit <= FUZZ_PRESPLIT_MOST))
+        return fail(reason, STATUS_INPUT, "the parts of a trial are 0 to %g of its triangles",
+                    (double)FUZZ_PRESPLIT_MOST);
+    if (trial->build.presplit > 0 && !builder_takes(trial->builder, "presplit"))
+        return fail(reason, STATUS_INPUT, "builder %s takes no parts of triangles",
+                    trial->builder->name);
     if (trial->build.passes > 0 && trial->builder->faithful)
         return fail(reason, STATUS_INPUT, "builder %s builds as published: it is not optimized",
                     trial->builder->name);

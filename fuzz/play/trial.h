@@ -13,6 +13,7 @@
 #define FUZZ_RAYS_MOST      65536u
 #define FUZZ_PASSES_MOST    16u   /* of optimization */
 #define FUZZ_MOVE_MOST      64.0f /* extents of the scene */
+#define FUZZ_PRESPLIT_MOST  4.0f  /* parts made before the build, of the triangles */
 
 /* Where a trial comes from. */
 struct fuzz_origin {
@@ -75,8 +76,8 @@ struct fuzz_trial_size fuzz_trial_size(const struct fuzz_trial *trial);
 int fuzz_trial_size_compare(const struct fuzz_trial_size *a, const struct fuzz_trial_size *b);
 
 /* Rejects what no reader may let through: indices out of range, vertices that are not finite, no
- * builder, test or storage, a storage that the triangle test cannot read, what trial_world_check
- * rejects, a world that moves, limits. Rays may hold any bits. Errors: STATUS_INPUT, STATUS_LIMIT;
+ * builder, test or storage, a storage that the triangle test cannot read, parts for a builder that
+ * takes none, what trial_world_check rejects, a world that moves, limits. Rays may hold any bits. Errors: STATUS_INPUT, STATUS_LIMIT;
  * STATUS_MEMORY of a world. */
 enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reason) MUST_USE;
 

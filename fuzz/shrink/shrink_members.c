@@ -29,6 +29,8 @@ enum {
     PASSES,
     PASSES_ONE,
     REINSERTS,
+    WHOLE,
+    PARTS_ROUND,
     STILL,
     MOVE_LESS,
     MOVE_ROUND,
@@ -82,6 +84,12 @@ static bool change_past(struct fuzz_trial *trial, uint32_t variant)
         return true;
     case REINSERTS:
         trial->build.rotates = false;
+        return true;
+    case WHOLE:
+        trial->build.presplit = 0;
+        return true;
+    case PARTS_ROUND:
+        trial->build.presplit = trial->build.presplit > 0;
         return true;
     case STILL:
         trial->move = 0;

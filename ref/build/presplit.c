@@ -230,7 +230,6 @@ enum status presplit_make(const struct scene *scene, const struct build_options 
                           struct reason *reason)
 {
     double most = presplit_most(scene->tri_count, options);
-    struct grid grid = grid_of(scene);
     *out = NULL;
     *count = 0;
     if (most > (double)((uint32_t)1 << 31))
@@ -238,6 +237,7 @@ enum status presplit_make(const struct scene *scene, const struct build_options 
                     "a tree holds at most 2^31 items, %u triangles and %.0f more are asked for; "
                     "use a smaller --presplit",
                     scene->tri_count, most - (double)scene->tri_count);
+    struct grid grid = grid_of(scene);
     uint32_t *first = room_make((size_t)scene->tri_count + 1, sizeof *first);
     uint32_t *made = room_make(scene->tri_count, sizeof *made);
     struct part *part = room_make((size_t)most, sizeof *part);

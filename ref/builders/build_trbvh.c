@@ -3,6 +3,7 @@
  * ROUNDS times over the tree from below, then leaves of up to `leaf` triangles where these cost
  * less. Ours: the cost that treelets lower is that with these leaves, and never rises. */
 #include "ref/build/links.h"
+#include "ref/build/presplit.h"
 #include "ref/builders/treelets.h"
 
 #define ROUNDS 3u
@@ -18,6 +19,8 @@ static enum status build(const struct scene *scene, const struct build_options *
     if (status || out->node_count == 0)
         return status;
     status = tree_treelets(out, options->leaf, ROUNDS, options->threads);
+    if (!status && options->presplit > 0)
+        status = presplit_merge(out, out->tri_count);
     if (!status)
         status = tree_collapse(out, options->leaf);
     if (!status)

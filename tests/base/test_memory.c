@@ -23,11 +23,12 @@ static void builders_take_what_they_say(void **state)
     (void)state;
     struct scene scene = built_soup(WEIGHED, 1);
     for (size_t b = 0; builders_all[b]; b++)
-        for (uint32_t how = 0; how <= (builders_all[b]->faithful ? 0u : 2u); how++) {
+        for (uint32_t how = 0; how <= (builders_all[b]->faithful ? 0u : 3u); how++) {
             const struct build_options options = {.leaf = 64,
                                                   .eps = BUILD_EPS_DEFAULT,
-                                                  .passes = how > 0,
-                                                  .rotates = how > 1,
+                                                  .passes = how == 1 || how == 2,
+                                                  .rotates = how == 2,
+                                                  .presplit = how == 3 ? 0.5f : 0,
                                                   .threads = 1};
             struct bvh bvh;
             long least = (long)bvh_build_bytes(builders_all[b], WEIGHED, &options);

@@ -39,8 +39,9 @@ static bool same_tree(const struct bvh *a, const struct bvh *b)
 static void builders_read_what_they_take(void **state)
 {
     const struct build_options plain = {.leaf = 4, .eps = 0.02f};
-    struct build_options other[5] = {plain, plain, plain, plain, plain};
-    static const char *const name[5] = {"eps", "bins", "radius", "split-budget", "split-alpha"};
+    struct build_options other[6] = {plain, plain, plain, plain, plain, plain};
+    static const char *const name[6] = {"eps",          "bins",        "radius",
+                                        "split-budget", "split-alpha", "presplit"};
     struct scene scene;
     struct reason reason;
     (void)state;
@@ -49,6 +50,7 @@ static void builders_read_what_they_take(void **state)
     other[2].radius = 1;
     other[3].split_budget = -1;
     other[4].split_alpha = 1;
+    other[5].presplit = 0.5f;
     assert_int_equal(scene_open("soup:n=3000,size=0.5", 1, &scene, &reason), STATUS_OK);
     for (size_t i = 0; builders_all[i]; i++)
         for (size_t k = 0; k < ARRAY_COUNT(other); k++) {

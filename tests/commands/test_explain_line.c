@@ -108,6 +108,7 @@ static struct explain_of draw(struct rng *rng, const char *const *spec)
     of.build.radius = rng_below(rng, 2) ? 0 : 1 + rng_below(rng, BUILD_RADIUS_MOST);
     of.build.split_budget = any_share(rng, BUILD_SPLIT_BUDGET_MOST);
     of.build.split_alpha = any_share(rng, 1);
+    of.build.presplit = fmaxf(any_share(rng, BUILD_PRESPLIT_MOST), 0);
     return of;
 }
 
@@ -131,6 +132,12 @@ static struct build_options read_by(const struct explain_of *of)
         build.split_budget = of->build.split_budget;
         build.split_alpha = of->build.split_alpha;
     }
+    static const char *const whole[] = {"rtrs", "sbvh", "lbvh30", "lbvh63", "hploc"};
+    bool parts = true;
+    for (size_t i = 0; i < ARRAY_COUNT(whole); i++)
+        parts = parts && strcmp(name, whole[i]) != 0;
+    if (parts)
+        build.presplit = of->build.presplit;
     return build;
 }
 

@@ -32,9 +32,10 @@ void room_free(void *room)
 /* Fails the first, second, ... allocation until there is none to fail. Returns how many there were.
  */
 static int fail_each(const struct builder *builder, const struct scene *scene, uint32_t passes,
-                     bool rotates)
+                     bool rotates, float presplit)
 {
-    const struct build_options options = {.leaf = 2, .passes = passes, .rotates = rotates};
+    const struct build_options options = {
+        .leaf = 2, .passes = passes, .rotates = rotates, .presplit = presplit};
     for (int n = 0; n < 200; n++) {
         struct bvh bvh = {.node_count = 7};
         struct reason reason = {""};
@@ -66,10 +67,14 @@ static void memory_that_ends_anywhere_is_an_error(void **state)
                                        "sbvh",       "trbvh",     "ploctree"};
     struct scene scene = built_soup(300, 1);
     for (size_t i = 0; i < ARRAY_COUNT(name); i++) {
-        int plain = fail_each(builder_find(name[i]), &scene, 0, false);
+        const struct builder *builder = builder_find(name[i]);
+        int plain = fail_each(builder, &scene, 0, false, 0);
+        int parts = builder_takes(builder, "presplit") ? 7 : 0;
         assert_true(plain >= 4);
-        assert_true(fail_each(builder_find(name[i]), &scene, 1, false) >= plain + 8);
-        assert_true(fail_each(builder_find(name[i]), &scene, 1, true) >= plain + 8);
+        assert_true(fail_each(builder, &scene, 0, false, 0.5f) >= plain + parts);
+        assert_true(fail_each(builder, &scene, 1, false, 0.5f) >= plain + parts + 8);
+        assert_true(fail_each(builder, &scene, 1, false, 0) >= plain + 8);
+        assert_true(fail_each(builder, &scene, 1, true, 0) >= plain + 8);
     }
     scene_free(&scene);
 }

@@ -37,7 +37,8 @@ static void every_builder_makes_a_tree_of_any_numbers(void **state)
         for (size_t b = 0; builders[b]; b++) {
             struct build_options options = {.leaf = 1 + rng_below(&rng, 8),
                                             .eps = BUILD_EPS_DEFAULT,
-                                            .bins = 2 + rng_below(&rng, BUILD_BINS_MOST - 1)};
+                                            .bins = 2 + rng_below(&rng, BUILD_BINS_MOST - 1),
+                                            .presplit = n % 3 == 0};
             struct bvh bvh;
             struct reason reason = {""};
             enum status status = bvh_build(builders[b], &scene, &options, &bvh, &reason);
@@ -58,19 +59,19 @@ static void every_bin_is_one_of_them(void **state)
     uint32_t below = 0;
     for (uint32_t n = 0; n < 2000; n++) {
         struct scene scene = spoilt(&rng, 1 + rng_below(&rng, 100), shares[n % 4]);
-        struct lane_box centres;
-        struct ref *ref;
-        assert_int_equal(refs_make(&scene, 1, &ref, &centres), STATUS_OK);
-        struct bin_map map = bin_map_of(&centres, 2 + rng_below(&rng, BINS_MOST - 1));
-        for (uint32_t i = 0; i < scene.tri_count; i++) {
-            lanes_int bin = bin_of(&map, &ref[i]);
-            lanes centre = ref_centre(&ref[i]);
+        struct build_options options = {.presplit = n % 3 == 0};
+        struct refs refs;
+        assert_int_equal(refs_make(&scene, &options, 1, &refs, NULL), STATUS_OK);
+        struct bin_map map = bin_map_of(&refs.centres, 2 + rng_below(&rng, BINS_MOST - 1));
+        for (uint32_t i = 0; i < refs.count; i++) {
+            lanes_int bin = bin_of(&map, &refs.ref[i]);
+            lanes centre = ref_centre(&refs.ref[i]);
             for (int k = 0; k < 3; k++) {
                 assert_true(bin[k] >= 0 && bin[k] < (int)map.count);
                 below += centre[k] < map.base[k];
             }
         }
-        room_free(ref);
+        room_free(refs.ref);
         scene_free(&scene);
     }
     assert_true(below > 1000);

@@ -63,21 +63,22 @@ static void the_published_builder_builds_tops(void **state)
     world_free(&world);
 }
 
-/* A builder that splits does not split the boxes of instances, though it splits triangles. */
-static void tops_are_not_split(void **state)
+/* A builder that splits, or takes parts, does not do so with the boxes of instances, though it does
+ * with triangles. */
+static void top_is_not_split(const char *builder)
 {
-    (void)state;
     struct world world = fixture_room(1, 200);
     fixture_mesh(&world, 0, "needles:n=50", 1);
     for (uint32_t i = 0; i < 200; i++)
         fixture_transform(WORLD_TURNED, i, world.instance[i].m);
     fixture_finish(&world);
-    struct world_build build = stand_build("sbvh", 1);
+    struct world_build build = stand_build(builder, 1);
     struct world_trees trees;
     struct scene scene;
     struct bvh bvh;
     build.top_options.split_budget = build.bottom_options.split_budget = 4;
     build.top_options.split_alpha = build.bottom_options.split_alpha = -1;
+    build.top_options.presplit = build.bottom_options.presplit = 4;
     assert_int_equal(world_trees_make(&world, &build, &trees, NULL), STATUS_OK);
     assert_true(bvh_is_split(&trees.bottom[0]));
     assert_int_equal(trees.top.prim_count, 200);
@@ -92,6 +93,14 @@ static void tops_are_not_split(void **state)
     packed_world_free(&packed);
     world_trees_free(&trees);
     world_free(&world);
+}
+
+static void tops_are_not_split(void **state)
+{
+    (void)state;
+    top_is_not_split("sbvh");
+    top_is_not_split("sah_sweep");
+    top_is_not_split("ploc");
 }
 
 /* --- limits ----------------------------------------------------------------------------------- */

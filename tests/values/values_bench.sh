@@ -88,9 +88,9 @@ play_builders() {
 # A tree by each builder, as precompute writes it.
 trees() {
     for builder in median rtrs sah_binned sah_sweep lbvh ploc sbvh trbvh ploctree 'sah_binned --optimize reinsert=4' \
-        'lbvh --optimize rotate=4'; do
+        'lbvh --optimize rotate=4' 'lbvh --presplit 0.3' 'trbvh --presplit 0.3'; do
         "$raydiff" precompute --scene "$1" --out "$dir/tree" --builder $builder 2>"$dir/err" || bad "precompute $builder" >&2
-        name=${builder%% *}$(case $builder in *=4) echo "_${builder##* }" ;; esac)
+        name=${builder%% *}$(case $builder in *=4) echo "_${builder##* }" ;; *presplit*) echo "_presplit=${builder##* }" ;; esac)
         awk -f tests/values/flat.awk "$dir/tree" | sed "s/^/$name./"
         echo "$name.loose=$(sed -n 's/.* \([0-9]*\) inner boxes too small/\1/p' "$dir/err")"
     done

@@ -2,12 +2,12 @@
 # (other.flat, each path with the builder's name before it): awk -f lib.awk -f tree.awk -f bench_builders.awk FLAT other.flat TEXT
 # Its name, as it is printed.
 function how(p) {
-    return v[p ".builder"] (v[p ".reinsert"] > 0 ? " reinsert=" v[p ".reinsert"] : v[p ".rotate"] > 0 ? " rotate=" v[p ".rotate"] : "")
+    return v[p ".builder"] (v[p ".reinsert"] > 0 ? " reinsert=" v[p ".reinsert"] : v[p ".rotate"] > 0 ? " rotate=" v[p ".rotate"] : v[p ".presplit"] > 0 ? " presplit=" v[p ".presplit"] : v[p ".split_budget"] > 0 ? " split-budget=" v[p ".split_budget"] : "")
 }
 function laws(p, name,  tree, other, i) {
     equal(name "a binary tree", v[p ".nodes"], 2 * v[p ".leaves"] - 1)
     truth(name "fill and largest leaf", v[p ".leaf_fill"] <= v[p ".largest_leaf"] && v[p ".largest_leaf"] <= v[p ".triangles"])
-    if (v[p ".builder"] != "sbvh") near(name "fill", v[p ".leaf_fill"], v[p ".triangles"] / v[p ".leaves"])
+    if (v[p ".builder"] != "sbvh" && v[p ".presplit"] == 0) near(name "fill", v[p ".leaf_fill"], v[p ".triangles"] / v[p ".leaves"])
     equal(name "overlap is exact", v[p ".overlap_exact"], v[p ".triangles"] <= 50000 ? "true" : "false")
     for (i = 0; i < v["rows.count"]; i++) { # as many threads as they are, it is one tree
         other = "rows." i

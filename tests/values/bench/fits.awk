@@ -61,7 +61,7 @@ function row_of_spawn() {
     share("skip", ".skipped", ".hits")
 }
 function row_of_builders() {
-    word("builder", v[p ".builder"] (v[p ".reinsert"] > 0 ? " reinsert=" v[p ".reinsert"] : v[p ".rotate"] > 0 ? " rotate=" v[p ".rotate"] : ""))
+    word("builder", v[p ".builder"] (v[p ".reinsert"] > 0 ? " reinsert=" v[p ".reinsert"] : v[p ".rotate"] > 0 ? " rotate=" v[p ".rotate"] : v[p ".presplit"] > 0 ? " presplit=" v[p ".presplit"] : v[p ".split_budget"] > 0 ? " split-budget=" v[p ".split_budget"] : ""))
     word("threads", v[p ".threads"])
     number("ns/tri", "%.1f", v[p ".ns_per_tri_median"])
     number("SAH", "%.2f", v[p ".sah"])
