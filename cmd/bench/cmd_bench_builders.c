@@ -39,8 +39,9 @@ static void add(struct builders_contestant *list, size_t *count,
         list[(*count)++] = *c;
 }
 
-/* All builders of C, and fast ones with reinsertion and rotations after them, and some with a budget
- * of parts of triangles: with one and with two threads, or with the user's number of threads. */
+/* All builders of C, and fast ones with reinsertion and rotations after them, and some with a
+ * budget of parts of triangles: with one and with two threads, or with the user's number of
+ * threads. */
 static size_t contestants(const struct bench *bench, struct builders_contestant list[MOST])
 {
     static const struct {
@@ -135,17 +136,17 @@ static void print_row(struct bench *bench, const char *spec, const struct scene 
                c->overlap, q->stats.depth, q->stats.node_count, q->leaf_fill, q->stats.largest_leaf,
                q->stats.loose_count);
     json_t *row = json_record(
-        "scene=%s builder=%s reinsert=%u rotate=%u presplit=%g split_budget=%g threads=%u triangles=%u rounds=%zu "
-        "ns_per_tri_median=%g "
+        "scene=%s builder=%s reinsert=%u rotate=%u presplit=%g split_budget=%g threads=%u "
+        "triangles=%u rounds=%zu ns_per_tri_median=%g "
         "ns_per_tri_min=%g ns_per_tri_max=%g sah=%g overlap=%g overlap_exact=%i nodes=%u leaves=%u "
         "leaf_fill=%g depth=%u largest_leaf=%u loose=%u sweeps=%p boxes_read=%p boxes_written=%p",
         spec, c->builder->name, c->rotates ? 0 : c->passes, c->rotates ? c->passes : 0,
-        splits(c) ? 0 : c->share, splits(c) ? c->share : 0, c->threads,
-        scene->tri_count, bench->rounds, spread.median / tris, spread.least / tris,
-        spread.most / tris, q->sah, c->overlap, scene->tri_count <= OVERLAP_MOST,
-        q->stats.node_count, q->stats.leaf_count, q->leaf_fill, q->stats.depth,
-        q->stats.largest_leaf, q->stats.loose_count, json_known(c->traffic.sweeps),
-        json_known(c->traffic.boxes_read), json_known(c->traffic.boxes_written));
+        splits(c) ? 0 : c->share, splits(c) ? c->share : 0, c->threads, scene->tri_count,
+        bench->rounds, spread.median / tris, spread.least / tris, spread.most / tris, q->sah,
+        c->overlap, scene->tri_count <= OVERLAP_MOST, q->stats.node_count, q->stats.leaf_count,
+        q->leaf_fill, q->stats.depth, q->stats.largest_leaf, q->stats.loose_count,
+        json_known(c->traffic.sweeps), json_known(c->traffic.boxes_read),
+        json_known(c->traffic.boxes_written));
     bench_row(bench, &bench_builders, row);
 }
 

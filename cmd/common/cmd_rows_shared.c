@@ -132,8 +132,8 @@ const struct option_row build_rows[] = {
      "area",
      OF_OWN(take_share), .standard = BUILD_SPLIT_ALPHA_DEFAULT},
     {"presplit", "X",
-     "builders that cut no triangles themselves: parts that are cut from triangles before, at most, "
-     "in parts of the triangles",
+     "builders that do not split themselves: items beyond one a triangle, at most, in parts of the "
+     "triangles, by cuts before the build",
      OF_REAL(presplit, 0, BUILD_PRESPLIT_MOST), .value = "0"},
     {"optimize", "O",
      "reinsert or reinsert=N: moves subtrees of what a builder made to where they cost less, N (4) "

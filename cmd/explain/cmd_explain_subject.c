@@ -81,7 +81,8 @@ static enum status take_file(struct explain_options *o, const char *path, struct
                              struct reason *reason)
 {
     static const char own[] = "ray rays count seed bvh store builder leaf eps bins radius "
-                              "split-budget split-alpha presplit optimize box tri query modes braid";
+                              "split-budget split-alpha presplit optimize "
+                              "box tri query modes braid";
     const char *flag;
     for (size_t i = 0; (flag = option_given(i)) != NULL; i++)
         if (option_among(own, flag))

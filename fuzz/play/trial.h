@@ -77,8 +77,8 @@ int fuzz_trial_size_compare(const struct fuzz_trial_size *a, const struct fuzz_t
 
 /* Rejects what no reader may let through: indices out of range, vertices that are not finite, no
  * builder, test or storage, a storage that the triangle test cannot read, parts for a builder that
- * takes none, what trial_world_check rejects, a world that moves, limits. Rays may hold any bits. Errors: STATUS_INPUT, STATUS_LIMIT;
- * STATUS_MEMORY of a world. */
+ * takes none, what trial_world_check rejects, a world that moves, limits. Rays may hold any bits.
+ * Errors: STATUS_INPUT, STATUS_LIMIT; STATUS_MEMORY of a world. */
 enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reason) MUST_USE;
 
 #endif

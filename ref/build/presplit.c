@@ -12,7 +12,7 @@
 /* The scale is a float of so many bits, without sign: more would hardly change a budget. */
 #define SCALE_LOWEST 0x800u
 
-struct grid {
+struct plane_grid {
     float lo[3];
     double side; /* of the cube that has all triangles; 0: there are no planes */
 };
@@ -24,10 +24,10 @@ struct plane {
     float at;
 };
 
-static struct grid grid_of(const struct scene *scene)
+static struct plane_grid grid_of(const struct scene *scene)
 {
     struct box all = box_empty();
-    struct grid grid = {.side = 0};
+    struct plane_grid grid = {.side = 0};
     for (uint32_t i = 0; i < scene->tri_count; i++) {
         struct box one = scene_tri_bounds(scene, i);
         box_add_box(&all, &one);
@@ -41,7 +41,7 @@ static struct grid grid_of(const struct scene *scene)
 }
 
 /* The coarsest plane between two coordinates, neither included. */
-static struct plane plane_between(const struct grid *grid, int axis, float lo, float hi)
+static struct plane plane_between(const struct plane_grid *grid, int axis, float lo, float hi)
 {
     const double cells = (double)(1u << GRID_BITS), unit = grid->side / cells;
     struct plane plane = {.axis = axis, .level = NO_LEVEL};
@@ -62,7 +62,7 @@ static struct plane plane_between(const struct grid *grid, int axis, float lo, f
 }
 
 /* The coarsest plane that cuts a box; among equally coarse ones that across the longest side. */
-static struct plane plane_of(const struct grid *grid, const struct box *box)
+static struct plane plane_of(const struct plane_grid *grid, const struct box *box)
 {
     struct plane best = {.level = NO_LEVEL};
     double longest = 0;
@@ -106,7 +106,7 @@ static double ideal_half_area(float v[3][3])
 }
 
 /* 0 if nothing cuts the triangle or nothing would be saved. */
-static double priority_of(const struct grid *grid, const struct scene *scene, uint32_t prim)
+static double priority_of(const struct plane_grid *grid, const struct scene *scene, uint32_t prim)
 {
     float v[3][3];
     struct box box = scene_tri_bounds(scene, prim);
@@ -158,7 +158,7 @@ static double longest_side(const struct box *box)
 
 /* Cuts a part so many times, and writes what it becomes; returns how many parts these are. No
  * deeper than the grid has levels in three axes, because each plane is finer than those before. */
-static uint32_t cut_often(const struct grid *grid, float v[3][3], const struct part *part,
+static uint32_t cut_often(const struct plane_grid *grid, float v[3][3], const struct part *part,
                           uint32_t cuts, struct part *out)
 {
     struct part piece[2];
@@ -181,8 +181,8 @@ static uint32_t cut_often(const struct grid *grid, float v[3][3], const struct p
 
 /* Writes the parts of triangle i from first[i] on, and moves them together. Returns how many there
  * are; first[i + 1] - first[i] is the room for those of triangle i. */
-static uint32_t cut_all(const struct scene *scene, const struct grid *grid, const uint32_t *first,
-                        uint32_t *made, uint32_t threads, struct part *part)
+static uint32_t cut_all(const struct scene *scene, const struct plane_grid *grid,
+                        const uint32_t *first, uint32_t *made, uint32_t threads, struct part *part)
 {
     uint32_t all = 0, count = scene->tri_count;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(threads) if (threads > 1)
@@ -207,7 +207,7 @@ double presplit_most(uint32_t tri_count, const struct build_options *options)
 }
 
 /* Sets first[i] to the triangles before i and their cuts. Errors: STATUS_MEMORY. */
-static enum status room_for_each(const struct scene *scene, const struct grid *grid,
+static enum status room_for_each(const struct scene *scene, const struct plane_grid *grid,
                                  uint32_t budget, uint32_t threads, uint32_t *first)
 {
     uint32_t count = scene->tri_count;
@@ -237,7 +237,7 @@ enum status presplit_make(const struct scene *scene, const struct build_options 
                     "a tree holds at most 2^31 items, %u triangles and %.0f more are asked for; "
                     "use a smaller --presplit",
                     scene->tri_count, most - (double)scene->tri_count);
-    struct grid grid = grid_of(scene);
+    struct plane_grid grid = grid_of(scene);
     uint32_t *first = room_make((size_t)scene->tri_count + 1, sizeof *first);
     uint32_t *made = room_make(scene->tri_count, sizeof *made);
     struct part *part = room_make((size_t)most, sizeof *part);
@@ -259,8 +259,8 @@ enum status presplit_make(const struct scene *scene, const struct build_options 
 
 #define SEVERAL UINT32_MAX
 
-/* Sets only[i] to the triangle that is alone below node i, or SEVERAL, and end[i] to the node behind
- * its subtree. */
+/* Sets only[i] to the triangle that is alone below node i, or SEVERAL, and end[i] to the node
+ * behind its subtree. */
 static void find_alone(const struct bvh *bvh, uint32_t *only, uint32_t *end)
 {
     for (uint32_t i = bvh->node_count; i-- > 0;) {

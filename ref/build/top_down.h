@@ -11,8 +11,8 @@ struct build {
     const struct build_options *options;
     uint32_t count;      /* of items: triangles, or parts of them (ref/build/presplit.h) */
     struct box *tri_box; /* of each item */
-    float *centroid;     /* 3 per item; the builder defines which centroid a triangle has, and a part
-                            has its box's centre */
+    float *centroid;     /* 3 per item; the builder defines a triangle's, a part has its box's
+                            centre */
     uint32_t *prim;      /* the items; those of a node are one range */
     uint32_t *spare;     /* as long as prim, scratch for split */
 };

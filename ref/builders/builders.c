@@ -74,6 +74,8 @@ uint64_t bvh_build_bytes(const struct builder *builder, uint32_t tri_count,
     if (builder_takes(builder, "presplit"))
         items = presplit_most(tri_count, options);
     uint64_t build = (uint64_t)(items * builder->tri_bytes);
+    if (builder == &build_median && options->presplit > 0) /* holds the parts until the end */
+        build += (uint64_t)items * sizeof(struct part);
     uint64_t change = (uint64_t)(options->rotates ? ROTATE_BYTES : REINSERT_BYTES) * tri_count;
     return options->passes > 0 && change > build ? change : build;
 }

@@ -8,8 +8,8 @@
 /* How trees are built. */
 struct world_build {
     const struct builder *top, *bottom;
-    /* Of the top, split_budget and presplit count as none: its items are boxes, whose parts a builder would
-     * take from the triangles that stand for them. */
+    /* Of the top, split_budget and presplit count as none: its items are boxes, whose parts a
+     * builder would take from the triangles that stand for them. */
     struct build_options top_options, bottom_options;
     enum world_boxes boxes;
     uint32_t braid; /* most entries of the top per active instance, up to BRAID_MOST; 0 and 1: each

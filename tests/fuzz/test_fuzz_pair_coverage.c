@@ -268,9 +268,40 @@ static void drawn_trials_come_back_from_their_file(void **state)
         assert_ptr_equal(again.trial.store, draw.store);
         assert_int_equal(work_optimized(&again.trial.build), draw.optimized);
         assert_int_equal(again.trial.move > 0, draw.moved);
+        assert_true(again.trial.build.presplit == file.trial.build.presplit);
         free(bytes);
         finding_file_free(&file);
         finding_file_free(&again);
+    }
+}
+
+/* One trial in eight has parts of triangles, but none that a builder would not take. */
+static void parts_are_for_builders_that_take_them(void **state)
+{
+    (void)state;
+    static const char *const name[] = {NULL, "ploc", "sbvh", "rtrs", "hploc"};
+    for (size_t b = 0; b < ARRAY_COUNT(name); b++) {
+        struct work_rules by = rules;
+        uint32_t some = 0, drawn = 0;
+        by.builder_count = name[b] != NULL;
+        by.builder[0] = name[b] ? builder_find(name[b]) : NULL;
+        for (uint32_t i = 0; i < 400; i++) {
+            struct fuzz_trial trial;
+            assert_int_equal(work_trial_make(&by, WORK_GEN, i, NULL, &trial, &reason), STATUS_OK);
+            if (fuzz_trial_check(&trial, &reason))
+                fail_msg("%s", reason.text);
+            some += trial.build.presplit > 0;
+            fuzz_trial_free(&trial);
+            const struct work_draw draw =
+                draw_of("f32", name[b] ? name[b] : "lbvh", "indexed", 0, 0);
+            make_drawn(&draw, i, &trial);
+            if (fuzz_trial_check(&trial, &reason))
+                fail_msg("%s", reason.text);
+            drawn += trial.build.presplit > 0;
+            fuzz_trial_free(&trial);
+        }
+        assert_in_range(some, b < 2 ? 15 : 0, b < 2 ? 75 : 0);
+        assert_in_range(drawn, b < 2 ? 15 : 0, b < 2 ? 75 : 0);
     }
 }
 
@@ -286,6 +317,7 @@ int main(void)
         cmocka_unit_test(moved_trees_are_trees_of_the_scene),
         cmocka_unit_test(quantised_trials_are_on_a_grid),
         cmocka_unit_test(drawn_trials_come_back_from_their_file),
+        cmocka_unit_test(parts_are_for_builders_that_take_them),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
