@@ -17,7 +17,7 @@ our @TIMES = (
     [qr{(?<=\.html: )[\d.]+ kB}, '# kB'],
     [qr{(?<=^  seconds: )[\d.]+$}, '#'],
     [qr{\.\d+\.tmp\b}, '.PID.tmp'],
-    [qr{^ *(?:median|rtrs|sah_\w+|lbvh|ploc|sbvh|trbvh|ploctree|lbvh30|lbvh63|hploc)(?: (?:reinsert|rotate)=\d+)? +\d+\K +[\d.]+ \([\d.]+-[\d.]+\) +}, ' # '],
+    [qr{^ *(?:median|rtrs|sah_\w+|lbvh|ploc|sbvh|trbvh|ploctree|lbvh30|lbvh63|hploc)(?: (?:reinsert|rotate|presplit|split-budget)=[\d.]+)? +\d+\K +[\d.]+ \([\d.]+-[\d.]+\) +}, ' # '],
     [qr{(?<= )\([\d.e+]+/s\)}, '(#/s)'],
     [qr{harness \d+ % of the time}, 'harness #'],
     [qr{(?<= time=")[\d.]+(?=")}, '#'],

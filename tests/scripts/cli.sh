@@ -311,6 +311,16 @@ expect 0 'missed 0' check --wide needles:n=300 --builder sbvh --split-budget 2 -
     --layout f32,rf16,bvh8_u8_node --engine cpu --count 2000 --repeat 1
 expect 2 'not a number from 0 to 64' precompute --scene needles --builder sbvh --split-budget 65 \
     --out "$dir/x"
+expect 0 'missed 0' check --wide needles:n=300 --builder ploc --presplit 2 --query all \
+    --layout f32,rf16,bvh8_u8_node --engine cpu --count 2000 --repeat 1
+expect 2 'not a number from 0 to 64' precompute --scene needles --builder ploc --presplit 65 --out "$dir/x"
+for builder in rtrs sbvh lbvh30 lbvh63 hploc; do
+    expect 2 '^raydiff check: --presplit: not used here: it needs builder median sah_binned ' \
+        check needles:n=9 --builder $builder --presplit 1
+done
+expect 1 . explain needles:n=300 --builder ploc --presplit 1 --rays random --count 3000 --layout rtrs_rf
+grep -q '^cause     index_shifted' "$dir/out" || bad "explain names the cause in a tree of parts"
+grep -q '^again .* --presplit 1 ' "$dir/out" || bad "explain's own command line names the parts"
 inward=fuzz/corpus/rounded-inward.trial
 expect 1 . explain $inward
 grep -q '^cause     rounded_inward' "$dir/out" || bad "explain names the cause of a finding"

@@ -137,7 +137,7 @@ echo "closest.* it is known https://example.org" >"$dir/waivers"
 
 # What trees are played on, and by whom.
 walk 'check soup:n=40,seed=2 --count 64 --repeat 1 --engine cpu --rays primary' \
-    "layout=f32 store=compact engine=fast builder=sah_sweep leaf=1 ~bvh=$dir/soup.json optimize=reinsert move=0.1 box=watertight
+    "layout=f32 store=compact engine=fast builder=sah_sweep leaf=1 ~bvh=$dir/soup.json optimize=reinsert presplit=3 move=0.1 box=watertight
     tri=woop query=any rays=random count=70 ~repeat=2 brute=300 brute-rays=3 ~require=watertight
     json=@ ~threads=1 wide color=always"
 walk 'check soup:n=40,seed=2 --count 64 --repeat 1 --engine vulkan_brute --rays primary --compiler size' \
@@ -147,11 +147,11 @@ walk 'check soup:n=40 --count 64 --repeat 1 --engine brute' \
     'engine=cpu tri=woop move=0.1 query=any rays=random count=70 seed=3 ~repeat=2 brute=300 brute-rays=3
     ~require=watertight json=@ ~threads=1 wide color=always'
 walk 'check crowd:n=6,seed=2 --count 64 --repeat 1 --engine cpu --layout f32 --rays primary' \
-    'layout=rf16 store=compact engine=cpu_stackless builder=sah_sweep leaf=1 optimize=reinsert braid=4 box=watertight tri=woop query=any
+    'layout=rf16 store=compact engine=cpu_stackless builder=sah_sweep leaf=1 optimize=reinsert presplit=3 braid=4 box=watertight tri=woop query=any
     rays=random modes=all count=70 ~repeat=2 brute=300 brute-rays=3 ~require=watertight json=@ ~threads=1 wide color=always'
 walk 'explain soup:n=40 --index 3 --engine cpu --builder ploc --layout f32' \
     'rays=random count=70 index=4 seed=3 engine=fast layout=rf16 store=compact builder=lbvh leaf=1 ~radius=1
-    optimize=reinsert box=watertight tri=woop query=any json=@ html=@ svg=@ ~threads=1 ~wide ~color=always'
+    optimize=reinsert presplit=3 box=watertight tri=woop query=any json=@ html=@ svg=@ ~threads=1 ~wide ~color=always'
 # A compiler that loses all decorations, whatever version of spirv-opt is here.
 cat >"$dir/bare" <<'END'
 #!/usr/bin/perl
@@ -170,12 +170,12 @@ walk 'explain fuzz/corpus/rounded-inward.trial --index 0 --engine cpu' \
     '~index=0 ~cause=rounded_inward engine=fast layout=f32 json=@ html=@ svg=@ ~threads=1 ~wide ~color=always'
 walk 'explain crowd:n=6,seed=2 --count 64' \
     'rays=random modes=all count=70 ~seed=3 ~braid=4 engine=fast layout=f32 ~builder=lbvh ~leaf=1
-    ~optimize=reinsert ~box=watertight ~tri=woop query=any json=@ ~threads=1 ~wide ~color=always'
+    ~optimize=reinsert ~presplit=3 ~box=watertight ~tri=woop query=any json=@ ~threads=1 ~wide ~color=always'
 walk 'leaks sphere:n=4 --count 100 --engine cpu --builder sah_binned' \
-    'layout=f32 store=compact engine=fast ~bins=2 ~leaf=1 ~optimize=reinsert ~builder=sah_binned box=robust tri=mt count=70
+    'layout=f32 store=compact engine=fast ~bins=2 ~leaf=1 ~optimize=reinsert ~presplit=3 ~builder=sah_binned box=robust tri=mt count=70
     ~seed=3 profile=dxr json=@ ~threads=1 wide color=always'
 walk 'leaks wall:n=2 --count 100 --engine cpu --builder sah_binned' \
-    'layout=f32 engine=cpu_stackless ~bins=2 ~leaf=1 ~optimize=reinsert ~braid=4 ~builder=sah_binned box=robust tri=mt count=70
+    'layout=f32 engine=cpu_stackless ~bins=2 ~leaf=1 ~optimize=reinsert ~presplit=3 ~braid=4 ~builder=sah_binned box=robust tri=mt count=70
     ~seed=3 profile=dxr json=@ ~threads=1 wide color=always'
 # Files and formats.
 walk 'gen soup:n=9 --count 5' 'rays=vertices count=6 seed=3 query=any decimal out=@'
@@ -183,7 +183,7 @@ walk 'gen soup:n=9 --count 5' 'rays=vertices count=6 seed=3 query=any decimal ou
 { echo 'formula unknown ieee'; for i in 1 2 3 4 5; do echo m; done; } >"$dir/hits"
 walk "judge sphere:n=2 $dir/rays $dir/hits" 'brute=1 ~displacement=3 ~require=watertight json=@ wide color=always'
 walk "precompute --scene soup:n=40 --builder median --out $files/tree" 'scene=sphere:n=2 out=@ layout=f32 builder=lbvh
-    item-count=1 seed=3 ~optimize=reinsert'
+    item-count=1 seed=3 ~optimize=reinsert presplit=3'
 walk 'scene list' ''
 walk 'scene info soup:n=9' 'json seed=3'
 walk 'list builders' ''
@@ -225,7 +225,7 @@ walk 'bench oracle --scene soup:n=40 --count 64 --rounds 1' 'scene=soup:n=41 cou
 walk "render --path rtrs --width 8 --height 8 --engine cpu --out $files/tree.png" \
     "out=@ frames=2 ~camera-orbit json=@ show=t path=cornell width=9 height=9 ~workgroup-size=4 profile=rtrs bounces=0
     ~ambience=0.5 ~camera-light-strength=0.5 ~camera-fixed handler=bvh-rf ~handler-naive ~handler-bvh handler-bvh-rf
-    ~handler-blank engine=brute layout=rf16 ~builder=ploc ~box=watertight ~tri=woop ~leaf=1 ~waves ~optimize=reinsert
+    ~handler-blank engine=brute layout=rf16 ~builder=ploc ~box=watertight ~tri=woop ~leaf=1 ~waves ~optimize=reinsert ~presplit=3
     ~threads=1 ~paths=$files/y.csv ~window ~bvh=$dir/rtrs.json"
 
 # Whole answers, machines, made scenes, pictures that differ, campaigns, reports.
@@ -239,7 +239,7 @@ walk "construct --out $files/made.json --model soup:n=9 0 --camera-pos 0 1 -8 0 
 walk 'diff --path cornell --engine cpu,fast --width 24 --height 18' "pixel=3,3 angle=30 ~list=1 out=@ json=@ path=sphere:n=4
     width=25 height=19
     ~workgroup-size=3 profile=rtrs bounces=0 ~ambience=0.5 camera-light-strength=0.5 engine=cpu,brute ~threads=1
-    ~layout=rf16 leaf=1 builder=ploc box=watertight ~tri=woop optimize=reinsert ~waves ~bvh=$dir/cornell.json
+    ~layout=rf16 leaf=1 builder=ploc box=watertight ~tri=woop optimize=reinsert ~presplit=3 ~waves ~bvh=$dir/cornell.json
     handler=bvh-rf handler-bvh-rf ~handler-bvh handler-blank"
 walk "fuzz --trials 20 --jobs 1 --engine cpu --layout f32 --corpus none --dir $files/d" 'trials=40 ~time=60 ~until=1 seed=3
     ~jobs=2 ~shard=1/1 engine=cpu,fast layout=f32,rf16 builder=ploc faithful worlds rays=9 triangles=4-8 ~feedback
