@@ -5,6 +5,7 @@
 #include "fuzz/campaign/worker.h"
 
 #include <setjmp.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -305,6 +306,32 @@ static void parts_are_for_builders_that_take_them(void **state)
     }
 }
 
+static void parts_tell_trials_apart_and_weigh(void **state)
+{
+    (void)state;
+    const struct work_draw draw = draw_of("f32", "sah_sweep", "indexed", 0, false);
+    static const float share[] = {0, 1, 0.3f}, bad[] = {-1, NAN, INFINITY, FUZZ_PRESPLIT_MOST + 1};
+    struct fuzz_trial trial;
+    struct fuzz_trial_size before = {0};
+    make_drawn(&draw, 0, &trial);
+    for (size_t i = 0; i < ARRAY_COUNT(share); i++) {
+        trial.build.presplit = share[i];
+        struct fuzz_trial_size size = fuzz_trial_size(&trial);
+        assert_true(size.bits > before.bits && size.hash != before.hash);
+        assert_int_equal(fuzz_trial_check(&trial, &reason), STATUS_OK);
+        before = size;
+    }
+    trial.builder = builder_find("sbvh");
+    assert_int_equal(fuzz_trial_check(&trial, &reason), STATUS_INPUT);
+    assert_non_null(strstr(reason.text, "takes no parts"));
+    trial.builder = draw.builder;
+    for (size_t i = 0; i < ARRAY_COUNT(bad); i++) {
+        trial.build.presplit = bad[i];
+        assert_int_equal(fuzz_trial_check(&trial, &reason), STATUS_INPUT);
+    }
+    fuzz_trial_free(&trial);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -318,6 +345,7 @@ int main(void)
         cmocka_unit_test(quantised_trials_are_on_a_grid),
         cmocka_unit_test(drawn_trials_come_back_from_their_file),
         cmocka_unit_test(parts_are_for_builders_that_take_them),
+        cmocka_unit_test(parts_tell_trials_apart_and_weigh),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

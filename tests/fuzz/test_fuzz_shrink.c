@@ -140,6 +140,11 @@ static bool in_turn(const struct fuzz_trial *trial)
     return trial->ray_count >= (trial->scene.tri_count > 1 ? 4 : 1);
 }
 
+static bool parted(const struct fuzz_trial *trial)
+{
+    return trial->build.presplit > 0;
+}
+
 static bool everything(const struct fuzz_trial *trial)
 {
     (void)trial;
@@ -166,13 +171,16 @@ static void finds_the_smallest(void **state)
         {odd_step, 1, 0, 1, 10 + 1},   /* 0x1.004p+0, and an exponent */
         {members, 0, 0, 0, 1 + 1 + 2}, /* rtrs, leaf 1 or 2 */
         {in_turn, 0, 1, 0, 2},         {everything, 0, 0, 0, 0},
+        {parted, 0, 0, 0, 1 + 1}, /* 1 part a triangle */
     };
     for (size_t i = 0; i < ARRAY_COUNT(cases); i++)
         for (uint64_t index = 0; index < 5; index++) {
             struct fuzz_trial trial = generated(index, cases[i].holds == many ? 500 : 30, 60);
             struct shrink_stats stats, again;
             trial.build.leaf = 2;
-            trial.builder = builder_find("rtrs");
+            const bool parts = cases[i].holds == everything || cases[i].holds == parted;
+            trial.builder = builder_find(parts ? "ploc" : "rtrs");
+            trial.build.presplit = parts ? 0.3f : 0;
             assert_true(cases[i].holds != odd_step || trial.scene.vertex_count > 0);
             if (cases[i].holds == odd_step)
                 trial.scene.vertex[trial.scene.index[4]] = 0x1.aacp+3f;
