@@ -92,6 +92,7 @@ pictures() {
     told diff cornell --engine cpu,brute $size --pixel 8,6 --builder sah_binned --leaf 2 --bins 8
     told diff cornell --engine cpu,brute $size --pixel 8,6 --builder ploc --radius 8 --optimize reinsert=2
     told diff cornell --engine cpu,brute $size --pixel 8,6 --builder sbvh --split-budget 0.5 --split-alpha 0.25
+    told diff cornell --engine cpu,brute $size --pixel 8,6 --builder lbvh --presplit 0.5
     for what in t prim boxes triangles depth class; do
         told render cornell --engine cpu --show $what --out s.png --csv s.csv --width 6 --height 4
         file s.csv
