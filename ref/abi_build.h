@@ -29,13 +29,15 @@
 #define ABI_LINK_NONE        0x7FFFFFFFu /* the root's parent */
 
 /* Bindings of the shader that refits; vertices, indices, boxes and state are as above. */
-#define ABI_REFIT_NODES  2  /* U32[]: the packed nodes, which get their bounds */
-#define ABI_REFIT_ITEMS  3  /* U32[]: triangles of leaves that have them apart */
-#define ABI_REFIT_LEAVES 4  /* U32[]: references of the leaves */
-#define ABI_REFIT_LINKS  5  /* U32[]: per reference its parent, or ABI_LINK_NONE, and its visits */
-#define ABI_REFIT_F32    0u /* values of axis_bits there: the layout */
+#define ABI_REFIT_NODES  2 /* U32[]: the packed nodes, which get their bounds */
+#define ABI_REFIT_ITEMS  3 /* U32[]: triangles of leaves that have them apart */
+#define ABI_REFIT_LEAVES 4 /* U32[]: nodes that wait for no other: of binary layouts the leaves */
+#define ABI_REFIT_LINKS                                                                            \
+    5 /* U32[]: per node its parent, or ABI_LINK_NONE, and visits, which begin \
+                               at 2 less the children that it waits for */
+#define ABI_REFIT_F32    0u /* values of refit_push.kind */
 #define ABI_REFIT_RF16   1u
-#define ABI_REFIT_BEYOND 0 /* word of the state: references whose bounds the layout cannot hold */
+#define ABI_REFIT_BEYOND 0 /* word of the state: bounds that the layout cannot hold */
 
 /* Words of ABI_BUILD_STATE. */
 #define ABI_STATE_LO    0 /* 3: bounds of the scene, as numbers in the order of the floats */
@@ -57,5 +59,15 @@ struct build_push {
     U32 blocks;    /* of ABI_BUILD_GROUP * ABI_BUILD_EACH keys */
 };
 ABI_SIZE(struct build_push, 20)
+
+/* Those of the shaders that refit. */
+struct refit_push {
+    U32 count; /* nodes that wait for no other */
+    U32 kind;  /* of binary layouts which one */
+    U32 width; /* of the grid family: children of a node, ABI_NUMBER_*, ABI_FRAME_* */
+    U32 number;
+    U32 frame;
+};
+ABI_SIZE(struct refit_push, 20)
 
 #endif

@@ -32,8 +32,8 @@ static const struct option_set set = {
         "Builds trees by Vulkan compute shaders and in C, and compares every byte of every stage: "
         "the Morton codes, their order, the links and boxes of the nodes. Of trees that differ it "
         "names the first stage and the element. Times are of the stages alone, without copies; C "
-        "builds with one thread. With --move, trees of builder hploc in the layouts f32 and rf16 "
-        "are refitted on the device, too, and compared with C's word by word.",
+        "builds with one thread. With --move, trees of builder hploc are refitted on the device, "
+        "too, in each layout of which it can be done, and compared with C's word by word.",
     .group = {GROUP(rows), GROUP_AT(screen_rows, screen)},
     .codes = "0 equal, 1 a tree differs, 2 bad input, 3 the device failed, 77 no device",
     .example = "build sphere:n=40 --builder gpu_hploc",

@@ -39,7 +39,7 @@ struct build_row {
     struct build_part part[STAGED_PARTS + 1];
 };
 
-#define BUILD_REFITS_MOST 4
+#define BUILD_REFITS_MOST 64
 
 /* A layout whose tree is refitted. */
 struct build_refit {

@@ -7,34 +7,42 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct {
+/* A layout that is refitted here; `push` has no count. */
+struct refitted {
     const char *name;
-    uint32_t id;
-} layouts_here[] = {{"f32", ABI_REFIT_F32}, {"rf16", ABI_REFIT_RF16}};
+    enum kernel kernel;
+    struct refit_push push;
+};
 
-/* What is uploaded beside the nodes. */
+static const struct refitted refitted[] = {
+    {"f32", REFIT, {.kind = ABI_REFIT_F32}}, {"rf16", REFIT, {.kind = ABI_REFIT_RF16}},
+    {"cwbvh80", REFIT_CWBVH80, {0}},         {"tiny8", REFIT_TINY8, {0}},
+    {"tiny8_l8", REFIT_TINY8, {0}},          {"tiny8_l14", REFIT_TINY8, {0}},
+};
+
+/* What is uploaded beside the nodes. A node is a reference of a binary layout, a record of a wide
+ * one. */
 struct refit_job {
+    const struct refitted *layout;
     const struct packed *packed;
     const struct scene *scene;
-    uint32_t *link; /* two words a reference */
-    uint32_t *leaf;
-    uint32_t leaf_count;
+    uint32_t node_count;
+    uint32_t *link;  /* two words a node */
+    uint32_t *first; /* nodes that wait for no other */
+    uint32_t first_count;
 };
+
+static const struct refitted *find(const struct layout *layout)
+{
+    for (size_t i = 0; i < ARRAY_COUNT(refitted); i++)
+        if (layout == layout_find(refitted[i].name))
+            return &refitted[i];
+    return NULL;
+}
 
 bool device_refits(const struct layout *layout)
 {
-    for (size_t i = 0; i < ARRAY_COUNT(layouts_here); i++)
-        if (layout == layout_find(layouts_here[i].name))
-            return true;
-    return false;
-}
-
-static uint32_t id_of(const struct layout *layout)
-{
-    size_t i = 0;
-    while (layout != layout_find(layouts_here[i].name))
-        i++;
-    return layouts_here[i].id;
+    return find(layout) != NULL;
 }
 
 static enum status may_refit(const struct packed *packed, struct reason *reason)
@@ -50,33 +58,49 @@ static enum status may_refit(const struct packed *packed, struct reason *reason)
     return STATUS_OK;
 }
 
-/* Lists the leaves, and the links from the parents of references. */
-static enum status list_leaves(struct refit_job *job, struct reason *reason)
+/* How many children a node waits for, those that are nodes themselves. */
+static uint32_t awaited(const struct packed *packed, uint32_t node)
+{
+    struct wide decoded;
+    uint32_t count = 0;
+    packed->layout->load(packed, node, &decoded);
+    for (uint32_t c = 0; c < decoded.child_count; c++)
+        count += !layout_is_wide(packed->layout) || decoded.leaf_count[c] == 0;
+    return count;
+}
+
+/* Lists the links of the nodes that are reached, and the nodes that wait for no other. */
+static void list_nodes(struct refit_job *job, const struct packed_walk *walk)
+{
+    for (uint32_t i = 0; i < walk->visit_count; i++) {
+        const uint32_t node = walk->visit[i].ref;
+        if (node >= job->node_count)
+            continue; /* a leaf without a record */
+        const uint32_t count = awaited(job->packed, node);
+        job->link[2 * (size_t)node] =
+            i > 0 ? walk->visit[walk->visit[i].parent].ref : ABI_LINK_NONE;
+        job->link[2 * (size_t)node + 1] = 2 - count;
+        if (count == 0)
+            job->first[job->first_count++] = node;
+    }
+}
+
+static enum status list(struct refit_job *job, struct reason *reason)
 {
     const struct packed *packed = job->packed;
-    uint32_t *parent = NULL;
-    enum status status = packed_links(packed, &parent, reason);
-    if (status)
-        return status;
-    job->link = malloc(2 * sizeof *job->link * (size_t)packed->ref_count);
-    job->leaf = malloc(sizeof *job->leaf * (size_t)packed->ref_count);
-    if (!job->link || !job->leaf) {
-        free(parent);
-        return fail(reason, STATUS_MEMORY, "no memory to refit %u records", packed->node_count);
-    }
-    for (uint32_t ref = 0; ref < packed->ref_count; ref++) {
-        struct wide node;
-        const bool has_parent = parent[ref] != ABI_NO_PRIM;
-        job->link[2 * ref] = has_parent ? parent[ref] : ABI_LINK_NONE;
-        job->link[2 * ref + 1] = 0;
-        if (!has_parent && ref != packed->root)
-            continue;
-        packed->layout->load(packed, ref, &node);
-        if (node.child_count == 0)
-            job->leaf[job->leaf_count++] = ref;
-    }
-    free(parent);
-    return STATUS_OK;
+    struct packed_walk walk;
+    enum status status = packed_walk_make(packed, &walk);
+    job->node_count = layout_is_wide(packed->layout) ? packed->node_count : packed->ref_count;
+    job->link = alloc_zeroed(2 * (size_t)job->node_count, sizeof *job->link);
+    job->first = malloc(sizeof *job->first * (size_t)job->node_count);
+    if (status || !job->link || !job->first)
+        status = fail(reason, STATUS_MEMORY, "no memory to refit %u records", packed->node_count);
+    else if (walk.repeats > 0 || walk.bad_refs > 0)
+        status = fail(reason, STATUS_INPUT, "%s: the words are not a tree", packed->layout->name);
+    else
+        list_nodes(job, &walk);
+    packed_walk_free(&walk);
+    return status;
 }
 
 /* Makes buffer b large enough, and writes the words to it; NULL: writes nothing. */
@@ -104,9 +128,9 @@ static enum status upload_all(struct device_tree *tree, const struct refit_job *
         {ABI_BUILD_INDICES, job->scene->index, 3 * (uint64_t)job->scene->tri_count},
         {ABI_REFIT_NODES, packed->word, packed->word_count},
         {ABI_REFIT_ITEMS, packed->item, packed->item ? packed->item_count : 0},
-        {ABI_REFIT_LEAVES, job->leaf, job->leaf_count},
-        {ABI_REFIT_LINKS, job->link, 2 * (uint64_t)packed->ref_count},
-        {ABI_BUILD_BOXES, NULL, 6 * (uint64_t)packed->ref_count},
+        {ABI_REFIT_LEAVES, job->first, job->first_count},
+        {ABI_REFIT_LINKS, job->link, 2 * (uint64_t)job->node_count},
+        {ABI_BUILD_BOXES, NULL, 6 * (uint64_t)job->node_count},
         {ABI_BUILD_STATE, state, ABI_STATE_WORDS},
     };
     enum status status = STATUS_OK;
@@ -119,12 +143,16 @@ static enum status run(struct device_tree *tree, const struct refit_job *job, ui
                        uint64_t *ns, struct reason *reason)
 {
     const struct packed *packed = job->packed;
-    const struct build_push push = {.count = job->leaf_count, .axis_bits = id_of(packed->layout)};
+    const enum kernel kernel = job->layout->kernel;
+    struct refit_push push = job->layout->push;
     struct vk_time time = {0};
     uint32_t beyond = 0;
-    enum status status = upload_all(tree, job, reason);
+    push.count = job->first_count;
+    enum status status = device_tree_kernel(tree, kernel, reason);
     if (!status)
-        status = vk_dispatch(tree->vk, tree->kernel[REFIT], tree->buffer, &push,
+        status = upload_all(tree, job, reason);
+    if (!status)
+        status = vk_dispatch(tree->vk, tree->kernel[kernel], tree->buffer, &push,
                              groups_of(push.count, ABI_BUILD_GROUP), &time, reason);
     if (!status)
         status = vk_buffer_read(tree->vk, tree->buffer[ABI_BUILD_STATE],
@@ -143,15 +171,15 @@ enum status device_refit(struct device_tree *tree, const struct packed *packed,
                          const struct scene *scene, uint32_t *word, uint64_t *ns,
                          struct reason *reason)
 {
-    struct refit_job job = {.packed = packed, .scene = scene};
+    struct refit_job job = {.layout = find(packed->layout), .packed = packed, .scene = scene};
     *ns = 0;
     enum status status = may_refit(packed, reason);
     if (status || packed->node_count == 0)
         return status;
-    status = list_leaves(&job, reason);
+    status = list(&job, reason);
     if (!status)
         status = run(tree, &job, word, ns, reason);
     free(job.link);
-    free(job.leaf);
+    free(job.first);
     return status;
 }

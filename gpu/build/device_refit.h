@@ -5,14 +5,14 @@
 #include "gpu/build/device_tree.h"
 #include "ref/layout.h"
 
-/* True if the device can refit trees of this layout: f32 and rf16. */
+/* True if the device can refit trees of this layout: f32, rf16, cwbvh80, tiny8 and its family. */
 bool device_refits(const struct layout *layout);
 
 /* Computes the words of a packed tree for vertices that have moved, as packed_refit does in C, into
  * `word`, room for packed->word_count; the tree itself is not changed. The scene is checked, and
  * the tree's form is that of the scene. Writes the time to *ns. Errors: STATUS_LIMIT "rebuild: ..."
  * bounds that the layout cannot hold, or a split tree; STATUS_UNSUPPORTED another layout, or
- * vertices in the storage; as packed_links; STATUS_DEVICE; STATUS_MEMORY. */
+ * vertices in the storage; STATUS_INPUT the words are no tree; STATUS_DEVICE; STATUS_MEMORY. */
 enum status device_refit(struct device_tree *tree, const struct packed *packed,
                          const struct scene *scene, uint32_t *word, uint64_t *ns,
                          struct reason *reason) MUST_USE;

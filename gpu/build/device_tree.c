@@ -5,9 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const kernel_names[KERNELS] = {"build_bounds", "build_codes",    "build_count",
-                                                  "build_scan",   "build_scatter",  "build_links",
-                                                  "build_boxes",  "build_clusters", "build_refit"};
+static const char *const kernel_names[KERNELS] = {
+    "build_bounds",  "build_codes",         "build_count",      "build_scan",
+    "build_scatter", "build_links",         "build_boxes",      "build_clusters",
+    "build_refit",   "build_refit_cwbvh80", "build_refit_tiny8"};
 
 const char *const device_stage_names[DEVICE_STAGES] = {"codes", "order", "links", "boxes"};
 
@@ -17,9 +18,11 @@ const char *const device_stage_names[DEVICE_STAGES] = {"codes", "order", "links"
 
 /* --- opening ---------------------------------------------------------------------------------- */
 
-static enum status make_kernel(struct device_tree *tree, enum kernel kernel, struct reason *reason)
+enum status device_tree_kernel(struct device_tree *tree, enum kernel kernel, struct reason *reason)
 {
     static const uint32_t group = ABI_BUILD_GROUP;
+    if (tree->kernel[kernel])
+        return STATUS_OK;
     const struct shader *shader = shader_find(kernel_names[kernel]);
     const struct vk_shader make = {.name = shader->name,
                                    .word = shader->word,
@@ -39,8 +42,8 @@ enum status device_tree_open(const struct vk_options *options, struct device_tre
     if (!tree)
         return fail(reason, STATUS_MEMORY, "no memory to open a device");
     enum status status = vk_open(options, &tree->vk, reason);
-    for (int k = 0; k < KERNELS && !status; k++)
-        status = make_kernel(tree, (enum kernel)k, reason);
+    for (int k = 0; k <= REFIT && !status; k++)
+        status = device_tree_kernel(tree, (enum kernel)k, reason);
     if (status)
         (void)device_tree_close(tree, NULL);
     else

@@ -5,7 +5,20 @@
 #include "gpu/build/device_tree.h"
 #include "ref/abi_build.h"
 
-enum kernel { BOUNDS, CODES, COUNT, SCAN, SCATTER, LINKS, BOXES, CLUSTERS, REFIT, KERNELS };
+enum kernel {
+    BOUNDS,
+    CODES,
+    COUNT,
+    SCAN,
+    SCATTER,
+    LINKS,
+    BOXES,
+    CLUSTERS,
+    REFIT, /* what follows is made when it is needed */
+    REFIT_CWBVH80,
+    REFIT_TINY8,
+    KERNELS
+};
 
 struct device_tree {
     struct vk *vk;
@@ -19,6 +32,10 @@ static inline uint32_t groups_of(uint32_t count, uint32_t each)
 {
     return (count + each - 1) / each;
 }
+
+/* Makes a kernel, unless it is there. Errors: as vk_pipeline_make. */
+enum status device_tree_kernel(struct device_tree *tree, enum kernel kernel,
+                               struct reason *reason) MUST_USE;
 
 /* Errors: STATUS_DEVICE validation messages since open. */
 enum status device_tree_messages(struct device_tree *tree, struct reason *reason) MUST_USE;

@@ -35,15 +35,15 @@ done
 expect 0 . build sphere:n=12 --builder gpu_lbvh30 --rounds 1 --json "$dir/rows.json"
 [ "$(grep -c gpu_ "$dir/out")" -eq 4 ] || bad 'one builder was named'
 
-# Refits: both layouts, or why not; without --move none.
+# Refits: each layout, or why not; without --move none.
 expect 0 . build sphere:n=12 soup:n=0 'soup:n=50,offset=1e5' --builder gpu_lbvh63 --rounds 2 --move 0.05 --json "$dir/rows.json"
-[ "$(grep -cE '^equal +(f32|rf16) ' "$dir/out")" -eq 5 ] || bad 'refits of two scenes, and of f32'
+[ "$(grep -cE '^equal +(f32|rf16|cwbvh80|tiny8|tiny8_l8|tiny8_l14) ' "$dir/out")" -eq 17 ] || bad 'refits of two scenes, and all but rf16 of a third'
 has 'a layout that refuses' '^refit rf16 refused: rf16: a bound is at most 65504'
 perl -MJSON::PP -0777 -ne 'my $r = decode_json($_)->{refits}; my $bad = 0;
     for (@$r) { my $refused = defined $_->{refused};
         $bad++ if $_->{equal} == $refused || defined $_->{differs} || $_->{rounds} != 0;
         $bad++ if !$refused && $_->{triangles} > 50 && !($_->{ratio_least} <= $_->{ratio} && $_->{ratio} <= $_->{ratio_most} && $_->{device_ms} > 0 && $_->{c_ms} > 0); }
-    exit($bad || @$r != 6 || "@{[map { $_->{layout} } @$r]}" ne "f32 rf16 f32 rf16 f32 rf16");' "$dir/rows.json" || bad 'refits as JSON'
+    exit($bad || "@{[map { $_->{layout} } @$r]}" ne join " ", ("f32 rf16 cwbvh80 tiny8 tiny8_l8 tiny8_l14") x 3);' "$dir/rows.json" || bad 'refits as JSON'
 expect 0 . build sphere:n=3 --builder gpu_lbvh63 --rounds 1
 grep -q refit "$dir/out" && bad 'a refit without --move'
 expect 2 'move' build sphere:n=3 --move 0
