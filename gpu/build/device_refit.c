@@ -7,23 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A layout that is refitted here; `push` has no count. */
+/* How a layout is refitted; `push` has no count. */
 struct refitted {
-    const char *name;
     enum kernel kernel;
     struct refit_push push;
-};
-
-static const struct refitted refitted[] = {
-    {"f32", REFIT, {.kind = ABI_REFIT_F32}}, {"rf16", REFIT, {.kind = ABI_REFIT_RF16}},
-    {"cwbvh80", REFIT_CWBVH80, {0}},         {"tiny8", REFIT_TINY8, {0}},
-    {"tiny8_l8", REFIT_TINY8, {0}},          {"tiny8_l14", REFIT_TINY8, {0}},
 };
 
 /* What is uploaded beside the nodes. A node is a reference of a binary layout, a record of a wide
  * one. */
 struct refit_job {
-    const struct refitted *layout;
+    struct refitted how;
     const struct packed *packed;
     const struct scene *scene;
     uint32_t node_count;
@@ -32,22 +25,38 @@ struct refit_job {
     uint32_t first_count;
 };
 
-static const struct refitted *find(const struct layout *layout)
+/* False if there is no shader for a layout. */
+static bool find(const struct layout *layout, struct refitted *out)
 {
-    for (size_t i = 0; i < ARRAY_COUNT(refitted); i++)
-        if (layout == layout_find(refitted[i].name))
-            return &refitted[i];
-    return NULL;
+    static const struct {
+        const char *name;
+        struct refitted how;
+    } named[] = {
+        {"f32", {REFIT, {.kind = ABI_REFIT_F32}}}, {"rf16", {REFIT, {.kind = ABI_REFIT_RF16}}},
+        {"cwbvh80", {REFIT_CWBVH80, {0}}},         {"tiny8", {REFIT_TINY8, {0}}},
+        {"tiny8_l8", {REFIT_TINY8, {0}}},          {"tiny8_l14", {REFIT_TINY8, {0}}},
+    };
+    for (size_t i = 0; i < ARRAY_COUNT(named); i++)
+        if (layout == layout_find(named[i].name)) {
+            *out = named[i].how;
+            return true;
+        }
+    *out = (struct refitted){
+        REFIT_GRID,
+        {.width = layout->width, .number = layout->constant[0], .frame = layout->constant[1]}};
+    return !layout->outside && strncmp(layout_shader(layout), "grid", 4) == 0;
 }
 
 bool device_refits(const struct layout *layout)
 {
-    return find(layout) != NULL;
+    struct refitted how;
+    return find(layout, &how);
 }
 
-static enum status may_refit(const struct packed *packed, struct reason *reason)
+static enum status may_refit(const struct packed *packed, struct refitted *how,
+                             struct reason *reason)
 {
-    if (!device_refits(packed->layout))
+    if (!find(packed->layout, how))
         return fail(reason, STATUS_UNSUPPORTED, "layout %s is not refitted on a device",
                     packed->layout->name);
     if (!packed->layout->item && !tri_store_reads_scene(packed->store))
@@ -143,8 +152,8 @@ static enum status run(struct device_tree *tree, const struct refit_job *job, ui
                        uint64_t *ns, struct reason *reason)
 {
     const struct packed *packed = job->packed;
-    const enum kernel kernel = job->layout->kernel;
-    struct refit_push push = job->layout->push;
+    const enum kernel kernel = job->how.kernel;
+    struct refit_push push = job->how.push;
     struct vk_time time = {0};
     uint32_t beyond = 0;
     push.count = job->first_count;
@@ -171,9 +180,9 @@ enum status device_refit(struct device_tree *tree, const struct packed *packed,
                          const struct scene *scene, uint32_t *word, uint64_t *ns,
                          struct reason *reason)
 {
-    struct refit_job job = {.layout = find(packed->layout), .packed = packed, .scene = scene};
+    struct refit_job job = {.packed = packed, .scene = scene};
     *ns = 0;
-    enum status status = may_refit(packed, reason);
+    enum status status = may_refit(packed, &job.how, reason);
     if (status || packed->node_count == 0)
         return status;
     status = list(&job, reason);

@@ -1,7 +1,7 @@
 /* Axes of wide nodes, and records of boxes, that shaders make of integers
  * (shaders/build/build_axis.glsl and encode_*.glsl) have the words of C, on every driver here. */
-#include "ref/base/rng.h"
 #include "ref/layouts/wide_nodes.h"
+#include "tests/layouts/drawn_bits.h"
 
 #include <math.h>
 
@@ -27,34 +27,6 @@ struct axis_made {
 static uint32_t bits_of(uint32_t exponent, uint32_t fraction, uint32_t sign)
 {
     return sign << 31 | exponent << 23 | (exponent < LARGEST ? fraction & 0x7FFFFFu : 0);
-}
-
-/* Fractions of all zeros and ones, with one bit, and any. */
-static uint32_t draw_fraction(struct rng *rng)
-{
-    switch (rng_below(rng, 5)) {
-    case 0:
-        return 0;
-    case 1:
-        return 0x7FFFFFu;
-    case 2:
-        return 1u << rng_below(rng, 23);
-    case 3:
-        return 0x7FFFFFu ^ 1u << rng_below(rng, 23);
-    default:
-        return rng_below(rng, 1u << 23);
-    }
-}
-
-/* A number of the same order as the bits, and back. */
-static int64_t order_of_bits(uint32_t bits)
-{
-    return bits >> 31 ? -(int64_t)(bits & 0x7FFFFFFFu) : (int64_t)bits;
-}
-
-static uint32_t bits_of_order(int64_t order)
-{
-    return order < 0 ? 0x80000000u | (uint32_t)-order : (uint32_t)order;
 }
 
 /* A number from lo to hi: an end, any, or on a plane of the axis or beside it. */
