@@ -32,9 +32,13 @@ static bool find(const struct layout *layout, struct refitted *out)
         const char *name;
         struct refitted how;
     } named[] = {
-        {"f32", {REFIT, {.kind = ABI_REFIT_F32}}}, {"rf16", {REFIT, {.kind = ABI_REFIT_RF16}}},
-        {"cwbvh80", {REFIT_CWBVH80, {0}}},         {"tiny8", {REFIT_TINY8, {0}}},
-        {"tiny8_l8", {REFIT_TINY8, {0}}},          {"tiny8_l14", {REFIT_TINY8, {0}}},
+        {"f32", {REFIT, {.kind = ABI_REFIT_F32}}},
+        {"rf16", {REFIT, {.kind = ABI_REFIT_RF16}}},
+        {"cwbvh80", {REFIT_CWBVH80, {0}}},
+        {"tiny8", {REFIT_TINY8, {0}}},
+        {"tiny8_l8", {REFIT_TINY8, {0}}},
+        {"tiny8_l14", {REFIT_TINY8, {0}}},
+        {"half4", {REFIT_HALF4, {0}}},
     };
     for (size_t i = 0; i < ARRAY_COUNT(named); i++)
         if (layout == layout_find(named[i].name)) {

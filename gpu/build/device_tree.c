@@ -6,9 +6,10 @@
 #include <string.h>
 
 static const char *const kernel_names[KERNELS] = {
-    "build_bounds",  "build_codes",         "build_count",       "build_scan",
-    "build_scatter", "build_links",         "build_boxes",       "build_clusters",
-    "build_refit",   "build_refit_cwbvh80", "build_refit_tiny8", "build_refit_grid"};
+    "build_bounds",    "build_codes",         "build_count",       "build_scan",
+    "build_scatter",   "build_links",         "build_boxes",       "build_clusters",
+    "build_refit",     "build_refit_cwbvh80", "build_refit_tiny8", "build_refit_half4",
+    "build_refit_grid"};
 
 const char *const device_stage_names[DEVICE_STAGES] = {"codes", "order", "links", "boxes"};
 

@@ -17,6 +17,7 @@ enum kernel {
     REFIT, /* what follows is made when it is needed */
     REFIT_CWBVH80,
     REFIT_TINY8,
+    REFIT_HALF4,
     REFIT_GRID,
     KERNELS
 };

@@ -8,6 +8,7 @@
 #define GROUP  64u
 #define POWERS 255u /* biased exponents */
 #define PAIRS  (4 * POWERS * POWERS)
+#define EDGES  36u
 
 struct number_case {
     uint32_t lo, hi, bound[2];
@@ -28,6 +29,16 @@ static bool make_frame(const struct number_format *format, const struct number_c
 {
     const struct box box = {{float_from_bits(c->lo)}, {float_from_bits(c->hi)}};
     return number_frame_make(format, &box, out);
+}
+
+/* Numbers at the ends of the subnormal ones, of a frame and of halves. */
+static uint32_t edge(uint32_t i)
+{
+    static const uint32_t size[EDGES / 2] = {
+        0,           1,           0x007FFFFFu, 0x00800000u, 0x00800001u, 0x00FFFFFFu,
+        0x01000000u, 0x387FFFFFu, 0x38800000u, 0x477FE000u, 0x477FE001u, 0x477FF000u,
+        0x47800000u, 0x7E7FFFFFu, 0x7E800000u, 0x7E800001u, 0x7F7F0000u, 0x7F7FFFFFu};
+    return size[i / 2] | i % 2 << 31;
 }
 
 /* Any bound that a frame may have, a number of the frame or what lies beside it, or an end. */
@@ -55,6 +66,10 @@ static void draw(struct rng *rng, const struct number_format *format, bool near_
         if (near_pairs) {
             const int64_t apart = (int64_t)rng_below(rng, 1u << rng_below(rng, 27));
             b = bits_of_order(order_of_bits(a) + apart);
+        }
+        if (i < EDGES * EDGES) {
+            a = edge(i / EDGES);
+            b = edge(i % EDGES);
         }
         if ((b & 0x7F800000u) == 0x7F800000u)
             b = a;
