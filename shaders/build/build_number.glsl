@@ -81,9 +81,8 @@ exact in_unit(uint bits, int unit)
 exact sum_of(uint a, uint b)
 {
     int unit = max(bits_unit(a), bits_unit(b)) - 32;
-    exact x = in_unit(a, unit), y = in_unit(b, unit); /* one of them is no number between */
-    uint low = x.low + y.low;
-    return exact(x.high + y.high + (low < x.low ? 1u : 0u), low, x.between || y.between, unit);
+    exact x = in_unit(a, unit), y = in_unit(b, unit); /* the one of the larger unit has low 0 */
+    return exact(x.high + y.high, x.low | y.low, x.between || y.between, unit);
 }
 
 bool is_negative(exact x)

@@ -30,6 +30,18 @@ static void move(struct scene *scene, enum refit_motion motion)
     }
 }
 
+/* False if the layout cannot hold the tree. */
+static bool packed_of(const struct scene *scene, const struct layout *layout, struct packed *out)
+{
+    const struct build_options options = {.leaf = 4, .eps = BUILD_EPS_DEFAULT};
+    struct bvh bvh;
+    struct reason reason = {""};
+    gpu_must(bvh_build(builder_find("lbvh63"), scene, &options, &bvh, &reason), &reason);
+    enum status status = packed_make(layout, &bvh, scene, out, &reason);
+    bvh_free(&bvh);
+    return status == STATUS_OK;
+}
+
 /* Refits to the scene on both sides; returns whether C does. A refusal leaves the words as they
  * were. */
 static bool refit_both(struct device_tree *tree, struct packed *packed, const struct scene *scene,
@@ -113,6 +125,37 @@ static void words_of_wide_layouts_are_those_of_c(void **state)
 {
     (void)state;
     device_each(check_driver);
+}
+
+/* One vertex at a largest bound of some layout, or just beyond it, on either side. */
+static void the_largest_bound_is_held(void **state)
+{
+    static const uint32_t largest[] = {0x477FE000u /* 65504 */, 0x71800000u /* 2^100 */,
+                                       0x7E800000u /* 2^126 */, 0x7F7F0000u, 0x7F7FFFFEu};
+    (void)state;
+    struct device_tree *tree = device_open(false);
+    for (size_t l = 0; layouts_all[l]; l++) {
+        uint32_t held = 0;
+        if (!layout_is_wide(layouts_all[l]) || !device_refits(layouts_all[l]))
+            continue;
+        for (uint32_t i = 0; i < 4 * ARRAY_COUNT(largest); i++) {
+            struct packed packed;
+            struct scene scene = built_soup(40, 5);
+            assert_true(packed_of(&scene, layouts_all[l], &packed));
+            scene.vertex[i % 7] = float_from_bits((largest[i / 4] + i % 2) | (i / 2 % 2) << 31);
+            held += refit_both(tree, &packed, &scene, "largest");
+            packed_free(&packed);
+            scene_free(&scene);
+        }
+        const char *name = layouts_all[l]->name;
+        if (strcmp(name, "half4") == 0)
+            assert_int_equal(held, 2);
+        else if (strcmp(name, "cwbvh80") == 0 || strncmp(name, "tiny8", 5) == 0)
+            assert_int_equal(held, 4 + 2);
+        else if (strstr(name, "_node"))
+            assert_int_equal(held, 8 + 2);
+    }
+    device_close(tree);
 }
 
 /* --- laws ------------------------------------------------------------------------------------- */
@@ -231,6 +274,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(words_of_wide_layouts_are_those_of_c),
+        cmocka_unit_test(the_largest_bound_is_held),
         cmocka_unit_test(trees_are_sound_and_as_if_packed_anew),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

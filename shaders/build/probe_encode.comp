@@ -3,8 +3,8 @@
 /* Invocation i writes boxes into record i of layouts cwbvh80 and tiny8: first the word whose bits
  * tell which slots are there, then six bounds for each of 8 slots; the records, of 20 and 16 words,
  * have words before. tests/layouts/test_axis_gpu.c compares them. */
-#include "shaders/build/encode_cwbvh80.glsl"
-#include "shaders/build/encode_tiny8.glsl"
+#include "encode_cwbvh80.glsl"
+#include "encode_tiny8.glsl"
 
 layout(local_size_x_id = 0) in;
 layout(push_constant) uniform Push { uint count; };

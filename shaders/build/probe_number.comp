@@ -4,7 +4,7 @@
  * hi, two bounds. Written: whether there is an axis, its origin and exponent, and of each bound the
  * codes of the two ways, in that axis and in the world; first whether there is one.
  * tests/layouts/test_number_gpu.c compares them. */
-#include "shaders/build/build_number.glsl"
+#include "build_number.glsl"
 
 layout(local_size_x_id = 0) in;
 layout(push_constant) uniform Push { uint count, number; };

@@ -3,7 +3,7 @@
 /* Invocation i makes the axis of a pair of bounds. Four words each: lo, hi, most, a number between
  * them. Written: the origin, the exponent, and the planes below and above lo, hi and the
  * number. tests/layouts/test_axis_gpu.c compares them. */
-#include "shaders/build/build_axis.glsl"
+#include "build_axis.glsl"
 
 layout(local_size_x_id = 0) in;
 layout(push_constant) uniform Push { uint count; };
