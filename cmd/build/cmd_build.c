@@ -17,7 +17,7 @@ static const struct option_row rows[] = {
     {"device", "N", "Vulkan: device by the number that raydiff doctor gives",
      OF_COUNT(engines.device, 0, 255)},
     {"rounds", "N", "measurements of each", OF_COUNT(rounds, 1, BUILD_ROUNDS_MOST), .value = "5"},
-    {"move", "F", "also moves vertices by up to F of the scene's size, and refits f32 and rf16",
+    {"move", "F", "also moves vertices by up to F of the scene's size, and refits trees",
      OF_REAL(move, 1e-7f, 1e6f)},
     {"seed", "S", "of generators whose text gives none, and of --move",
      OF_COUNT(seed, 0, UINT64_MAX), .value = "1"},

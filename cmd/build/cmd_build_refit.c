@@ -69,20 +69,42 @@ static enum status play_all(struct device_tree *tree, struct packed *packed,
     return STATUS_OK;
 }
 
-static enum status measure(struct device_tree *tree, const struct build_command *b,
-                           const struct scene *scene, const struct scene *moved,
+static enum status measure(struct device_tree *tree, const struct bvh *bvh,
+                           const struct scene *scene, const struct scene *moved, uint32_t rounds,
                            struct build_refit *refit, struct reason *reason)
 {
-    const struct build_options options = {.leaf = BUILD_LEAF_DEFAULT};
-    struct bvh bvh;
-    struct packed packed = {0};
-    enum status status = bvh_build(builder_find("hploc"), scene, &options, &bvh, reason);
-    if (!status)
-        status = packed_make(refit->layout, &bvh, scene, &packed, reason);
-    bvh_free(&bvh);
-    if (!status)
-        status = play_all(tree, &packed, moved, b->rounds, refit, reason);
+    struct packed packed;
+    enum status status = packed_make(refit->layout, bvh, scene, &packed, reason);
+    if (status)
+        return status;
+    status = play_all(tree, &packed, moved, rounds, refit, reason);
     packed_free(&packed);
+    return status;
+}
+
+/* Each layout; what one refuses is in its result. */
+static enum status measure_all(struct device_tree *tree, const struct build_command *b,
+                               const struct bvh *bvh, const struct scene *scene,
+                               const struct scene *moved, const char *spec,
+                               struct build_refit refit[BUILD_REFITS_MOST], size_t *count,
+                               struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (size_t i = 0; layouts_all[i] && *count < BUILD_REFITS_MOST && !status; i++) {
+        if (!device_refits(layouts_all[i]))
+            continue;
+        struct build_refit *next = &refit[(*count)++];
+        *next = (struct build_refit){
+            .scene = spec, .layout = layouts_all[i], .triangles = scene->tri_count};
+        struct reason why;
+        status = measure(tree, bvh, scene, moved, b->rounds, next, &why);
+        if (status == STATUS_LIMIT) {
+            next->refused = why;
+            status = STATUS_OK;
+        }
+        if (status)
+            *reason = why;
+    }
     return status;
 }
 
@@ -91,29 +113,18 @@ enum status build_refits(struct device_tree *tree, const struct build_command *b
                          struct build_refit refit[BUILD_REFITS_MOST], size_t *count,
                          struct reason *reason)
 {
+    const struct build_options options = {.leaf = BUILD_LEAF_DEFAULT};
+    struct bvh bvh;
     struct scene moved = *scene;
-    enum status status = STATUS_OK;
     *count = 0;
     moved.vertex = alloc_copy(scene->vertex, 3 * (size_t)scene->vertex_count, sizeof(float));
     if (!moved.vertex)
         return fail(reason, STATUS_MEMORY, "no memory for the vertices of a scene that moves");
     scene_move(&moved, b->move, b->seed);
-    for (size_t i = 0; layouts_all[i] && !status; i++) {
-        if (!device_refits(layouts_all[i]))
-            continue;
-        struct build_refit *next = &refit[*count];
-        *next = (struct build_refit){
-            .scene = spec, .layout = layouts_all[i], .triangles = scene->tri_count};
-        struct reason why;
-        status = measure(tree, b, scene, &moved, next, &why);
-        if (status == STATUS_LIMIT) {
-            next->refused = why;
-            status = STATUS_OK;
-        }
-        if (status)
-            *reason = why;
-        *count += 1;
-    }
+    enum status status = bvh_build(builder_find("hploc"), scene, &options, &bvh, reason);
+    if (!status)
+        status = measure_all(tree, b, &bvh, scene, &moved, spec, refit, count, reason);
+    bvh_free(&bvh);
     free(moved.vertex);
     return status;
 }
