@@ -174,7 +174,7 @@ struct engine {
     bool brute;           /* tests every triangle; gets at most as many rays as
                              match_options.brute_budget allows */
     bool own_tri;         /* has its own triangle test and ignores job.tri; does not trace faithful
-                             layouts */
+                             layouts, nor does one with own_tree */
     const char *tri_name; /* own_tri: name of its triangle test, if that is in the table */
     bool own_tree;        /* builds a tree of its own, from the packed one if it needs_packed, and
                              tests the boxes of that */
@@ -255,7 +255,8 @@ static inline bool engine_lists(const struct engine *engine, const void *self)
 /* For an engine that needs trees: false if it does not trace that layout (STATUS_UNSUPPORTED). */
 static inline bool engine_takes(const struct engine *engine, const struct layout *layout)
 {
-    return !(engine->binary && layout_is_wide(layout)) && !(engine->own_tri && layout->faithful);
+    const bool own = engine->own_tri || engine->own_tree;
+    return !(engine->binary && layout_is_wide(layout)) && !(own && layout->faithful);
 }
 
 /* NULL-terminated: the program's own, then what engine_add added. */

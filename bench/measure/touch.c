@@ -225,3 +225,17 @@ void touch_kd(const struct kd_tree *tree, const struct ray *ray, struct cache_si
 {
     *hit = kd_watched(tree, ray, read_kd, cache);
 }
+
+static void read_dual(void *cache, uint32_t word, uint32_t words)
+{
+    cache_sim_read(cache, place(NODES, 4 * (uint64_t)word), 4 * (uint64_t)words);
+}
+
+void touch_dual(struct touch *touch, const struct dual_tree *tree, const struct job *job,
+                const struct ray *ray, struct hit *hit)
+{
+    struct job own = *job;
+    own.scene = touch->scene;
+    own.packed = &touch->packed;
+    *hit = dual_watched(tree, &own, ray, read_dual, touch->cache);
+}

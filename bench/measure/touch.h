@@ -3,6 +3,7 @@
 #define TOUCH_H
 
 #include "bench/measure/cache_sim.h"
+#include "ref/dual/dual.h"
 #include "ref/engine.h"
 #include "ref/fast/fast.h"
 #include "ref/kd/kd.h"
@@ -45,5 +46,10 @@ void touch_fast(const struct fast_tree *tree, const struct ray *ray, bool any,
 /* The same for the tree of engine kd, nearest hits. */
 void touch_kd(const struct kd_tree *tree, const struct ray *ray, struct cache_sim *cache,
               struct hit *hit);
+
+/* The same for the tree of engine dual_split that was made of the packed tree `touch` records, for
+ * job->tri, nearest hits. */
+void touch_dual(struct touch *touch, const struct dual_tree *tree, const struct job *job,
+                const struct ray *ray, struct hit *hit);
 
 #endif

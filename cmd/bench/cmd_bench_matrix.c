@@ -24,7 +24,7 @@ const char *const matrix_kinds[MATRIX_KINDS] = {"prim", "rand", "diff", "o-shad"
  * nodes. */
 static uint32_t leaf_of(const struct matrix_entry *e)
 {
-    bool collapses = layout_is_wide(e->layout) || e->engine->own_tree;
+    bool collapses = layout_is_wide(e->layout) || matrix_collapses(e->engine);
     return collapses ? 1 : BUILD_LEAF_DEFAULT;
 }
 
@@ -113,7 +113,7 @@ static enum status enter(struct matrix *m, const struct matrix_entry *e, unsigne
                              .box = box_test_find("watertight"),
                              .tri = tri_test_find("woop"),
                              .few = e->engine->needs_packed && !e->engine->gpu &&
-                                    !e->engine->own_tree};
+                                    !matrix_collapses(e->engine)};
     enum status status = STATUS_OK;
     options.threads = threads;
     options.compact = e->compact;

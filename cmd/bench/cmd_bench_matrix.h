@@ -104,6 +104,10 @@ bool matrix_is_gpu(const struct bench *bench);
  * Embree. */
 bool matrix_entry_is_gpu(const struct matrix_entry *entry);
 
+/* True for an engine that collapses the tree into nodes and triangles of its own, whatever its
+ * layout and storage: fast. */
+bool matrix_collapses(const struct engine *engine);
+
 /* Makes the rays whose exact answers are known. Errors: STATUS_MEMORY. */
 enum status matrix_known_make(struct matrix *matrix, struct reason *reason) MUST_USE;
 

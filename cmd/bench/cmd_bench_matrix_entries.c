@@ -37,6 +37,11 @@ bool matrix_entry_is_gpu(const struct matrix_entry *entry)
     return entry->engine->gpu;
 }
 
+bool matrix_collapses(const struct engine *engine)
+{
+    return engine->needs_packed && engine->own_tree && engine->own_tri;
+}
+
 static const struct engine *engine_of(const char *name)
 {
     for (size_t i = 0; embree_modes[i]; i++)
@@ -48,7 +53,7 @@ static const struct engine *engine_of(const char *name)
 /* Writes the name: "cpu tiny8 compact", "fast sah_binned reinsert=4", "embree compact". */
 static void name_entry(struct matrix_entry *e)
 {
-    bool fast = e->engine->own_tree;
+    bool fast = matrix_collapses(e->engine);
     const char *store = e->store && e->store != tri_stores[0] ? e->store->name : NULL;
     char name[BENCH_ENGINE_NAME];
     int used = snprintf(e->name, sizeof e->name, "%s%s%s", bench_engine_name(e->engine, name),
@@ -118,7 +123,7 @@ static enum status add_layouts(const struct bench *bench, const struct engine *e
         .engine = engine, .store = tri_stores[0], .builder = builder_find("sah_binned")};
     enum status status = STATUS_OK;
     entry.layout = layouts[0];
-    bool fast = engine->own_tree;
+    bool fast = matrix_collapses(engine);
     if (fast || matrix_entry_is_gpu(&entry))
         status = add(out, &entry, reason);
     for (size_t l = 0; layouts_all[l] && !fast && !status; l++) {
@@ -160,7 +165,7 @@ enum status matrix_entries_make(const struct bench *bench, struct matrix_entries
         const struct matrix_entry entry = {.engine = engine};
         if (engine->brute)
             return fail(reason, STATUS_INPUT, "--engine %s: tests every triangle", engine->name);
-        if (list->count == 1 && engine->own_tree && bench->store.count > 0)
+        if (list->count == 1 && engine->own_tree && engine->own_tri && bench->store.count > 0)
             return fail(reason, STATUS_INPUT, "--store: engine %s stores triangles its own way",
                         engine->name);
         if (engine->needs_packed)

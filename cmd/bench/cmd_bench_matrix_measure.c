@@ -127,11 +127,13 @@ void matrix_forget_timed(struct matrix_row *row)
 
 /* --- lines ------------------------------------------------------------------------------------ */
 
-/* A traversal whose reads are recorded: of engine fast or fast_small, kd, or of a packed tree. */
+/* A traversal whose reads are recorded: of engine fast or fast_small, kd, or of a packed tree, or
+ * of the dual-split tree that is made of that. */
 struct watched {
     struct touch *touch;
     const struct fast_tree *fast;
     const struct kd_tree *kd;
+    const struct dual_tree *dual;
     struct job job;
     struct cache_sim cache;
 };
@@ -155,6 +157,8 @@ static enum status watch_kind(const struct matrix *m, struct watched *w, int kin
                 touch_fast(w->fast, &ray[i], false, &w->cache, &hit);
             else if (w->kd)
                 touch_kd(w->kd, &ray[i], &w->cache, &hit);
+            else if (w->dual)
+                touch_dual(w->touch, w->dual, &w->job, &ray[i], &hit);
             else
                 status = touch_ray(w->touch, &w->job, &ray[i], &hit);
         }
@@ -212,11 +216,13 @@ static enum status watch_kd(struct matrix *m, struct matrix_row *row, struct rea
     return status;
 }
 
+/* `dual`: the tree that is traced; NULL: the packed one itself. */
 static enum status watch_packed(struct matrix *m, const struct contestant *c,
-                                struct matrix_row *row, struct reason *reason)
+                                const struct dual_tree *dual, struct matrix_row *row,
+                                struct reason *reason)
 {
     struct touch *touch = alloc_zeroed(1, sizeof *touch);
-    struct watched w = {.touch = touch, .job = {.box = c->box, .tri = c->tri}};
+    struct watched w = {.touch = touch, .dual = dual, .job = {.box = c->box, .tri = c->tri}};
     bool gpu = matrix_entry_is_gpu(row->entry);
     if (!touch)
         return fail(reason, STATUS_MEMORY, "no memory to watch a tree");
@@ -225,6 +231,18 @@ static enum status watch_packed(struct matrix *m, const struct contestant *c,
         status = watch(m, &w, row, reason);
     touch_free(touch);
     free(touch);
+    return status;
+}
+
+static enum status watch_dual(struct matrix *m, const struct contestant *c, struct matrix_row *row,
+                              struct reason *reason)
+{
+    struct dual_tree tree;
+    enum status status = dual_make(&c->packed, DUAL_BY_COST, &tree, reason);
+    row->node_bytes = dual_node_bytes(&tree);
+    if (!status)
+        status = watch_packed(m, c, &tree, row, reason);
+    dual_free(&tree);
     return status;
 }
 
@@ -252,7 +270,7 @@ enum status matrix_measure(struct matrix *matrix, const struct contestant *c,
             measure_embree(matrix, row);
         return STATUS_OK;
     }
-    if (c->engine->own_tree)
+    if (matrix_collapses(c->engine))
         return watch_fast(matrix, c, row, reason);
     row->node_bytes = packed_node_bytes(&c->packed);
     row->item_bytes = packed_item_bytes(&c->packed);
@@ -261,5 +279,7 @@ enum status matrix_measure(struct matrix *matrix, const struct contestant *c,
             matrix_entry_is_gpu(row->entry)
                 ? 36 * (uint64_t)matrix->scene->tri_count
                 : 12 * ((uint64_t)matrix->scene->vertex_count + matrix->scene->tri_count);
-    return watch_packed(matrix, c, row, reason);
+    if (c->engine->own_tree)
+        return watch_dual(matrix, c, row, reason);
+    return watch_packed(matrix, c, NULL, row, reason);
 }

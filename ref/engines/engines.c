@@ -6,7 +6,7 @@
 
 extern const struct engine engine_brute, engine_cpu, engine_vulkan, engine_vulkan_brute,
     engine_rayquery, engine_embree, engine_embree_robust, engine_fast, engine_fast_small,
-    engine_cpu_stackless, engine_vulkan_stackless, engine_webgpu, engine_kd;
+    engine_cpu_stackless, engine_vulkan_stackless, engine_webgpu, engine_kd, engine_dual_split;
 
 /* Each engine_*.c holds one engine in the table, except engine_embree.c, which holds two. */
 #define OWN (ENGINE_FILES + 1)
@@ -15,12 +15,12 @@ static const struct engine *table[OWN + ENGINES_ADDED_MOST + 1] = {
     &engine_brute,      &engine_cpu,           &engine_vulkan,           &engine_vulkan_brute,
     &engine_rayquery,   &engine_embree,        &engine_embree_robust,    &engine_fast,
     &engine_fast_small, &engine_cpu_stackless, &engine_vulkan_stackless, &engine_webgpu,
-    &engine_kd,
+    &engine_kd,         &engine_dual_split,
 };
 static size_t count = OWN;
 
 /* Update the number when the table above changes. */
-_Static_assert(OWN == 13, "an engine_*.c is in no table");
+_Static_assert(OWN == 14, "an engine_*.c is in no table");
 
 const struct engine *const *const engines = table;
 
