@@ -79,7 +79,8 @@ static long fail_each(const struct engine *engine, const struct job *job, bool o
     return 0;
 }
 
-static const char *const names[] = {"brute", "cpu", "cpu_stackless", "fast", "fast_small", "kd"};
+static const char *const names[] = {"brute",      "cpu", "cpu_stackless", "fast",
+                                    "fast_small", "kd",  "dual_split"};
 
 static void lists_without_memory_are_none(void **state)
 {

@@ -367,7 +367,8 @@ static void what_looks_at_packed_trees(void **state)
 
 static void engines_on_the_processor(void **state)
 {
-    static const char *const name[] = {"brute", "cpu", "cpu_stackless", "fast", "fast_small", "kd"};
+    static const char *const name[] = {"brute",      "cpu", "cpu_stackless", "fast",
+                                       "fast_small", "kd",  "dual_split"};
     (void)state;
     struct scene scene = built_soup(40, 7);
     struct bvh bvh = tree_of(&scene, "median");

@@ -109,7 +109,7 @@ static void a_job_leaves_nothing_to_the_next(void **state)
     static const char *const names[] = {
         "cpu",    "cpu_stackless", "brute",  "fast",         "fast_small",
         "embree", "embree_robust", "vulkan", "vulkan_brute", "vulkan_stackless",
-        "kd"};
+        "kd",     "dual_split"};
     static struct ray ray[RAYS];
     struct scene scene = scene_of(specs[0]);
     assert_int_equal(ray_set_make(ray_set_find("random"), &scene, 4, RAYS, ray, NULL), STATUS_OK);

@@ -15,7 +15,7 @@
 
 #define RAYS    24u
 #define MANY    60u
-#define ENGINES 4u
+#define ENGINES 5u
 
 enum { NONE, ONE, TWO, SAME_CENTRE, COPIES, HUGE_AND_TINY, FLAT, LINE, FAR_AWAY, KINDS };
 
@@ -84,7 +84,8 @@ struct degenerate_asked {
     void *engine[ENGINES];
 };
 
-static const char *const engine_name[ENGINES] = {"cpu", "cpu_stackless", "fast", "fast_small"};
+static const char *const engine_name[ENGINES] = {"cpu", "cpu_stackless", "fast", "fast_small",
+                                                 "dual_split"};
 
 /* Whether what it packs loses nothing. */
 static bool is_lossless(const struct degenerate_asked *a)
