@@ -27,11 +27,12 @@ static inline void dual_stand_pack(struct dual_stand *s, enum dual_carving carvi
         fail_msg("%s: %s", s->what, reason.text);
 }
 
-/* The tree of a scene. */
+/* The tree of a scene; of few triangles each is a leaf. */
 static inline void dual_stand_of(struct dual_stand *s, struct scene scene, const char *builder,
                                  enum dual_carving carving)
 {
-    const struct build_options options = {.leaf = 3, .eps = BUILD_EPS_DEFAULT};
+    const struct build_options options = {.leaf = scene.tri_count < 16 ? 1 : 3,
+                                          .eps = BUILD_EPS_DEFAULT};
     struct reason reason = {""};
     s->scene = scene;
     if (bvh_build(builder_find(builder), &s->scene, &options, &s->bvh, &reason))

@@ -72,6 +72,32 @@ static void no_wrong_word_is_missed(void **state)
     }
 }
 
+/* Copies of a triangle: a leaf is in every other one's box, so that only its name tells it. */
+static void leaves_are_there_once(void **state)
+{
+    static const float v[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 2}};
+    (void)state;
+    struct dual_stand s = {.what = "copies", .scene = trees_copies(16, v)};
+    uint32_t *leaf[16], leaves = 0;
+    s.bvh = trees_make(&s.scene, 2, TREES_BALANCED);
+    dual_stand_pack(&s, DUAL_BY_COST);
+    for (uint32_t at = 0; at < s.tree.word_count;) {
+        const struct dual_seen seen = dual_look(&s.tree, at);
+        at += seen.kind == DUAL_IS_LEAF ? 2 : 3;
+        if (seen.kind == DUAL_IS_LEAF)
+            leaf[leaves++] = &s.tree.word[seen.at + 1];
+    }
+    assert_int_equal(leaves, 8);
+    for (uint32_t i = 0; i < leaves; i++)
+        for (uint32_t j = 0; j < leaves; j++) {
+            uint32_t was = *leaf[i];
+            *leaf[i] = *leaf[j];
+            assert_int_equal(checked(&s), i == j ? STATUS_OK : STATUS_INPUT);
+            *leaf[i] = was;
+        }
+    dual_stand_free(&s);
+}
+
 static void any_words_are_checked(void **state)
 {
     (void)state;
@@ -101,6 +127,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_wrong_word_is_missed),
+        cmocka_unit_test(leaves_are_there_once),
         cmocka_unit_test(any_words_are_checked),
     };
     return cmocka_run_group_tests_name("dual_check", tests, NULL, NULL);

@@ -184,6 +184,54 @@ static void what_is_no_binary_tree_is_refused(void **state)
     dual_stand_free(&s);
 }
 
+/* The root's box is taken to be smaller than its children: they are in it all the same. */
+static void boxes_hold_what_is_below(void **state)
+{
+    (void)state;
+    struct dual_stand s = {.what = "small root"};
+    struct dual_tree tree;
+    struct scene scene;
+    assert_int_equal(scene_open("sphere:n=4", 1, &scene, NULL), STATUS_OK);
+    dual_stand_of(&s, scene, "median", DUAL_BY_COST);
+    const struct box whole = s.tree.box;
+    for (uint32_t side = 0; side < 6; side++) { /* struct node_f32: lo, first, hi, count */
+        uint32_t *word = &s.packed.word[side < 3 ? side : side + 1], was = *word;
+        *word = float_bits(0.0f);
+        assert_int_equal(dual_make(&s.packed, DUAL_BY_COST, &tree, NULL), STATUS_OK);
+        assert_memory_equal(&tree.box, &whole, sizeof whole);
+        assert_int_equal(dual_check(&tree, &s.packed, &s.scene, NULL), STATUS_OK);
+        dual_free(&tree);
+        *word = was;
+    }
+    dual_stand_free(&s);
+}
+
+static void published_layouts_are_refused(void **state)
+{
+    (void)state;
+    const struct engine *engine = engine_find("dual_split");
+    const struct engine_options options = {.threads = 1, .device = -1};
+    struct dual_stand s = {.what = "sphere"};
+    struct packed packed;
+    struct scene scene;
+    struct reason reason = {""};
+    void *self;
+    assert_int_equal(scene_open("sphere:n=4", 1, &scene, NULL), STATUS_OK);
+    dual_stand_of(&s, scene, "median", DUAL_BY_COST);
+    assert_int_equal(packed_make(layout_find("rtrs_rf"), &s.bvh, &s.scene, &packed, NULL),
+                     STATUS_OK);
+    const struct job job = {.scene = &s.scene, .packed = &packed, .tri = tri_test_find("woop")};
+    assert_int_equal(engine->open(&options, &self, NULL), STATUS_OK);
+    assert_int_equal(engine->prepare(self, &job, &reason), STATUS_UNSUPPORTED);
+    assert_string_equal(reason.text, "dual_split has no layout that loses hits, as rtrs_rf");
+    for (size_t i = 0; layouts_all[i]; i++)
+        assert_int_equal(engine_takes(engine, layouts_all[i]),
+                         !layouts_all[i]->faithful && !layout_is_wide(layouts_all[i]));
+    engine->close(self);
+    packed_free(&packed);
+    dual_stand_free(&s);
+}
+
 /* A tree of one level more than there may be, which no layout of the program packs. */
 static void deeper_trees_are_refused(void **state)
 {
@@ -227,6 +275,8 @@ int main(void)
         cmocka_unit_test(trees_keep_their_laws),
         cmocka_unit_test(every_builder_has_one),
         cmocka_unit_test(what_is_no_binary_tree_is_refused),
+        cmocka_unit_test(boxes_hold_what_is_below),
+        cmocka_unit_test(published_layouts_are_refused),
         cmocka_unit_test(deeper_trees_are_refused),
         cmocka_unit_test(nothing_has_no_words),
     };
