@@ -37,6 +37,13 @@ function laws(p, name,  base, tris, nodes, other) {
         equal(name "memory", v[p ".memory_bytes"], v[p ".node_bytes"] + v[p ".item_bytes"])
         return
     }
+    if (v[p ".engine"] == "dual_split") { # its own nodes, of 12 bytes and 8, and what the layout has of items
+        other = row_of(p, "cpu", v[p ".layout"])
+        truth(name "memory is less than the tree", v[p ".memory_bytes"] + 0 >= v[p ".node_bytes"] + v[p ".item_bytes"])
+        truth(name "nodes of 12 bytes and 8", v[p ".node_bytes"] % 4 == 0 && v[p ".node_bytes"] + 0 > 0)
+        if (other != "") equal(name "items of its layout", v[p ".item_bytes"], v[other ".item_bytes"])
+        return
+    }
     truth(name "memory is less than the tree", v[p ".memory_bytes"] + 0 >= v[p ".node_bytes"] + v[p ".item_bytes"])
     other = row_of(p, v[p ".engine"], "f32")
     nodes = v[other ".node_bytes"] / 32
