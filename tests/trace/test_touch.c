@@ -223,6 +223,39 @@ static void watching_fast_changes_no_answer(void **state)
 /* --- shadow rays ------------------------------------------------------------------------------ */
 
 /* On a square that faces the eye, with the light behind the eye: no shadow ray is blocked. */
+static void add_lines(void *lines, uint32_t word, uint32_t words)
+{
+    *(uint64_t *)lines += (word + words - 1) / 16 - word / 16 + 1;
+}
+
+/* Five copies of a triangle, a leaf each: 4 nodes of 12 bytes and 5 of 8, in two lines, and all are
+ * read; of each triangle an item, indices and three vertices. */
+static void words_of_a_dual_split_tree_are_read(void **state)
+{
+    (void)state;
+    const float v[3][3] = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
+    const struct ray ray = {.org = {0, 0, -2}, .dir = {0, 0, 1}, .tmax = TMAX};
+    struct scene scene = trees_copies(5, v);
+    struct bvh bvh = trees_make(&scene, 1, TREES_BALANCED);
+    struct watching w;
+    struct dual_tree tree;
+    struct hit hit;
+    uint64_t lines = 0;
+    watch(&w, "f32", "indexed", false, &bvh, &scene);
+    assert_int_equal(dual_make(&w.packed, DUAL_BY_COST, &tree, NULL), STATUS_OK);
+    assert_int_equal(dual_node_bytes(&tree), 4 * 12 + 5 * 8);
+    touch_dual(&w.touch, &tree, &w.job, &ray, &hit);
+    assert_int_equal(hit.t, 2);
+    w.job.packed = &w.packed;
+    (void)dual_watched(&tree, &w.job, &ray, add_lines, &lines);
+    assert_int_equal(w.cache.counts.lines, lines + 5 * 5);
+    assert_int_equal(w.cache.counts.beyond[0], 2 + 1 + 1 + 1);
+    dual_free(&tree);
+    unwatch(&w);
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
 static void shadow_rays_begin_before_the_surface(void **state)
 {
     (void)state;
@@ -268,6 +301,7 @@ int main(void)
         cmocka_unit_test(a_ray_that_misses_the_root_reads_nothing_more),
         cmocka_unit_test(watching_changes_no_answer),
         cmocka_unit_test(watching_fast_changes_no_answer),
+        cmocka_unit_test(words_of_a_dual_split_tree_are_read),
         cmocka_unit_test(shadow_rays_begin_before_the_surface),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
