@@ -153,27 +153,35 @@ static void members_are_all_combinations(void **state)
     }
 }
 
-/* Of a layout's defects and a builder's an engine with records of its own shows the second alone.
+/* Of the defects of a layout, a builder and a triangle test an engine with records of its own shows
+ * the second, and the third unless it has a test of its own.
  */
 static void an_engine_with_its_own_shows_no_others(void **state)
 {
     (void)state;
+    static const char *const engine[] = {"cpu", "fast", "dual_split"};
     struct hard_member m = {.layout = layout_find("rtrs_rf_paper"),
                             .builder = builder_find("median"),
                             .box = box_test_find("robust"),
                             .tri = tri_test_find("mt")};
-    size_t shown[3] = {0};
-    for (size_t i = 0; hard_case_at(i); i++) {
-        m.engine = engine_find("cpu");
-        shown[0] += hard_defect_of(hard_case_at(i), &m) != NULL;
-        m.engine = engine_find("fast");
-        shown[1] += hard_defect_of(hard_case_at(i), &m) != NULL;
-    }
-    m.layout = layout_find("f32");
-    m.builder = builder_find("rtrs");
-    for (size_t i = 0; hard_case_at(i); i++)
-        shown[2] += hard_defect_of(hard_case_at(i), &m) != NULL;
-    assert_true(shown[0] > 0 && shown[1] == 0 && shown[2] > 0);
+    size_t layouts_show[3] = {0}, tests_show[3] = {0}, builders_show[3] = {0};
+    for (size_t e = 0; e < ARRAY_COUNT(engine); e++)
+        for (size_t i = 0; hard_case_at(i); i++) {
+            m.engine = engine_find(engine[e]);
+            layouts_show[e] += hard_defect_of(hard_case_at(i), &m) != NULL;
+            struct hard_member other = m;
+            other.layout = layout_find("f32");
+            other.builder = builder_find("rtrs");
+            builders_show[e] += hard_defect_of(hard_case_at(i), &other) != NULL;
+            other.builder = m.builder;
+            other.tri = tri_test_find("mt_rtrs");
+            tests_show[e] += hard_defect_of(hard_case_at(i), &other) != NULL;
+        }
+    assert_true(layouts_show[0] > 0 && layouts_show[1] == 0 && layouts_show[2] == 0);
+    assert_true(tests_show[0] > 0 && tests_show[1] == 0 && tests_show[2] == tests_show[0]);
+    for (size_t e = 0; e < ARRAY_COUNT(engine); e++)
+        assert_int_equal(builders_show[e], builders_show[0]);
+    assert_true(builders_show[0] > 0);
 }
 
 /* Every known truth is an entry, each with members that are there to show it. */

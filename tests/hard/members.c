@@ -237,12 +237,16 @@ void hard_each_member(const struct hard_case *one, const struct hard_tables *tab
         each_without_tree(one, tables, visit, user);
 }
 
-/* An engine that makes its own records of a tree, with tests of its own, has no defect of a layout,
- * a box test or a triangle test: what it can show is the builder's. */
+/* An engine that makes its own records of a tree, with box tests of its own, has no defect of a
+ * layout or a box test, and none of a triangle test that it does not use: what it can show is the
+ * builder's, or that of a published triangle test. */
 static bool can_show(const struct hard_defect *defect, const struct hard_member *member)
 {
-    bool own = member->engine->needs_packed && member->engine->own_tri;
-    return !own || defect->engine || (member->builder && member->builder->faithful);
+    const struct engine *engine = member->engine;
+    bool own = engine->needs_packed && (engine->own_tri || engine->own_tree);
+    bool published = (member->builder && member->builder->faithful) ||
+                     (!engine->own_tri && member->tri && member->tri->faithful);
+    return !own || defect->engine || published;
 }
 
 const struct hard_defect *hard_defect_of(const struct hard_case *one,
