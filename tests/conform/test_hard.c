@@ -154,8 +154,7 @@ static void members_are_all_combinations(void **state)
 }
 
 /* Of the defects of a layout, a builder and a triangle test an engine with records of its own shows
- * the second, and the third unless it has a test of its own.
- */
+ * the second, and the third unless it has a test of its own. */
 static void an_engine_with_its_own_shows_no_others(void **state)
 {
     (void)state;
