@@ -21,6 +21,7 @@ enum layout_end {
 
 struct layout;
 struct tri_store; /* ref/store.h */
+struct wide_tree; /* ref/tree/wide_tree.h */
 
 /* A packed tree; owns its arrays (see packed_free). node_count == 0: empty scene. */
 struct packed {
@@ -80,6 +81,13 @@ struct layout {
      * "RTRS panics"); STATUS_MEMORY. */
     enum status (*pack)(const struct layout *self, const struct bvh *bvh, const struct scene *scene,
                         struct packed *out, struct reason *reason);
+    /* Packs a given wide tree of nodes of up to `width` children and leaves of up to `leaf_most`
+     * items, which are ranges of `item`; the places of leaves in *tree become those in the storage.
+     * Nodes, children and items keep their order. Else as pack(). NULL: pack() alone. */
+    uint32_t leaf_most;
+    enum status (*pack_tree)(const struct layout *self, struct wide_tree *tree,
+                             const uint32_t *item, uint32_t item_count, const struct scene *scene,
+                             struct packed *out, struct reason *reason);
     /* Returns how the reproduced program fails on this tree, if it does; then pack() returns
      * STATUS_LIMIT with the same reason. `reason` may be NULL. NULL: it fails on no tree. */
     enum layout_end (*end)(const struct bvh *bvh, struct reason *reason);
@@ -167,6 +175,12 @@ static inline bool packed_ref_valid(const struct packed *packed, uint32_t ref)
 enum status packed_make_stored(const struct layout *layout, const struct tri_store *store,
                                const struct bvh *bvh, const struct scene *scene, struct packed *out,
                                struct reason *reason) MUST_USE;
+
+/* Packs a given wide tree with the layout's pack_tree, which it has, and storage `indexed`. Errors:
+ * STATUS_LIMIT of the layout, or a tree that needs more than layout_stack_most; STATUS_MEMORY. */
+enum status packed_make_tree(const struct layout *layout, struct wide_tree *tree,
+                             const uint32_t *item, uint32_t item_count, const struct scene *scene,
+                             struct packed *out, struct reason *reason) MUST_USE;
 
 /* The same with storage `indexed`. */
 enum status packed_make(const struct layout *layout, const struct bvh *bvh,

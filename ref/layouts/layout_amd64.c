@@ -191,7 +191,7 @@ static enum status pack(const struct layout *self, const struct bvh *bvh, const 
     if (!status) {
         out->ref_count = out->node_count * layout_refs(self);
         out->root = out->node_count; /* record 0, in float32 */
-        status = wide_nodes_items(self, bvh, scene, POINTERS, &tree, out, reason);
+        status = wide_nodes_items(self, bvh->prim, scene, POINTERS, &tree, out, reason);
         for (uint32_t n = 0; n < tree.node_count && !status; n++)
             pack_node(&p, n, out->word);
     }

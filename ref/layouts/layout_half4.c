@@ -65,7 +65,6 @@ static void decode(const struct packed *packed, uint32_t record, struct wide_slo
 
 static const struct wide_form form = {
     .decode = decode,
-    .leaf_most = LEAF_MOST,
     .node_cost = NODE_COST,
     .largest = HALF_MAX,
     .places = OFFSETS,
@@ -82,6 +81,8 @@ const struct layout layout_half4 = {
     .order = VISIT_NEAR,
     .family = &form,
     .pack = wide_form_pack,
+    .leaf_most = LEAF_MOST,
+    .pack_tree = wide_form_pack_tree,
     .load = wide_form_load,
     .box = wide_form_box,
     .rebound = wide_form_rebound,

@@ -90,14 +90,14 @@ const struct layout layouts_tiny8[3] = {
         .summary = "64-byte nodes of 8 children, bounds of 6 bits in the node's frame; " text,     \
         .node_bytes = 4 * WORDS, .width = WIDTH, .order = VISIT_NEAR, .shader = "tiny8",           \
         .family = &(const struct wide_form){.decode = decode,                                      \
-                                            .leaf_most = most,                                     \
                                             .node_cost = cost,                                     \
                                             .largest = NODE_AXIS_LARGEST,                          \
                                             .places = UINT32_MAX,                                  \
                                             .put_boxes = put_boxes,                                \
                                             .put_children = put_children},                         \
-        .pack = wide_form_pack, .load = wide_form_load, .box = wide_form_box,                      \
-        .rebound = wide_form_rebound, .item = wide_nodes_item,                                     \
+        .pack = wide_form_pack, .leaf_most = most, .pack_tree = wide_form_pack_tree,               \
+        .load = wide_form_load, .box = wide_form_box, .rebound = wide_form_rebound,                \
+        .item = wide_nodes_item,                                                                   \
     }
     MEMBER("tiny8", "leaves of up to 4", 4, 1.0f),
     MEMBER("tiny8_l8", "leaves of up to 8", 8, 4.0f),

@@ -7,7 +7,7 @@
 #define EXPONENT_LEAST (-100)
 #define ORIGIN_BITS    23 /* 2^23 steps: with 255 more still an integer that float32 has */
 
-/* The reason names the node: its kind ("tree node" or "record") and number. */
+/* The reason names the node: its kind ("tree node", "record" or "a child of node") and number. */
 static enum status check_within(const struct layout *self, const struct box *box, const char *kind,
                                 uint32_t node, float largest, struct reason *reason)
 {
@@ -36,7 +36,7 @@ enum status wide_nodes_collapse(const struct layout *self, const struct bvh *bvh
     return status ? status : wide_tree_make(bvh, scene, &rule, out, reason);
 }
 
-enum status wide_nodes_items(const struct layout *self, const struct bvh *bvh,
+enum status wide_nodes_items(const struct layout *self, const uint32_t *item,
                              const struct scene *scene, uint32_t places, struct wide_tree *tree,
                              struct packed *out, struct reason *reason)
 {
@@ -46,8 +46,8 @@ enum status wide_nodes_items(const struct layout *self, const struct bvh *bvh,
             struct wide_child *child = &tree->child[tree->node[n].first + c];
             if (child->count == 0)
                 continue;
-            status = store_put(scene, bvh->prim + child->first, child->count, out, &child->first,
-                               reason);
+            status =
+                store_put(scene, item + child->first, child->count, out, &child->first, reason);
             if (!status && child->first >= places)
                 status = fail(reason, STATUS_LIMIT, "%s: items lie at places below %u, not %u",
                               self->name, places, child->first);
@@ -142,26 +142,54 @@ static void pack_nodes(const struct layout *self, const struct wide_tree *tree, 
     }
 }
 
+static enum status check_places(const struct layout *self, uint32_t items, struct reason *reason)
+{
+    if (items > form_of(self)->places) /* there are fewer nodes than items */
+        return fail(reason, STATUS_LIMIT, "%s: holds at most %u items, this tree has %u",
+                    self->name, form_of(self)->places, items);
+    return STATUS_OK;
+}
+
+/* Writes a tree whose bounds and number of items have been checked. */
+static enum status write_tree(const struct layout *self, struct wide_tree *tree,
+                              const uint32_t *item, const struct scene *scene, struct packed *out,
+                              struct reason *reason)
+{
+    enum status status =
+        layout_alloc(self->name, tree->node_count, self->node_bytes / 4, 0, out, reason);
+    if (!status) {
+        out->ref_count = out->node_count * layout_refs(self);
+        status = wide_nodes_items(self, item, scene, form_of(self)->places, tree, out, reason);
+    }
+    if (!status)
+        pack_nodes(self, tree, out);
+    return status;
+}
+
+enum status wide_form_pack_tree(const struct layout *self, struct wide_tree *tree,
+                                const uint32_t *item, uint32_t item_count,
+                                const struct scene *scene, struct packed *out,
+                                struct reason *reason)
+{
+    enum status status = check_places(self, item_count, reason);
+    for (uint32_t n = 0; n < tree->node_count && !status; n++)
+        for (uint32_t c = 0; c < tree->node[n].count && !status; c++)
+            status = check_within(self, &tree->child[tree->node[n].first + c].bounds,
+                                  "a child of node", n, form_of(self)->largest, reason);
+    return status ? status : write_tree(self, tree, item, scene, out, reason);
+}
+
 enum status wide_form_pack(const struct layout *self, const struct bvh *bvh,
                            const struct scene *scene, struct packed *out, struct reason *reason)
 {
     const struct wide_form *form = form_of(self);
     struct wide_tree tree = {0};
-    enum status status = STATUS_OK;
-    if (bvh->prim_count > form->places) /* there are fewer nodes than items */
-        status = fail(reason, STATUS_LIMIT, "%s: holds at most %u items, this tree has %u",
-                      self->name, form->places, bvh->prim_count);
+    enum status status = check_places(self, bvh->prim_count, reason);
     if (!status)
-        status = wide_nodes_collapse(self, bvh, scene, form->leaf_most, form->node_cost,
+        status = wide_nodes_collapse(self, bvh, scene, self->leaf_most, form->node_cost,
                                      form->largest, &tree, reason);
     if (!status)
-        status = layout_alloc(self->name, tree.node_count, self->node_bytes / 4, 0, out, reason);
-    if (!status) {
-        out->ref_count = out->node_count * layout_refs(self);
-        status = wide_nodes_items(self, bvh, scene, form->places, &tree, out, reason);
-    }
-    if (!status)
-        pack_nodes(self, &tree, out);
+        status = write_tree(self, &tree, bvh->prim, scene, out, reason);
     wide_tree_free(&tree);
     return status;
 }

@@ -25,10 +25,11 @@ enum status wide_nodes_collapse(const struct layout *self, const struct bvh *bvh
                                 float largest, struct wide_tree *out,
                                 struct reason *reason) MUST_USE;
 
-/* Appends the items of every leaf to the storage, in the order in which the nodes list them, so
- * that the items of one node are adjacent, and sets the `first` of each leaf to their place.
+/* Appends the items of every leaf, ranges of `item`, to the storage, in the order in which the
+ * nodes list them, so that the items of one node are adjacent, and sets the `first` of each leaf to
+ * their place.
  * Errors: STATUS_LIMIT a place is not below `places`; as store_put. */
-enum status wide_nodes_items(const struct layout *self, const struct bvh *bvh,
+enum status wide_nodes_items(const struct layout *self, const uint32_t *item,
                              const struct scene *scene, uint32_t places, struct wide_tree *tree,
                              struct packed *out, struct reason *reason) MUST_USE;
 
@@ -37,7 +38,6 @@ enum status wide_nodes_items(const struct layout *self, const struct bvh *bvh,
  * struct that begins with it. A layout with only _load and _box needs only `decode`. */
 struct wide_form {
     wide_decode *decode;
-    uint32_t leaf_most; /* most items of a leaf */
     float node_cost;    /* in units of a triangle test, see struct wide_rule */
     float largest;      /* largest magnitude of a bound */
     uint32_t places;    /* places of items, and so of nodes, must be below it */
@@ -54,6 +54,13 @@ struct wide_form {
 enum status wide_form_pack(const struct layout *self, const struct bvh *bvh,
                            const struct scene *scene, struct packed *out,
                            struct reason *reason) MUST_USE;
+
+/* layout->pack_tree. Errors: STATUS_LIMIT a bound beyond `largest`, or an item beyond `places`; as
+ * layout_alloc and store_put. */
+enum status wide_form_pack_tree(const struct layout *self, struct wide_tree *tree,
+                                const uint32_t *item, uint32_t item_count,
+                                const struct scene *scene, struct packed *out,
+                                struct reason *reason) MUST_USE;
 
 /* layout->load and box; a child whose reference is out of range is dropped. */
 void wide_form_load(const struct packed *packed, uint32_t ref, struct wide *out);

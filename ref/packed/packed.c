@@ -40,6 +40,7 @@ static enum status decoded_depth(const struct packed *packed, uint32_t *out)
     return status;
 }
 
+/* `bvh` may be NULL for a wide layout. */
 static enum status find_stack_need(const struct bvh *bvh, struct packed *packed,
                                    struct reason *reason)
 {
@@ -72,6 +73,22 @@ static void give_back_room(struct packed *packed)
     packed->item_room = 0;
 }
 
+/* After a layout's pack() or pack_tree(): returns its status, or that of what is still to do. */
+static enum status finish(const struct layout *layout, const struct tri_store *store,
+                          const struct bvh *bvh, enum status status, struct packed *out,
+                          struct reason *reason)
+{
+    if (!status) {
+        give_back_room(out);
+        out->layout = layout;
+        out->store = store;
+        status = find_stack_need(bvh, out, reason);
+    }
+    if (status)
+        packed_free(out);
+    return status;
+}
+
 enum status packed_make(const struct layout *layout, const struct bvh *bvh,
                         const struct scene *scene, struct packed *out, struct reason *reason)
 {
@@ -92,20 +109,29 @@ enum status packed_make_stored(const struct layout *layout, const struct tri_sto
                     store->name);
     if (bvh->node_count > 0) {
         enum status status = layout->pack(layout, bvh, scene, out, reason);
-        if (!status) {
-            give_back_room(out);
-            out->layout = layout;
-            out->store = store;
-            status = find_stack_need(bvh, out, reason);
-        }
-        if (status) {
-            packed_free(out);
+        status = finish(layout, store, bvh, status, out, reason);
+        if (status)
             return status;
-        }
     }
     out->layout = layout;
     out->tri_count = scene->tri_count;
     out->split = bvh_is_split(bvh);
+    return STATUS_OK;
+}
+
+enum status packed_make_tree(const struct layout *layout, struct wide_tree *tree,
+                             const uint32_t *item, uint32_t item_count, const struct scene *scene,
+                             struct packed *out, struct reason *reason)
+{
+    *out = (struct packed){.store = tri_stores[0]};
+    if (item_count > 0) {
+        enum status status = layout->pack_tree(layout, tree, item, item_count, scene, out, reason);
+        status = finish(layout, tri_stores[0], NULL, status, out, reason);
+        if (status)
+            return status;
+    }
+    out->layout = layout;
+    out->tri_count = scene->tri_count;
     return STATUS_OK;
 }
 

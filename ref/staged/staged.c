@@ -83,8 +83,7 @@ enum status staged_build(enum staged_kind kind, const struct scene *scene, struc
 
 /* --- comparing -------------------------------------------------------------------------------- */
 
-/* Counts the elements that differ. Returns the first, or `count`. */
-static uint32_t differing(const void *mine, const void *other, size_t bytes, uint32_t count,
+uint32_t staged_differing(const void *mine, const void *other, size_t bytes, uint32_t count,
                           uint64_t *all)
 {
     uint32_t first = count;
@@ -139,8 +138,8 @@ struct staged_difference staged_compare(const struct staged *mine, const struct 
                   {mine->box, other->box, sizeof *mine->box, inner + n}};
     struct staged_difference at = {0};
     for (int s = 0; s < (int)ARRAY_COUNT(stages); s++) {
-        at.element =
-            differing(stages[s].mine, stages[s].other, stages[s].bytes, stages[s].count, &at.count);
+        at.element = staged_differing(stages[s].mine, stages[s].other, stages[s].bytes,
+                                      stages[s].count, &at.count);
         bool root = s == 2 && at.count == 0 && mine->root != other->root;
         if (at.count == 0 && !root)
             continue;

@@ -38,7 +38,7 @@ static void leaf_boxes(const struct scene *scene, uint32_t (*box)[6])
     }
 }
 
-static struct staged_frame frame_of(const uint32_t all[6])
+struct staged_frame staged_frame_of(const uint32_t all[6])
 {
     struct staged_frame frame = {1};
     for (int k = 0; k < 6; k++) {
@@ -120,7 +120,7 @@ void stage_codes(const struct scene *scene, uint32_t axis_bits, struct staged *s
     memcpy(all, leaf[0], sizeof all);
     for (uint32_t i = 1; i < n; i++)
         staged_box_join(all, leaf[i], all);
-    *frame = frame_of(all);
+    *frame = staged_frame_of(all);
     make_codes(frame, all, axis_bits, staged);
 }
 

@@ -12,6 +12,9 @@ struct staged_frame {
 /* Returns the coordinate in units of 2^(exponent - 179), cut toward 0. */
 int32_t frame_coordinate(const struct staged_frame *frame, float x);
 
+/* The frame of a scene of that box. */
+struct staged_frame staged_frame_of(const uint32_t all[6]);
+
 /* Fills in the boxes of the leaves in the order of the triangles, and codes of 10 or 21 bits an
  * axis; sets *frame. */
 void stage_codes(const struct scene *scene, uint32_t axis_bits, struct staged *staged,
@@ -33,6 +36,13 @@ static inline uint32_t *staged_box(const struct staged *staged, uint32_t link)
 {
     return staged->box[link & STAGED_LEAF ? staged->count - 1 + (link & ~STAGED_LEAF) : link];
 }
+
+/* The same as a box. */
+struct box staged_box_of(const struct staged *staged, uint32_t link);
+
+/* Counts the elements that differ. Returns the first, or `count`. */
+uint32_t staged_differing(const void *mine, const void *other, size_t bytes, uint32_t count,
+                          uint64_t *all);
 
 /* Sets `out` to the union of two boxes, none of which has -0. */
 void staged_box_join(const uint32_t a[6], const uint32_t b[6], uint32_t out[6]);

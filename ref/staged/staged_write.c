@@ -81,7 +81,7 @@ static enum status check_order(const struct staged_walk *w, struct reason *reaso
     return STATUS_OK;
 }
 
-static struct box box_of(const struct staged *staged, uint32_t link)
+struct box staged_box_of(const struct staged *staged, uint32_t link)
 {
     const uint32_t *bits = staged_box(staged, link);
     struct box box;
@@ -104,7 +104,8 @@ static enum status write(const struct staged_walk *w, struct bvh *out)
     for (; out->node_count < nodes; out->node_count++) {
         uint32_t i = out->node_count, link = w->link[i];
         struct bvh_node *node = &out->node[i];
-        *node = (struct bvh_node){.bounds = box_of(staged, link), .item_first = out->prim_count};
+        *node =
+            (struct bvh_node){.bounds = staged_box_of(staged, link), .item_first = out->prim_count};
         if (link & STAGED_LEAF) {
             node->item_count = 1;
             out->prim[out->prim_count++] = staged->order[link & ~STAGED_LEAF];
@@ -120,7 +121,7 @@ static struct lane_box leaf_of(const void *user, uint32_t at, uint32_t *prim, ui
 {
     const struct staged_walk *w = user;
     const uint32_t link = w->link[at];
-    const struct box box = box_of(w->staged, link);
+    const struct box box = staged_box_of(w->staged, link);
     *items = 1;
     *prim = w->staged->order[link & ~STAGED_LEAF];
     return lane_box_load(&box);
