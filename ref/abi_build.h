@@ -22,7 +22,7 @@
 #define ABI_LINK_CHILD       0 /* and 1: a leaf has bit 31 */
 #define ABI_LINK_PARENT      2
 #define ABI_LINK_VISITS      3 /* children that are done */
-#define ABI_LINK_FIRST       4 /* places of its range */
+#define ABI_LINK_FIRST       4 /* places of its range; of wide trees: triangles of its subtree */
 #define ABI_LINK_LAST        5
 #define ABI_BUILD_LINK_WORDS 6
 #define ABI_LINK_LEAF        0x80000000u
@@ -43,14 +43,48 @@
 #define ABI_STATE_LO    0 /* 3: bounds of the scene, as numbers in the order of the floats */
 #define ABI_STATE_HI    3
 #define ABI_STATE_ROOT  6 /* a link */
-#define ABI_STATE_WORDS 7
+#define ABI_STATE_LEVEL 7 /* of a wide tree: two levels, even and odd ones */
+#define ABI_STATE_WORDS 19
+
+/* Words of a level. */
+#define ABI_LEVEL_FIRST  0 /* node */
+#define ABI_LEVEL_COUNT  1 /* nodes */
+#define ABI_LEVEL_ITEMS  2 /* of the levels before */
+#define ABI_LEVEL_GROUPS 3 /* 3: workgroups of a dispatch with an invocation for each node */
+#define ABI_LEVEL_WORDS  6
+
+/* Bindings of the shaders that make wide trees, which have at most 8 children; keys, links, boxes
+ * and state are as above, counts at first those of H-PLOC's nodes. */
+#define ABI_WIDE_PACKED 0 /* U32[]: records of a layout */
+#define ABI_WIDE_ITEMS  1 /* U32[]: triangles */
+#define ABI_WIDE_NODES  3 /* U32[]: ABI_WIDE_WORDS per node */
+#define ABI_WIDE_SUMS   4 /* U32[]: nodes below each workgroup's, then items */
+
+/* Words of a wide node. */
+#define ABI_WIDE_ROOT  0 /* link of its subtree */
+#define ABI_WIDE_KINDS 1 /* four bits for each child: 0 none, 1 to 14 items of a leaf, 15 a node */
+#define ABI_WIDE_FIRST 2 /* its first child that is a node */
+#define ABI_WIDE_ITEM  3 /* place of the first item of its leaves */
+#define ABI_WIDE_BEFORE                                                                            \
+    4                    /* children that are nodes, and in the upper half items, of the nodes
+                             before it in its workgroup */
+#define ABI_WIDE_LINKS 8 /* 8: links of its children */
+#define ABI_WIDE_WORDS 16
+#define ABI_WIDE_NODE  15u /* the kind of a child */
+#define ABI_WIDE_MOST  8u
+
+/* Values of axis_bits where wide nodes are encoded: the layout. */
+#define ABI_WIDE_CWBVH80 0u
+#define ABI_WIDE_TINY8   1u
 
 /* Keys that one workgroup sorts in a pass, and bits of a digit. */
 #define ABI_BUILD_GROUP 64u /* invocations of every workgroup */
 #define ABI_BUILD_EACH  16u /* keys of an invocation */
 #define ABI_BUILD_DIGIT 4u
 
-/* Push constants. */
+/* Push constants. Of wide trees: axis_bits is the layout, shift the most triangles of a leaf,
+ * swapped whether the level is odd (of build_adopt: whether links stand in the counts), blocks the
+ * most nodes. */
 struct build_push {
     U32 count;     /* triangles */
     U32 axis_bits; /* of a code: 10 or 21 */

@@ -186,6 +186,7 @@ enum status device_refit(struct device_tree *tree, const struct packed *packed,
 {
     struct refit_job job = {.packed = packed, .scene = scene};
     *ns = 0;
+    tree->built = false; /* its buffers are used */
     enum status status = may_refit(packed, &job.how, reason);
     if (status || packed->node_count == 0)
         return status;

@@ -6,10 +6,11 @@
 #include <string.h>
 
 static const char *const kernel_names[KERNELS] = {
-    "build_bounds",    "build_codes",         "build_count",       "build_scan",
-    "build_scatter",   "build_links",         "build_boxes",       "build_clusters",
-    "build_refit",     "build_refit_cwbvh80", "build_refit_tiny8", "build_refit_half4",
-    "build_refit_grid"};
+    "build_bounds",     "build_codes",         "build_count",       "build_scan",
+    "build_scatter",    "build_links",         "build_boxes",       "build_clusters",
+    "build_refit",      "build_refit_cwbvh80", "build_refit_tiny8", "build_refit_half4",
+    "build_refit_grid", "build_adopt",         "build_sizes",       "build_open",
+    "build_level",      "build_place",         "build_encode"};
 
 const char *const device_stage_names[DEVICE_STAGES] = {"codes", "order", "links", "boxes"};
 
@@ -60,6 +61,7 @@ uint32_t device_tree_close(struct device_tree *tree, struct reason *reason)
         for (int k = 0; k < KERNELS; k++)
             vk_pipeline_free(tree->vk, tree->kernel[k]);
         vk_buffers_free(tree->vk, tree->buffer, ABI_BUILD_BINDINGS);
+        vk_buffers_free(tree->vk, tree->wide, DEVICE_WIDE_BUFFERS);
     }
     uint32_t messages = vk_close(tree->vk, reason);
     free(tree);
@@ -75,23 +77,19 @@ const struct vk_limits *device_tree_limits(const struct device_tree *tree)
 
 #define POISON_BYTES (1u << 20)
 
-/* Overwrites what earlier builds left where results will stand, with other words each time: a
- * device that does nothing must not be right. */
-static enum status poison(struct device_tree *tree, const uint64_t words[ABI_BUILD_BINDINGS],
-                          struct reason *reason)
+enum status device_tree_poison(struct device_tree *tree, struct vk_buffer *buffer, uint64_t bytes,
+                               struct reason *reason)
 {
     uint32_t *junk = malloc(POISON_BYTES);
     enum status status = STATUS_OK;
     if (!junk)
         return fail(reason, STATUS_MEMORY, "no memory to prepare a device's buffers");
-    tree->builds++;
+    tree->poisoned++;
     for (uint32_t i = 0; i < POISON_BYTES / sizeof *junk; i++)
-        junk[i] = 0xD0000000u ^ tree->builds * 0x9E3779B9u ^ i * 0x85EBCA6Bu;
-    for (int b = ABI_BUILD_KEYS; b <= ABI_BUILD_BOXES && !status; b++)
-        for (uint64_t at = 0, bytes = sizeof *junk * words[b]; at < bytes && !status;
-             at += POISON_BYTES)
-            status = vk_buffer_write(tree->vk, tree->buffer[b], at, junk,
-                                     bytes - at < POISON_BYTES ? bytes - at : POISON_BYTES, reason);
+        junk[i] = 0xD0000000u ^ tree->poisoned * 0x9E3779B9u ^ i * 0x85EBCA6Bu;
+    for (uint64_t at = 0; at < bytes && !status; at += POISON_BYTES)
+        status = vk_buffer_write(tree->vk, buffer, at, junk,
+                                 bytes - at < POISON_BYTES ? bytes - at : POISON_BYTES, reason);
     free(junk);
     return status;
 }
@@ -122,7 +120,9 @@ static enum status make_buffers(struct device_tree *tree, const struct scene *sc
     if (!status)
         status = vk_buffer_write(tree->vk, tree->buffer[ABI_BUILD_INDICES], 0, scene->index,
                                  sizeof(uint32_t) * words[ABI_BUILD_INDICES], reason);
-    return status ? status : poison(tree, words, reason);
+    for (int b = ABI_BUILD_KEYS; b <= ABI_BUILD_BOXES && !status; b++)
+        status = device_tree_poison(tree, tree->buffer[b], sizeof(uint32_t) * words[b], reason);
+    return status;
 }
 
 static enum status run(struct device_tree *tree, const struct vk_step *step, uint32_t count,
@@ -267,9 +267,13 @@ enum status device_tree_build(struct device_tree *tree, enum staged_kind kind,
     times = times ? times : &unused;
     *times = (struct device_times){0};
     *out = (struct staged){0};
+    tree->built = false;
     if (scene->tri_count > STAGED_MOST)
         return fail(reason, STATUS_LIMIT, "a tree in stages holds at most 2^30 triangles, not %u",
                     scene->tri_count);
+    tree->count = scene->tri_count;
+    tree->built = scene->tri_count == 0;
+    tree->links_in_counts = kind == STAGED_HPLOC;
     if (scene->tri_count == 0)
         return STATUS_OK;
     if (staged_alloc(scene->tri_count, out))
@@ -282,6 +286,7 @@ enum status device_tree_build(struct device_tree *tree, enum staged_kind kind,
         status = read_all(tree, kind == STAGED_HPLOC, out, reason);
     if (!status)
         status = device_tree_messages(tree, reason);
+    tree->built = status == STATUS_OK;
     if (status)
         staged_free(out);
     return status;

@@ -8,14 +8,16 @@
 layout(local_size_x_id = 0) in;
 layout(push_constant) uniform Push { build_push job; };
 
+#ifndef BUILD_WIDE
 layout(std430, set = 0, binding = ABI_BUILD_VERTICES) readonly buffer Vertices {
     uint vertex_word[];
 };
 layout(std430, set = 0, binding = ABI_BUILD_INDICES) readonly buffer Indices {
     uint index_word[];
 };
-layout(std430, set = 0, binding = ABI_BUILD_KEYS) buffer Keys { uvec4 keys[]; };
 layout(std430, set = 0, binding = ABI_BUILD_OTHERS) coherent buffer Others { uvec4 others[]; };
+#endif
+layout(std430, set = 0, binding = ABI_BUILD_KEYS) buffer Keys { uvec4 keys[]; };
 layout(std430, set = 0, binding = ABI_BUILD_COUNTS) buffer Counts { uint counts[]; };
 layout(std430, set = 0, binding = ABI_BUILD_LINKS) coherent buffer Links { uint links[]; };
 layout(std430, set = 0, binding = ABI_BUILD_BOXES) coherent buffer Boxes { uint box_word[]; };
@@ -32,6 +34,7 @@ uint from_order(uint number)
     return (number >> 31) != 0u ? number & 0x7FFFFFFFu : ~number;
 }
 
+#ifndef BUILD_WIDE
 /* The bounds of a triangle, as such numbers. */
 void triangle_bounds(uint triangle, out uvec3 lo, out uvec3 hi)
 {
@@ -47,5 +50,6 @@ void triangle_bounds(uint triangle, out uvec3 lo, out uvec3 hi)
         }
     }
 }
+#endif
 
 #endif

@@ -1,30 +1,10 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-/* Each count becomes the sum of those before it. One workgroup: an invocation adds up a run, the
- * sums of the runs are added up in shared memory. */
+/* Adds up the counts of the digits. */
 #include "build_digit.glsl"
-
-shared uint run_sum[ABI_BUILD_GROUP];
+#include "build_sum.glsl"
 
 void main()
 {
-    uint mine = gl_LocalInvocationID.x, all = DIGITS * job.blocks;
-    uint run = (all + ABI_BUILD_GROUP - 1u) / ABI_BUILD_GROUP;
-    uint first = min(mine * run, all), last = min(first + run, all), sum = 0u;
-    for (uint i = first; i < last; i++)
-        sum += counts[i];
-    run_sum[mine] = sum;
-    barrier();
-    for (uint step = 1u; step < ABI_BUILD_GROUP; step <<= 1) {
-        uint before = mine >= step ? run_sum[mine - step] : 0u;
-        barrier();
-        run_sum[mine] += before;
-        barrier();
-    }
-    uint before = run_sum[mine] - sum;
-    for (uint i = first; i < last; i++) {
-        uint own = counts[i];
-        counts[i] = before;
-        before += own;
-    }
+    sum_counts(DIGITS * job.blocks);
 }
