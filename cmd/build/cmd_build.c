@@ -13,6 +13,8 @@
 static const struct option_row rows[] = {
     {"builder", "B,..", "builders on a device", OF_LIST(builder, TABLE_BUILDERS),
      .shown = "all of them"},
+    {"layout", "L,..", "layouts that trees are encoded in on the device",
+     OF_LIST(layout, TABLE_LAYOUTS), .value = "cwbvh80,tiny8"},
     {"driver", "NAME", "Vulkan: as in raydiff check", OF_TEXT(engines.driver)},
     {"device", "N", "Vulkan: device by the number that raydiff doctor gives",
      OF_COUNT(engines.device, 0, 255)},
@@ -30,7 +32,9 @@ static const struct option_set set = {
     .usage = "build SCENE... [OPTIONS]",
     .about =
         "Builds trees by Vulkan compute shaders and in C, and compares every byte of every stage: "
-        "the Morton codes, their order, the links and boxes of the nodes. Of trees that differ it "
+        "the Morton codes, their order, the links and boxes of the nodes. Then each tree is "
+        "collapsed to nodes of 8 children and encoded in the layouts, again on both sides: the "
+        "children and items of the nodes are compared, and the words. Of trees that differ it "
         "names the first stage and the element. Times are of the stages alone, without copies; C "
         "builds with one thread. With --move, trees of builder hploc are refitted on the device, "
         "too, in each layout of which it can be done, and compared with C's word by word.",
@@ -53,14 +57,20 @@ static enum status choose(struct build_command *b, struct reason *reason)
     return STATUS_OK;
 }
 
-/* What was measured. */
-struct build_results {
-    struct build_row *row; /* of each scene and builder */
-    size_t row_count;
-    struct build_refit *refit;
-    size_t refit_count;
-    int code;
-};
+/* "all" and "every": those that a device encodes. */
+static enum status choose_layouts(struct build_command *b, struct reason *reason)
+{
+    const bool all = b->layout.all || b->layout.every;
+    for (size_t i = 0; i < b->layout.count && !all; i++)
+        if (!device_encodes(layouts_all[b->layout.index[i]]))
+            return fail(reason, STATUS_INPUT, "--layout: %s is not encoded on a device",
+                        layouts_all[b->layout.index[i]]->name);
+    b->layout.count = all ? 0 : b->layout.count;
+    for (size_t i = 0; layouts_all[i] && all; i++)
+        if (device_encodes(layouts_all[i]))
+            b->layout.index[b->layout.count++] = i;
+    return STATUS_OK;
+}
 
 static enum status play_scene(const struct build_command *b, struct device_tree *tree,
                               const char *spec, struct progress *progress,
@@ -68,14 +78,21 @@ static enum status play_scene(const struct build_command *b, struct device_tree 
 {
     struct scene scene;
     struct build_row *row = out->row + out->row_count;
+    const size_t layout_count = b->layout.count;
     size_t refits = 0;
     enum status status = scene_open(spec, b->seed, &scene, reason);
     for (size_t i = 0; i < b->builder.count && !status; i++) {
         row[i] = (struct build_row){.scene = spec,
                                     .builder = builders_all[b->builder.index[i]],
                                     .triangles = scene.tri_count};
+        struct build_wide *wide = out->wide + out->wide_count + i * layout_count;
+        for (size_t l = 0; l < layout_count; l++)
+            wide[l] = (struct build_wide){.scene = spec,
+                                          .builder = row[i].builder,
+                                          .layout = layouts_all[b->layout.index[l]],
+                                          .triangles = scene.tri_count};
         progress_step(progress, "%s, builder %s", spec, row[i].builder->name);
-        status = build_measure(tree, &scene, b->rounds, &row[i], reason);
+        status = build_measure(tree, &scene, b->rounds, &row[i], wide, layout_count, reason);
     }
     if (!status && option_was_given("move"))
         status =
@@ -85,6 +102,7 @@ static enum status play_scene(const struct build_command *b, struct device_tree 
     if (status)
         return status;
     out->row_count += b->builder.count;
+    out->wide_count += b->builder.count * layout_count;
     out->refit_count += refits;
     return STATUS_OK;
 }
@@ -94,8 +112,10 @@ static void print_scene(const struct build_command *b, const struct build_result
                         size_t refits, const struct screen *screen)
 {
     const struct build_row *row = results->row + results->row_count - b->builder.count;
+    const size_t wide = b->builder.count * b->layout.count;
     screen_text(screen, "%s: %s\n", row->scene, COUNTED(row->triangles, "triangle"));
     build_print(row, b->builder.count, screen);
+    build_print_wide(results->wide + results->wide_count - wide, wide, screen);
     build_print_refits(results->refit + refits, results->refit_count - refits, screen);
     fflush(stdout);
 }
@@ -105,6 +125,8 @@ static int code_of(const struct build_results *results)
     int code = results->code;
     for (size_t i = 0; i < results->row_count; i++)
         code = results->row[i].differs.stage ? exit_worse(code, EXIT_MISMATCH) : code;
+    for (size_t i = 0; i < results->wide_count; i++)
+        code = results->wide[i].differs.stage ? exit_worse(code, EXIT_MISMATCH) : code;
     for (size_t i = 0; i < results->refit_count; i++)
         code = results->refit[i].differing ? exit_worse(code, EXIT_MISMATCH) : code;
     return code;
@@ -117,8 +139,9 @@ static int play_all(const struct build_command *b, struct device_tree *tree, cha
     struct progress progress = progress_make("build");
     struct build_results results = {
         .row = alloc_zeroed(count * b->builder.count, sizeof *results.row),
+        .wide = alloc_zeroed(count * b->builder.count, b->layout.count * sizeof *results.wide),
         .refit = alloc_zeroed(count * BUILD_REFITS_MOST, sizeof *results.refit)};
-    const bool enough = results.row && results.refit;
+    const bool enough = results.row && results.wide && results.refit;
     struct reason reason = {""};
     results.code = enough ? EXIT_AGREE : EXIT_INTERNAL;
     screen_text(&screen, "device: %s, %s\n", device_tree_limits(tree)->device,
@@ -132,12 +155,12 @@ static int play_all(const struct build_command *b, struct device_tree *tree, cha
     }
     int code = code_of(&results);
     if (b->json && enough) {
-        enum status status = build_write_json(b->json, results.row, results.row_count,
-                                              results.refit, results.refit_count,
-                                              device_tree_limits(tree), b->rounds, code, &reason);
+        enum status status =
+            build_write_json(b->json, &results, device_tree_limits(tree), b->rounds, code, &reason);
         code = exit_worse(code, exit_with_reason("build", status, &reason));
     }
     free(results.row);
+    free(results.wide);
     free(results.refit);
     return code;
 }
@@ -152,7 +175,7 @@ int cmd_build(int argc, char **argv)
         return code;
     if (first == argc)
         return usage_error("build", "no scene given");
-    if (choose(&b, &reason))
+    if (choose(&b, &reason) || choose_layouts(&b, &reason))
         return usage_error("build", "%s", reason.text);
     const struct vk_options options = vulkan_options(&b.engines);
     enum status status = device_tree_open(&options, &tree, &reason);

@@ -1,7 +1,6 @@
 /* Refits on a device beside packed_refit. */
 #include "cmd/build/cmd_build.h"
 
-#include "bench/chart/spread.h"
 #include "cmd/common/cmd_grid.h"
 #include "gpu/build/device_refit.h"
 #include "ref/base/json_record.h"
@@ -50,23 +49,17 @@ static enum status play_all(struct device_tree *tree, struct packed *packed,
                             const struct scene *moved, uint32_t rounds, struct build_refit *refit,
                             struct reason *reason)
 {
-    double device[BUILD_ROUNDS_MOST], c[BUILD_ROUNDS_MOST], ratio[BUILD_ROUNDS_MOST];
+    double device[BUILD_ROUNDS_MOST], c[BUILD_ROUNDS_MOST];
     uint32_t *word = malloc(sizeof *word * ((size_t)packed->word_count + 1));
     enum status status =
         word ? STATUS_OK
              : fail(reason, STATUS_MEMORY, "no memory for %u words", packed->word_count);
-    for (uint32_t r = 0; r < rounds && !status; r++) {
+    for (uint32_t r = 0; r < rounds && !status; r++)
         status = play(tree, packed, moved, word, &device[r], &c[r], refit, reason);
-        ratio[r] = status || c[r] <= 0 ? 0 : device[r] / c[r];
-    }
     free(word);
-    if (status)
-        return status;
-    struct spread spread = spread_of(ratio, rounds);
-    refit->part = (struct build_part){spread_of(device, rounds).median / 1e6,
-                                      spread_of(c, rounds).median / 1e6, spread.median,
-                                      spread.least, spread.most};
-    return STATUS_OK;
+    if (!status)
+        refit->part = build_part_of(device, c, rounds);
+    return status;
 }
 
 static enum status measure(struct device_tree *tree, const struct bvh *bvh,

@@ -64,16 +64,17 @@ static json_t *row_json(const struct build_row *row)
                        (size_t)row->device_bytes, row->differs.stage == NULL, differs, parts);
 }
 
-enum status build_write_json(const char *path, const struct build_row *row, size_t count,
-                             const struct build_refit *refit, size_t refit_count,
+enum status build_write_json(const char *path, const struct build_results *results,
                              const struct vk_limits *limits, uint32_t rounds, int code,
                              struct reason *reason)
 {
     json_t *rows = json_array();
-    for (size_t i = 0; i < count; i++)
-        json_array_append_new(rows, row_json(&row[i]));
-    json_t *root = json_record("raydiff=%s exit=%d device=%s driver=%s rounds=%u rows=%p refits=%p",
-                               RAYDIFF_VERSION, code, limits->device, limits->driver, rounds, rows,
-                               build_refits_json(refit, refit_count));
+    for (size_t i = 0; i < results->row_count; i++)
+        json_array_append_new(rows, row_json(&results->row[i]));
+    json_t *root =
+        json_record("raydiff=%s exit=%d device=%s driver=%s rounds=%u rows=%p wide=%p refits=%p",
+                    RAYDIFF_VERSION, code, limits->device, limits->driver, rounds, rows,
+                    build_wide_json(results->wide, results->wide_count),
+                    build_refits_json(results->refit, results->refit_count));
     return json_write(path, root, 17, reason);
 }

@@ -1,6 +1,6 @@
 #include "gpu/build/device_builders.h"
 
-#include "gpu/build/device_tree.h"
+#include "gpu/build/wide_compare.h"
 #include "gpu/trace/vulkan_options.h"
 #include "ref/build/grow.h"
 #include "ref/staged/staged_builder.h"
@@ -44,20 +44,28 @@ void device_builders_use(const struct engine_options *options)
     (void)pthread_mutex_unlock(&one.lock);
 }
 
-static enum status build_on_device(enum staged_kind kind, const struct scene *scene,
-                                   struct staged *out, struct reason *reason)
+/* Under the lock. */
+static enum status build_locked(enum staged_kind kind, const struct scene *scene,
+                                struct staged *out, struct reason *reason)
 {
     const struct engine_options options = {.driver = one.has_driver ? one.driver : NULL,
                                            .device = one.device};
     const struct vk_options vk_options = vulkan_options(&options);
     enum status status = STATUS_OK;
-    (void)pthread_mutex_lock(&one.lock);
     if (!one.closes)
         one.closes = atexit(close_at_end) == 0;
     if (!one.tree)
         status = device_tree_open(&vk_options, &one.tree, reason);
     if (!status)
         status = device_tree_build(one.tree, kind, scene, out, NULL, reason);
+    return status;
+}
+
+static enum status build_on_device(enum staged_kind kind, const struct scene *scene,
+                                   struct staged *out, struct reason *reason)
+{
+    (void)pthread_mutex_lock(&one.lock);
+    enum status status = build_locked(kind, scene, out, reason);
     (void)pthread_mutex_unlock(&one.lock);
     return status;
 }
@@ -78,21 +86,55 @@ static enum status build(enum staged_kind kind, const struct scene *scene,
     return status;
 }
 
-static enum status compare(enum staged_kind kind, const struct scene *scene, struct reason *reason)
+/* Returns STATUS_DEVICE if there is a difference. */
+static enum status tell(const struct staged_difference *at, const char *of, struct reason *reason)
+{
+    return at->stage ? fail(reason, STATUS_DEVICE, "%s%s %u: %s (%llu differ)", of, at->stage,
+                            at->element, at->text, (unsigned long long)at->count)
+                     : STATUS_OK;
+}
+
+/* What is made of the tree that the device has just built. */
+static enum status compare_wide(const struct staged *mine, const struct scene *scene,
+                                struct reason *reason)
+{
+    static const char *const names[] = {"cwbvh80", "tiny8"};
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < ARRAY_COUNT(names) && !status; i++) {
+        struct wide_result result;
+        char of[32];
+        snprintf(of, sizeof of, "%s, ", names[i]);
+        status = wide_compare(one.tree, layout_find(names[i]), mine, scene, &result, reason);
+        if (!status)
+            status = tell(&result.differs, of, reason);
+    }
+    return status;
+}
+
+static enum status compare_locked(enum staged_kind kind, const struct scene *scene,
+                                  struct reason *reason)
 {
     struct staged devices, mine = {0};
-    enum status status = build_on_device(kind, scene, &devices, reason);
+    enum status status = build_locked(kind, scene, &devices, reason);
     if (status)
         return status;
     status = staged_build(kind, scene, &mine, NULL, reason);
     if (!status) {
         struct staged_difference at = staged_compare(&devices, &mine);
-        if (at.stage)
-            status = fail(reason, STATUS_DEVICE, "%s %u: %s (%llu differ)", at.stage, at.element,
-                          at.text, (unsigned long long)at.count);
+        status = tell(&at, "", reason);
     }
+    if (!status)
+        status = compare_wide(&mine, scene, reason);
     staged_free(&devices);
     staged_free(&mine);
+    return status;
+}
+
+static enum status compare(enum staged_kind kind, const struct scene *scene, struct reason *reason)
+{
+    (void)pthread_mutex_lock(&one.lock);
+    enum status status = compare_locked(kind, scene, reason);
+    (void)pthread_mutex_unlock(&one.lock);
     return status;
 }
 

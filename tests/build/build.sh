@@ -33,7 +33,20 @@ for rounds in 1 3; do
     perl tests/build/rows.pl "$dir/rows.json" "$dir/text" >"$dir/out" 2>&1 || bad "numbers of $rounds rounds"
 done
 expect 0 . build sphere:n=12 --builder gpu_lbvh30 --rounds 1 --json "$dir/rows.json"
-[ "$(grep -c gpu_ "$dir/out")" -eq 4 ] || bad 'one builder was named'
+[ "$(grep -c 'gpu_.* all ' "$dir/out")" -eq 1 ] || bad 'one builder was named'
+
+# Layouts: those that were named, all that a device encodes, and why not. A bound beyond 2^100 is refused on both sides.
+for layouts in tiny8:1 tiny8,cwbvh80:2 'tiny8*:3' all:4 every:4; do
+    expect 0 . build sphere:n=3 --builder gpu_lbvh63 --rounds 1 --layout "${layouts%:*}"
+    [ "$(grep -c ' wide ' "$dir/out") $(grep -c ' words ' "$dir/out")" = "${layouts#*:} ${layouts#*:}" ] || bad "layouts $layouts"
+done
+expect 2 'f32 is not encoded on a device' build sphere:n=3 --layout tiny8,f32
+printf 'v %s\n' '0 0 0' '2e30 0 0' '0 2e30 0' >"$dir/far.obj"
+echo 'f 1 2 3' >>"$dir/far.obj"
+expect 0 . build "$dir/far.obj" --builder gpu_hploc --rounds 1 --json "$dir/rows.json"
+[ "$(grep -cE '^gpu_hploc refused: (cwbvh80|tiny8): a bound is at most 1.26765' "$dir/out")" -eq 2 ] || bad 'two layouts refuse'
+grep -qE ' (wide|words) ' "$dir/out" && bad 'what was refused has no times'
+[ "$(grep -c '"refused": "' "$dir/rows.json") $(grep -c '"equal": false' "$dir/rows.json")" = '2 2' ] || bad 'refusals as JSON'
 
 # Refits: each layout, or why not; without --move none.
 expect 0 . build sphere:n=12 soup:n=0 'soup:n=50,offset=1e5' --builder gpu_lbvh63 --rounds 2 --move 0.05 --json "$dir/rows.json"

@@ -1,7 +1,7 @@
 /* Trees that a device collapses and encodes have the nodes, items and words of C, on every driver
  * here. */
 #include "gpu/build/device_refit.h"
-#include "gpu/build/device_wide.h"
+#include "gpu/build/wide_compare.h"
 #include "ref/packed/packed_check.h"
 #include "ref/store.h"
 #include "ref/trace/trace.h"
@@ -213,6 +213,82 @@ static void a_tree_must_stand_on_the_device(void **state)
     device_close(tree);
 }
 
+/* --- what a comparison says ------------------------------------------------------------------- */
+
+static void compare_must_agree(struct device_tree *tree, const struct scene *scene, bool refused)
+{
+    struct staged staged;
+    struct reason reason = {""};
+    gpu_must(device_tree_build(tree, STAGED_LBVH30, scene, &staged, NULL, &reason), &reason);
+    for (size_t l = 0; l < ARRAY_COUNT(wide_layouts); l++) {
+        const struct layout *layout = layout_find(wide_layouts[l]);
+        struct wide_result result;
+        gpu_must(wide_compare(tree, layout, &staged, scene, &result, &reason), &reason);
+        assert_null(result.differs.stage);
+        assert_int_equal(strstr(result.refused.text, layout->name) != NULL, refused);
+        assert_true(result.nodes > 0 && result.c_ns[WIDE_COLLAPSE] > 0);
+        assert_int_equal(result.device_ns[WIDE_WORDS] > 0, !refused);
+    }
+    staged_free(&staged);
+}
+
+/* Of a scene that is another one in C, each stage is named. */
+static void a_comparison_names_what_differs(void **state)
+{
+    (void)state;
+    struct device_tree *tree = device_open(false);
+    struct scene scene = built_soup(200, 3);
+    struct staged mine, devices;
+    struct staged_wide wide;
+    struct wide_result result;
+    uint32_t leaf = 0;
+    struct reason reason = {""};
+    compare_must_agree(tree, &scene, false);
+    gpu_must(device_tree_build(tree, STAGED_LBVH63, &scene, &devices, NULL, &reason), &reason);
+    mine = wide_staged(STAGED_LBVH63, &scene);
+    assert_int_equal(staged_wide_make(&mine, 8, 4, &wide), STATUS_OK);
+    while (wide.child[leaf].count < 2) /* a leaf's box opens nothing: words alone differ */
+        leaf++;
+    uint32_t *lo = mine.box[wide.child[leaf].link];
+    staged_wide_free(&wide);
+    *lo = float_bits(float_from_bits(*lo) - 30);
+    gpu_must(wide_compare(tree, layout_find("tiny8"), &mine, &scene, &result, &reason), &reason);
+    assert_string_equal(result.differs.stage, "words");
+    assert_non_null(strstr(result.differs.text, "of the record is "));
+    mine.order[3] ^= 1;
+    gpu_must(wide_compare(tree, layout_find("tiny8"), &mine, &scene, &result, &reason), &reason);
+    assert_string_equal(result.differs.stage, "items");
+    staged_free(&mine);
+    staged_free(&devices);
+    scene.vertex[7] = 2e30f;
+    compare_must_agree(tree, &scene, true);
+    scene_free(&scene);
+    device_close(tree);
+}
+
+static void the_first_record_that_differs_is_named(void **state)
+{
+    (void)state;
+    uint32_t mine[60] = {0}, other[60] = {0};
+    const struct packed packed = {
+        .layout = layout_find("cwbvh80"), .word = mine, .word_count = 60, .node_count = 3};
+    assert_null(wide_words_compare(other, 60, &packed).stage);
+    struct staged_difference at = wide_words_compare(other, 40, &packed);
+    assert_string_equal(at.stage, "words");
+    assert_string_equal(at.text, "40 words, not 60");
+    mine[59] = 0x12;
+    other[43] = 0x1F;
+    at = wide_words_compare(other, 60, &packed);
+    assert_string_equal(at.stage, "words");
+    assert_int_equal(at.element, 2);
+    assert_int_equal(at.count, 2);
+    assert_string_equal(at.text, "word 3 of the record is 0000001f, not 00000000");
+    other[43] = 0;
+    at = wide_words_compare(other, 60, &packed);
+    assert_int_equal(at.count, 1);
+    assert_string_equal(at.text, "word 19 of the record is 00000000, not 00000012");
+}
+
 /* Nothing shows in the answers of a driver that runs dispatches one by one: the layer looks. */
 static void dispatches_do_not_race(void **state)
 {
@@ -231,6 +307,8 @@ int main(void)
         cmocka_unit_test(large_scenes_and_piles),
         cmocka_unit_test(rays_find_what_brute_force_finds),
         cmocka_unit_test(a_tree_must_stand_on_the_device),
+        cmocka_unit_test(a_comparison_names_what_differs),
+        cmocka_unit_test(the_first_record_that_differs_is_named),
         cmocka_unit_test(dispatches_do_not_race),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
