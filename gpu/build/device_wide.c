@@ -117,7 +117,8 @@ static uint32_t add_levels(struct wide_run *run, const struct build_push push[2]
     return count;
 }
 
-/* Level by level, as many as there are. An even number of them is in a submission. */
+/* Level by level, as many as there are. An even number of them is in a submission. A device whose
+ * levels do not go on, or go on beyond the most nodes, is not waited for. */
 _Static_assert(LEVELS_MOST % 2 == 0, "levels begin with an even one");
 _Static_assert(2 + LEVEL_STEPS * LEVELS_MOST <= VK_SERIES_MAX, "a submission holds them");
 static enum status collapse(struct wide_run *run, uint64_t *ns, struct reason *reason)
@@ -126,23 +127,27 @@ static enum status collapse(struct wide_run *run, uint64_t *ns, struct reason *r
     const uint32_t groups = groups_of(run->push.count, ABI_BUILD_GROUP);
     struct build_push push[3] = {run->push, run->push, run->push};
     struct vk_step step[VK_SERIES_MAX];
-    uint32_t level[ABI_LEVEL_WORDS], count = 2;
+    uint32_t level[ABI_LEVEL_WORDS], count = 2, before = 0;
     enum status status = STATUS_OK;
     push[1].swapped = 1;
     push[2].swapped = tree->links_in_counts;
     step[0] = (struct vk_step){.pipeline = tree->kernel[ADOPT], .push = &push[2], .groups = groups};
     step[1] = (struct vk_step){.pipeline = tree->kernel[SIZES], .push = push, .groups = groups};
     do {
+        before = run->node_count;
         count = add_levels(run, push, step, count);
         status = submit(run, step, count, ns, reason);
         tree->links_in_counts = false;
         if (!status)
             status = vk_buffer_read(tree->vk, tree->buffer[ABI_BUILD_STATE],
                                     ABI_STATE_LEVEL * sizeof *level, level, sizeof level, reason);
+        if (!status && level[ABI_LEVEL_FIRST] <= run->push.blocks)
+            run->node_count = level[ABI_LEVEL_FIRST];
         count = 0;
-    } while (!status && level[ABI_LEVEL_COUNT] > 0);
-    run->node_count = status ? 0 : level[ABI_LEVEL_FIRST];
-    return status;
+    } while (!status && level[ABI_LEVEL_COUNT] > 0 && run->node_count > before);
+    return status || run->node_count > 0
+               ? status
+               : fail(reason, STATUS_DEVICE, "%s: the device made no node", run->layout->name);
 }
 
 static enum status encode(struct wide_run *run, uint64_t *ns, struct reason *reason)
