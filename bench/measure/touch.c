@@ -39,17 +39,29 @@ static void read_record(const struct touch *touch, uint32_t ref)
                    (1 + way) * (uint64_t)layout->node_bytes);
 }
 
+/* A node has its own box: its parent's test reads it there. Where a layout from outside has its
+ * boxes is not known. */
+static bool boxes_are_own(const struct layout *layout)
+{
+    return !layout_is_wide(layout) && !layout->outside;
+}
+
 static void load(const struct packed *packed, uint32_t ref, struct wide *out)
 {
     const struct touch *touch = watcher(packed);
+    const struct layout *layout = touch->real->layout;
     read_record(touch, ref);
-    touch->real->layout->load(touch->real, ref, out);
+    layout->load(touch->real, ref, out);
+    for (uint32_t c = 0; c < out->child_count && boxes_are_own(layout); c++)
+        read_record(touch, out->child[c]);
 }
 
 static struct box box(const struct packed *packed, uint32_t ref)
 {
-    const struct packed *real = watcher(packed)->real;
-    return real->layout->box(real, ref);
+    const struct touch *touch = watcher(packed);
+    if (boxes_are_own(touch->real->layout))
+        read_record(touch, ref);
+    return touch->real->layout->box(touch->real, ref);
 }
 
 /* --- items ------------------------------------------------------------------------------------ */

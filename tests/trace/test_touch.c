@@ -63,21 +63,21 @@ static void one_leaf_is_a_line_of_each_array(void **state)
     watch(&w, "f32", "indexed", false, &bvh, &scene);
     assert_int_equal(touch_ray(&w.touch, &w.job, &ray, &hit), STATUS_OK);
     assert_int_equal(hit.prim, 0);
-    /* the node; of each triangle an item, indices and three vertices */
-    assert_int_equal(w.cache.counts.lines, 1 + 4 * 5);
+    /* the node's box, and the node; of each triangle an item, indices and three vertices */
+    assert_int_equal(w.cache.counts.lines, 2 + 4 * 5);
     assert_int_equal(w.cache.counts.beyond[0], 4);
     unwatch(&w);
     watch(&w, "f32", "indexed", true, &bvh, &scene);
     assert_int_equal(touch_ray(&w.touch, &w.job, &ray, &hit), STATUS_OK);
     /* 36 bytes each: 144 bytes from the first on are three lines, the second and fourth straddle */
-    assert_int_equal(w.cache.counts.lines, 1 + 4 * 2 + 2);
+    assert_int_equal(w.cache.counts.lines, 2 + 4 * 2 + 2);
     assert_int_equal(w.cache.counts.beyond[0], 1 + 1 + 3);
     unwatch(&w);
     /* Four triangles of 36 bytes and their numbers, 160 bytes: three lines at once. */
     watch(&w, "f32", "gathered", false, &bvh, &scene);
     assert_int_equal(touch_ray(&w.touch, &w.job, &ray, &hit), STATUS_OK);
     assert_int_equal(w.packed.item_count, 40);
-    assert_int_equal(w.cache.counts.lines, 1 + 3);
+    assert_int_equal(w.cache.counts.lines, 2 + 3);
     unwatch(&w);
     bvh_free(&bvh);
     scene_free(&scene);
@@ -101,7 +101,7 @@ static void all_words_of_a_block_are_read(void **state)
     assert_int_equal(touch_ray(&w.touch, &w.job, &ray, &hit), STATUS_OK);
     assert_true(hit.t == 2);
     assert_int_equal(w.packed.item_count, 17);
-    assert_int_equal(w.cache.counts.lines, 1 + 2);
+    assert_int_equal(w.cache.counts.lines, 2 + 2);
     unwatch(&w);
     bvh_free(&bvh);
     scene_free(&scene);
@@ -127,18 +127,46 @@ static void records_that_are_two_are_read_as_two(void **state)
     scene_free(&scene);
 }
 
-static void a_ray_that_misses_the_root_reads_nothing_more(void **state)
+static uint64_t lines_of(const char *layout, const struct bvh *bvh, const struct scene *scene,
+                         const struct ray *ray, uint64_t *cold)
 {
-    (void)state;
-    const struct ray ray = {.org = {0, 0, -9}, .dir = {0, 0, -1}, .tmax = TMAX};
-    struct scene scene = generated("sphere:n=4");
-    struct bvh bvh = median(&scene, 4);
     struct watching w;
     struct hit hit;
-    watch(&w, "f32", "indexed", false, &bvh, &scene);
-    assert_int_equal(touch_ray(&w.touch, &w.job, &ray, &hit), STATUS_OK);
-    assert_int_equal(w.cache.counts.lines, 0);
+    const char *store = layout_find(layout)->item ? "indexed" : "gathered";
+    watch(&w, layout, store, false, bvh, scene);
+    assert_int_equal(touch_ray(&w.touch, &w.job, ray, &hit), STATUS_OK);
+    uint64_t lines = w.cache.counts.lines;
+    *cold = w.cache.counts.beyond[0];
     unwatch(&w);
+    return lines;
+}
+
+/* Two triangles side by side, a root and two leaves. In f32 a box is read where its node lies: the
+ * root's, then those of both leaves, whatever the ray meets; in a wide layout the root has them. */
+static void a_box_is_read_where_it_lies(void **state)
+{
+    (void)state;
+    static const float corner[6][3] = {{-3, 0, 0}, {-2, 0, 0}, {-2, 1, 0},
+                                       {2, 0, 0},  {3, 0, 0},  {3, 1, 0}};
+    static const uint32_t index[6] = {0, 1, 2, 3, 4, 5};
+    const struct ray past = {.org = {0, 9, -2}, .dir = {0, 0, 1}, .tmax = TMAX};
+    const struct ray between = {.org = {0, 0.5f, -2}, .dir = {0, 0, 1}, .tmax = TMAX};
+    const struct ray one = {.org = {-2.25f, 0.25f, -2}, .dir = {0, 0, 1}, .tmax = TMAX};
+    struct scene scene;
+    uint64_t cold;
+    assert_int_equal(scene_make(6, 2, &scene), STATUS_OK);
+    memcpy(scene.vertex, corner, sizeof corner);
+    memcpy(scene.index, index, sizeof index);
+    struct bvh bvh = median(&scene, 1);
+    assert_int_equal(bvh.node_count, 3);
+    assert_int_equal(lines_of("f32", &bvh, &scene, &past, &cold), 1);
+    assert_int_equal(lines_of("f32", &bvh, &scene, &between, &cold), 2 + 2);
+    assert_int_equal(cold, 2); /* three records of 32 bytes */
+    /* the leaf, and its words: three vertices and a number */
+    assert_int_equal(lines_of("f32", &bvh, &scene, &one, &cold), 2 + 2 + 1 + 1);
+    assert_int_equal(cold, 2 + 1);
+    assert_int_equal(lines_of("bvh4_f32_world", &bvh, &scene, &past, &cold), 0);
+    assert_int_equal(cold, 0);
     bvh_free(&bvh);
     scene_free(&scene);
 }
@@ -298,7 +326,7 @@ int main(void)
         cmocka_unit_test(one_leaf_is_a_line_of_each_array),
         cmocka_unit_test(all_words_of_a_block_are_read),
         cmocka_unit_test(records_that_are_two_are_read_as_two),
-        cmocka_unit_test(a_ray_that_misses_the_root_reads_nothing_more),
+        cmocka_unit_test(a_box_is_read_where_it_lies),
         cmocka_unit_test(watching_changes_no_answer),
         cmocka_unit_test(watching_fast_changes_no_answer),
         cmocka_unit_test(words_of_a_dual_split_tree_are_read),
