@@ -9,7 +9,7 @@
 extern const struct layout layout_f32, layout_rf16;
 extern const struct layout layout_rtrs_direct, layout_rtrs_rf, layout_rtrs_rf_paper;
 extern const struct layout layout_cwbvh80, layout_half4;
-extern const struct layout layouts_amd64[5], layouts_tiny8[3];
+extern const struct layout layouts_amd64[5], layouts_tiny8[3], layouts_gfx12[2];
 #define DECLARE(width, format, FORMAT, frame, FRAME)                                               \
     extern const struct layout GRID_SYMBOL(width, format, frame);
 GRID_MEMBERS(DECLARE)
@@ -19,18 +19,19 @@ GRID_MEMBERS(DECLARE)
 #define AMD64                                                                                      \
     &layouts_amd64[0], &layouts_amd64[1], &layouts_amd64[2], &layouts_amd64[3], &layouts_amd64[4]
 #define TINY8 &layouts_tiny8[0], &layouts_tiny8[1], &layouts_tiny8[2]
+#define GFX12 &layouts_gfx12[0], &layouts_gfx12[1]
 
 /* All built-in layouts. */
 #define POINT(width, format, FORMAT, frame, FRAME) &GRID_SYMBOL(width, format, frame),
 
-#define OWN CORE, &layout_cwbvh80, &layout_half4, AMD64, TINY8, GRID_MEMBERS(POINT)
+#define OWN CORE, &layout_cwbvh80, &layout_half4, AMD64, TINY8, GFX12, GRID_MEMBERS(POINT)
 
 /* Layouts without a file layout_NAME of their own: the grid family, with one shader per width, and
  * the members of other families besides the first. */
 #define ONE(width, format, FORMAT, frame, FRAME) +1
 #define GRID_COUNT                               (0 GRID_MEMBERS(ONE))
 #define GRID_SHADERS                             3
-#define MORE_OF_FAMILIES                         (4 + 2)
+#define MORE_OF_FAMILIES                         (4 + 2 + 1)
 
 const struct layout *const layouts[] = {CORE, NULL};
 const struct layout *const layouts_auto[] = {&layout_rf16, &layout_cwbvh80, &layout_f32, NULL};

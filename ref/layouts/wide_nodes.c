@@ -5,7 +5,7 @@
 #include <math.h>
 
 #define EXPONENT_LEAST (-100)
-#define ORIGIN_BITS    23 /* 2^23 steps: with 255 more still an integer that float32 has */
+#define ORIGIN_BITS    23 /* 2^23 steps: with 4096 more still an integer that float32 has */
 
 /* The reason names the node: its kind ("tree node", "record" or "a child of node") and number. */
 static enum status check_within(const struct layout *self, const struct box *box, const char *kind,

@@ -101,7 +101,7 @@ struct node_axis {
 #define NODE_AXIS_LARGEST 0x1p100f /* largest magnitude of a bound */
 
 /* Returns the finest axis whose planes extend from at most lo to at least hi. lo <= hi, both at
- * most NODE_AXIS_LARGEST in magnitude; `most` is 2 to 255: with one step no axis holds both
+ * most NODE_AXIS_LARGEST in magnitude; `most` is 2 to 4096: with one step no axis holds both
  * signs. */
 struct node_axis node_axis_make(float lo, float hi, uint32_t most);
 

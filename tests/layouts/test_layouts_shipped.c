@@ -22,9 +22,9 @@ static const struct shipped {
     const char *name;
     float largest;
 } shipped[] = {
-    {"cwbvh80", 0x1p100f},  {"half4", 65504},        {"tiny8", 0x1p100f},
-    {"tiny8_l8", 0x1p100f}, {"tiny8_l14", 0x1p100f}, {"amd64", 0},
-    {"amd64_f32", 0},       {"amd64_f16", 65504},    {"amd64_g1", 65504},
+    {"cwbvh80", 0x1p100f},   {"half4", 65504},    {"tiny8", 0x1p100f}, {"tiny8_l8", 0x1p100f},
+    {"tiny8_l14", 0x1p100f}, {"amd64", 0},        {"amd64_f32", 0},    {"amd64_f16", 65504},
+    {"amd64_g1", 65504},     {"gfx12", 0x1p100f},
 };
 
 static struct packed pack(const char *layout, const struct bvh *bvh, const struct scene *scene)
@@ -243,6 +243,14 @@ static void words_are_as_published(void **state)
         0x3E800000, 0,    0,          0x3EC00000, 0x3E000000, 0,
     };
     expect_words("amd64", 2, 0, amd64, ARRAY_COUNT(amd64));
+    /* Extents 1/2, 1/8 and 2^-88, 4096 steps each. */
+    static const uint32_t gfx12[32] = {
+        0,     0,          0,          0,          0,          0,          0x10277C7E, 0x7F,
+        0,     0xFF3FF000, 0x10000FFF, 0x00000800, 0xFFBFF000, 0x10000FFF, 0xFFFFFFFF, 0xFFF,
+        0,     0xFFFFFFFF, 0xFFF,      0,          0xFFFFFFFF, 0xFFF,      0,          0xFFFFFFFF,
+        0xFFF, 0,          0xFFFFFFFF, 0xFFF,      0,          0xFFFFFFFF, 0xFFF,      0,
+    };
+    expect_words("gfx12", 2, 0, gfx12, ARRAY_COUNT(gfx12));
 }
 
 /* The nearest half of 1/3 lies below it, so that a maximum there is lost without growth; of -1/3,

@@ -64,7 +64,7 @@ static void the_finest_axis_that_fits_is_made(void **state)
 {
     (void)state;
     static const float part[] = {0.5f, 0.500000059f, 0.75f, 0.996093750f, 0.999999940f};
-    static const uint32_t most[] = {2, 3, 15, 254, 255};
+    static const uint32_t most[] = {2, 3, 15, 254, 255, 4096};
     static const int exponent[] = {-99, -98, -93, -77, -60, -24, -1, 0,
                                    1,   7,   23,  24,  25,  66,  99, 100};
     float place[2 * ARRAY_COUNT(part) * ARRAY_COUNT(exponent) + 1];
@@ -166,7 +166,7 @@ static void slots_that_refer_to_no_node_are_no_children(void **state)
 static void empty_slots_hold_nothing(void **state)
 {
     (void)state;
-    static const char *const names[] = {"half4", "tiny8", "cwbvh80"};
+    static const char *const names[] = {"half4", "tiny8", "cwbvh80", "gfx12"};
     for (uint32_t i = 0; i < ARRAY_COUNT(names); i++) {
         const struct layout *layout = layout_find(names[i]);
         struct scene scene = built_soup(1, 3);

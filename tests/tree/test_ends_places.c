@@ -60,7 +60,7 @@ static float taken(const struct layout *layout)
 {
     if (named(layout, "f32") || strcmp(layout->name, "amd64") == 0)
         return FLT_MAX;
-    if (named(layout, "tiny8") || named(layout, "cwbvh80"))
+    if (named(layout, "tiny8") || named(layout, "cwbvh80") || named(layout, "gfx12"))
         return 0x1p100f;
     return strcmp(layout->name, "amd64_g1") == 0 ? 65000.0f : HALF_MAX;
 }
