@@ -24,7 +24,7 @@ static const struct shipped {
 } shipped[] = {
     {"cwbvh80", 0x1p100f},   {"half4", 65504},    {"tiny8", 0x1p100f}, {"tiny8_l8", 0x1p100f},
     {"tiny8_l14", 0x1p100f}, {"amd64", 0},        {"amd64_f32", 0},    {"amd64_f16", 65504},
-    {"amd64_g1", 65504},     {"gfx12", 0x1p100f},
+    {"amd64_g1", 65504},     {"gfx12", 0x1p100f}, {"hpb64", 0x1p126f},
 };
 
 static struct packed pack(const char *layout, const struct bvh *bvh, const struct scene *scene)
@@ -152,7 +152,7 @@ static void too_many_items_are_refused(void **state)
     static const struct {
         const char *layout;
         uint32_t most;
-    } full[] = {{"half4", 1u << 28}, {"amd64", 1u << 29}};
+    } full[] = {{"half4", 1u << 28}, {"amd64", 1u << 29}, {"hpb64", 1u << 22}};
     for (size_t i = 0; i < ARRAY_COUNT(full); i++) {
         const struct layout *layout = layout_find(full[i].layout);
         const struct bvh bvh = {.prim_count = full[i].most + 1};

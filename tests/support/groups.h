@@ -22,7 +22,8 @@ static inline uint32_t groups_leaf_most(const struct layout *layout)
     } most[] = {{"f32", ITEMS_MOST}, {"rf16", 8},      {"cwbvh80", 3},
                 {"half4", 8},        {"tiny8", 4},     {"tiny8_l8", 8},
                 {"amd64", 4},        {"amd64_f16", 4}, {"tiny8_l14", ITEMS_MOST},
-                {"amd64_f32", 4},    {"amd64_g1", 4},  {"gfx12", 8}};
+                {"amd64_f32", 4},    {"amd64_g1", 4},  {"gfx12", 8},
+                {"hpb64", 4}};
     for (size_t i = 0; i < ARRAY_COUNT(most); i++)
         if (strcmp(layout->name, most[i].name) == 0)
             return most[i].items;

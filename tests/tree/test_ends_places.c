@@ -62,6 +62,8 @@ static float taken(const struct layout *layout)
         return FLT_MAX;
     if (named(layout, "tiny8") || named(layout, "cwbvh80") || named(layout, "gfx12"))
         return 0x1p100f;
+    if (named(layout, "hpb64"))
+        return 0x1p126f;
     return strcmp(layout->name, "amd64_g1") == 0 ? 65000.0f : HALF_MAX;
 }
 

@@ -84,7 +84,7 @@ static enum refit_fate fate_of(const struct layout *layout, enum motion motion)
     if (strcmp(name, "amd64") == 0)
         return away ? EITHER : HOLDS;
     if (strcmp(name, "cwbvh80") == 0 || strncmp(name, "tiny8", 5) == 0 ||
-        strcmp(name, "gfx12") == 0)
+        strncmp(name, "gfx12", 5) == 0)
         return motion == EXPLODED ? REFUSES : HOLDS;
     bool halves = strcmp(name, "rf16") == 0 || strcmp(name, "half4") == 0 ||
                   strstr(name, "f16_world") || strstr(name, "amd64_f16") || strstr(name, "amd64_g");
