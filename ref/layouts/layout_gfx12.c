@@ -24,9 +24,11 @@
  * every plane is exactly a float32 (ref/layouts/wide_nodes.h); codes are searched among the
  * planes, so every child is contained. `gfx12_mesa` replays the encoder as published: the origin is
  * the node's lower corner, and differences from it are rounded to float32 before a code is made of
- * them, so that boxes can be too small; it is counted, not judged. What the published conversion of
- * 0 / 0 gives is left open by GLSL; here it is 0, as in AMD's instruction set. Its extent of 0 has a
- * step of 0. Corners and extents so small that steps are subnormal are refused. */
+ * them. A bound whose difference is not exact may come to lie inside, by half an ulp of the
+ * difference at most: a node from -2^24 to 1 ends at 0. So it is counted, not judged. What the
+ * published conversion makes of 0 / 0 is left open by GLSL; here it is 0, as in AMD's instruction
+ * set. An extent of 0 has a step of 0. Corners and extents so small that they or their steps are
+ * subnormal are refused. */
 #include "ref/layouts/wide_nodes.h"
 
 #include <math.h>

@@ -53,8 +53,8 @@ wide wide_load(node n)
     return w;
 }
 
-/* A plane of its code: units and, in bit 17, a sign. Where the cut of units made the box smaller, it
- * is the last number before the next unit. */
+/* A plane of its code: units and, in bit 17, a sign. Where the cut of units made the box smaller,
+ * the plane is the last number before the next unit. */
 float plane_of(uint code, float unit, uint up)
 {
     uint negative = code >> 17, outward = up ^ negative;

@@ -1,5 +1,5 @@
-/* Layout hpb64: fields by their places in bits, planes by their definition, the closest of them; and
- * where the library's encoder and decoder, as published, hold what was written. */
+/* Layout hpb64: fields by their places in bits, planes by their definition, the closest of them;
+ * and where the library's encoder and decoder, as published, hold what was written. */
 #include "ref/packed/packed_check.h"
 #include "tests/support/tree_fixture.h"
 
