@@ -8,16 +8,16 @@
  *                bit 17 the sign
  * A unit is 2^(c - 143), so that 17 bits hold every bound. Units are cut off toward zero when a
  * bound is written. When one is read, a bound whose cut made the box smaller (a positive upper or a
- * negative lower one) becomes the last float32 below the next unit, which is as far as the bound can
- * have been; the others stay. The box of a missing child is turned inside out.
+ * negative lower one) becomes the last float32 below the next unit, which is as far as the bound
+ * can have been; the others stay. The box of a missing child is turned inside out.
  *
  * Differences from the library: there, children lie beside each other as nodes, from the base on,
  * and each box has flags. Here leaves are ranges of the item array, so there are two bases, of 22
  * bits each, in the bits of base and flags: the record of the first child that is a node, then the
  * item slot of the first leaf. Types: 4 a node, 2 no child (as there); 0, 1, 3, 5 leaves of 1 to 4
- * items. An upper bound of 0 is written as negative, and so stays 0. The shared exponent is at least
- * 43, so that no plane is subnormal: the library's decoder doubles what it reads there, and a box
- * may come out too small. */
+ * items. An upper bound of 0 is written as negative, and so stays 0. The shared exponent is at
+ * least 43, so that no plane is subnormal: the library's decoder doubles what it reads there, and a
+ * box may come out too small. What a device does with its flags is not modelled. */
 #include "ref/layouts/wide_nodes.h"
 
 #define WORDS        16u

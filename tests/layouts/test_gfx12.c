@@ -62,9 +62,9 @@ static uint32_t check_record(const struct packed *packed, uint32_t record)
     assert_int_equal(word[7], 0x7F);
     for (uint32_t s = 0; s < CHILDREN; s++) {
         const struct published child = child_of(word, s);
-        const uint32_t nobody[3] = {0xFFFFFFFF, 0xFFF, 0};
+        const uint32_t none[3] = {0xFFFFFFFF, 0xFFF, 0};
         if (s >= count) {
-            assert_memory_equal(word + 8 + 3 * s, nobody, sizeof nobody);
+            assert_memory_equal(word + 8 + 3 * s, none, sizeof none);
             continue;
         }
         bool inner = node.leaf_count[s] == 0;

@@ -284,8 +284,9 @@ static void codes_are_those_of_the_library(void **state)
         uint32_t shared = 0;
         for (uint32_t s = 0; s < CHILDREN; s++)
             for (int k = 0; k < 3; k++) {
-                float a = ldexpf(rng_range(&rng, -1, 1), (int)rng_below(&rng, 30));
-                float b = ldexpf(rng_range(&rng, -1, 1), (int)rng_below(&rng, 30));
+                float a = rng_range(&rng, -1, 1), b = rng_range(&rng, -1, 1);
+                a = ldexpf(a, (int)rng_below(&rng, 30));
+                b = ldexpf(b, (int)rng_below(&rng, 30));
                 box[s].lo[k] = fminf(a, b);
                 box[s].hi[k] = fmaxf(a, b);
             }
