@@ -28,6 +28,16 @@ static inline void pack(struct packed *packed, const char *layout, const struct 
     bvh_free(&bvh);
 }
 
+/* As many triangles, `same` of each, so that leaves have that many. */
+static inline struct scene copies(uint32_t count, uint32_t same)
+{
+    struct scene scene = trees_grid(count);
+    for (uint32_t i = 0; i < count; i++)
+        memcpy(scene.vertex + 9 * (size_t)i, scene.vertex + 9 * (size_t)(i - i % same),
+               9 * sizeof *scene.vertex);
+    return scene;
+}
+
 /* A record of `count` leaves of one triangle each, far from each other. */
 static inline struct packed leaves(const char *layout, uint32_t count)
 {

@@ -85,9 +85,10 @@ static void fields_lie_where_they_are_published(void **state)
     for (size_t l = 0; l < ARRAY_COUNT(layout); l++)
         for (uint32_t leaf = 1; leaf <= 8; leaf++) {
             struct packed packed;
-            struct scene scene = trees_grid(400);
+            struct scene scene = copies(840, leaf); /* of whole leaves */
             uint32_t nodes = 0;
             pack(&packed, layout[l], &scene, leaf);
+            assert_int_equal(packed_check(&packed, &scene, NULL, NULL), STATUS_OK);
             for (uint32_t r = 0; r < packed.node_count; r++)
                 nodes += check_record(&packed, r);
             assert_int_equal(nodes, packed.node_count - 1);

@@ -74,9 +74,10 @@ static void fields_lie_where_they_are_published(void **state)
     (void)state;
     for (uint32_t leaf = 1; leaf <= 4; leaf++) {
         struct packed packed;
-        struct scene scene = trees_grid(900); /* more items than seven bits count */
+        struct scene scene = copies(840, leaf); /* more items than seven bits count */
         uint32_t nodes = 0;
         pack(&packed, "hpb64", &scene, leaf);
+        assert_int_equal(packed_check(&packed, &scene, NULL, NULL), STATUS_OK);
         for (uint32_t r = 0; r < packed.node_count; r++)
             nodes += check_record(&packed, r);
         assert_int_equal(nodes, packed.node_count - 1);
