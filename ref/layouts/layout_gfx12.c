@@ -204,9 +204,8 @@ static enum status mesa_rebound(struct packed *packed, uint32_t ref, const struc
 
 #define FORM(boxes)                                                                                \
     {                                                                                              \
-        .decode = decode, .leaf_most = LEAF_MOST, .node_cost = NODE_COST,                          \
-        .largest = NODE_AXIS_LARGEST, .places = UINT32_MAX, .put_boxes = boxes,                    \
-        .put_children = put_children,                                                              \
+        .decode = decode, .node_cost = NODE_COST, .largest = NODE_AXIS_LARGEST,                    \
+        .places = UINT32_MAX, .put_boxes = boxes, .put_children = put_children,                    \
     }
 
 static const struct wide_form form = FORM(put_boxes), mesa_form = FORM(mesa_put_boxes);
@@ -215,8 +214,9 @@ static const struct wide_form form = FORM(put_boxes), mesa_form = FORM(mesa_put_
     {                                                                                              \
         .name = member, .summary = "128-byte nodes of 8 children as in AMD's RDNA 4, " text,       \
         .node_bytes = 4 * WORDS, .width = WIDTH, .order = VISIT_NEAR, .faithful = lossy,           \
-        .shader = "gfx12", .family = &(its_form), .pack = its_pack, .load = wide_form_load,        \
-        .box = wide_form_box, .rebound = its_rebound, .item = wide_nodes_item,                     \
+        .shader = "gfx12", .family = &(its_form), .pack = its_pack, .leaf_most = LEAF_MOST,        \
+        .load = wide_form_load, .box = wide_form_box, .rebound = its_rebound,                      \
+        .item = wide_nodes_item,                                                                   \
     }
 
 extern const struct layout layouts_gfx12[2];

@@ -162,7 +162,6 @@ static void decode(const struct packed *packed, uint32_t record, struct wide_slo
 
 static const struct wide_form form = {
     .decode = decode,
-    .leaf_most = LEAF_MOST,
     .node_cost = NODE_COST,
     .largest = LARGEST,
     .places = BASES,
@@ -180,6 +179,7 @@ const struct layout layout_hpb64 = {
     .order = VISIT_NEAR,
     .family = &form,
     .pack = wide_form_pack,
+    .leaf_most = LEAF_MOST,
     .load = wide_form_load,
     .box = wide_form_box,
     .rebound = wide_form_rebound,
