@@ -262,7 +262,7 @@ static void tallies_are_those_of_any_number_of_workers(void **state)
     for (uint32_t jobs = 1; jobs <= 2; jobs++) {
         char folder[] = "/tmp/pair_coverage.XXXXXX", path[64], command[100];
         const struct engine *engine[ARRAY_COUNT(engine_names)];
-        struct campaign_options options = {.trials = 8 * FUZZ_BATCH,
+        struct campaign_options options = {.trials = 16 * FUZZ_BATCH,
                                            .shard = 1,
                                            .shards = 1,
                                            .jobs = jobs,
