@@ -39,7 +39,7 @@ static void add(struct builders_contestant *list, size_t *count,
         list[(*count)++] = *c;
 }
 
-/* All builders of C, and fast ones with reinsertion and rotations after them, and some with a
+/* All builders of C, and some with reinsertion and rotations after them, and some with a
  * budget of parts of triangles: with one and with two threads, or with the user's number of
  * threads. */
 static size_t contestants(const struct bench *bench, struct builders_contestant list[MOST])
@@ -52,6 +52,7 @@ static size_t contestants(const struct bench *bench, struct builders_contestant 
     } changed[] = {{"sah_binned", BUILD_PASSES_DEFAULT, false, 0},
                    {"lbvh", BUILD_PASSES_DEFAULT, false, 0},
                    {"ploc", BUILD_PASSES_DEFAULT, false, 0},
+                   {"sbvh", BUILD_PASSES_DEFAULT, false, 0},
                    {"lbvh", BUILD_PASSES_DEFAULT, true, 0},
                    {"ploc", BUILD_PASSES_DEFAULT, true, 0},
                    {"sah_binned", 0, false, PARTS},
