@@ -42,4 +42,9 @@ enum status scene_generate(const char *spec, uint64_t seed, bool *found, struct 
 enum status world_generate(const char *spec, uint64_t seed, bool *found, struct world *out,
                            struct reason *reason) MUST_USE;
 
+/* Opens a scene that the file `path` names: a generator, or a file in the folder of that one or
+ * below it. Errors: STATUS_INPUT a path that leads elsewhere; as scene_open. */
+enum status scene_open_beside(const char *path, const char *spec, struct scene *out,
+                              struct reason *reason) MUST_USE;
+
 #endif

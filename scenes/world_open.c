@@ -82,6 +82,13 @@ static enum status open_scene(void *user, const char *spec, struct scene *out,
     return status;
 }
 
+enum status scene_open_beside(const char *path, const char *spec, struct scene *out,
+                              struct reason *reason)
+{
+    struct beside beside = {.path = path};
+    return open_scene(&beside, spec, out, reason);
+}
+
 static enum status open_bytes(void *user, const char *name, char **bytes, size_t *size,
                               struct reason *reason)
 {

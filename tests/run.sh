@@ -143,6 +143,7 @@ plain)
     suite report_browser sh tests/scripts/report_browser.sh "$build/raydiff" quick
     suite web sh tests/web/web.sh "$build/raydiff"
     suite build sh tests/build/build.sh "$build/raydiff"
+    suite tree sh tests/trees/tree.sh "$build/raydiff"
     waits web_browser sh tests/web/browser.sh "$build/raydiff"
     alone fuzz sh tests/scripts/fuzz.sh "$build"
     alone fuzz_screen sh tests/docs/fuzz_screen.sh "$build/raydiff"

@@ -60,6 +60,7 @@ int cmd_precompute(int argc, char **argv);
 int cmd_render(int argc, char **argv);
 int cmd_replay(int argc, char **argv);
 int cmd_report(int argc, char **argv);
+int cmd_tree(int argc, char **argv);
 int cmd_web(int argc, char **argv);
 int cmd_scene(int argc, char **argv);
 int cmd_verify(int argc, char **argv);

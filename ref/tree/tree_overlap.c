@@ -60,47 +60,49 @@ static double area_of(const struct polygon *polygon)
     return sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) / 2;
 }
 
-/* A tree, the ends of its subtrees' items, and the references of each triangle. */
+/* A tree and the references of each triangle. */
 struct overlap {
-    const struct bvh *bvh;
+    const struct overlap_tree *tree;
     const struct scene *scene;
-    const uint32_t *end;   /* items of node i: item_first .. end[i] - 1 */
     const uint32_t *place; /* index in `of` of the first reference of triangle i */
     const uint32_t *of;    /* items by triangle, ascending */
 };
 
 static bool owns(const struct overlap *o, uint32_t node, uint32_t prim)
 {
-    uint32_t first = o->bvh->node[node].item_first;
+    const struct overlap_node *of = &o->tree->node[node];
     for (uint32_t i = o->place[prim]; i < o->place[prim + 1]; i++)
-        if (o->of[i] >= first && o->of[i] < o->end[node])
+        if (o->of[i] >= of->item_first && o->of[i] < of->item_end)
             return true;
     return false;
 }
 
 /* Area times cost of one triangle's parts below a node, in nodes that do not contain the
- * triangle. */
+ * triangle. *visits counts down to 0, where it ends. */
 static double overlap_below(const struct overlap *o, uint32_t index, uint32_t prim,
-                            const struct polygon *part)
+                            const struct polygon *part, uint64_t *visits)
 {
-    const struct bvh_node *node = &o->bvh->node[index];
+    const struct overlap_node *node = &o->tree->node[index];
     struct polygon inside;
     double sum = 0;
-    cut_box(part, &node->bounds, &inside);
+    if (*visits == 0)
+        return 0;
+    --*visits;
+    cut_box(part, &node->box, &inside);
     if (inside.count < 3)
         return 0;
     if (!owns(o, index, prim))
-        sum = area_of(&inside) *
-              (node->item_count ? QUALITY_TRIANGLE * node->item_count : QUALITY_NODE);
-    if (node->item_count)
-        return sum;
-    return sum + overlap_below(o, node->fst, prim, &inside) +
-           overlap_below(o, node->snd, prim, &inside);
+        sum = area_of(&inside) * (node->child_count
+                                      ? QUALITY_NODE
+                                      : QUALITY_TRIANGLE * (node->item_end - node->item_first));
+    for (uint32_t i = 0; i < node->child_count; i++)
+        sum += overlap_below(o, o->tree->child[node->child_first + i], prim, &inside, visits);
+    return sum;
 }
 
-/* Adds every stride-th triangle's area and overlap. */
-static void overlap_block(const struct overlap *o, uint32_t block, uint32_t stride, double *sum,
-                          double *area)
+/* Adds every stride-th triangle's area and overlap. With visits left over it returns true. */
+static bool overlap_block(const struct overlap *o, uint32_t block, uint32_t stride, uint64_t visits,
+                          double *sum, double *area)
 {
     uint32_t count = o->scene->tri_count;
     uint64_t begin = (uint64_t)block * BLOCK * stride, end = begin + (uint64_t)BLOCK * stride;
@@ -112,55 +114,82 @@ static void overlap_block(const struct overlap *o, uint32_t block, uint32_t stri
         for (int c = 0; c < 9; c++)
             polygon.p[c / 3][c % 3] = (double)v[c / 3][c % 3];
         *area += area_of(&polygon);
-        *sum += overlap_below(o, 0, (uint32_t)i, &polygon);
+        *sum += overlap_below(o, 0, (uint32_t)i, &polygon, &visits);
     }
+    return visits > 0;
 }
 
-/* Fills end, place (tri_count + 1) and of (prim_count). */
-static void index_make(const struct bvh *bvh, uint32_t *end, uint32_t *place, uint32_t *of)
+/* Fills place (tri_count + 1) and of (prim_count). */
+static void index_make(const struct overlap_tree *tree, uint32_t *place, uint32_t *of)
 {
-    for (uint32_t i = bvh->node_count; i-- > 0;) {
-        const struct bvh_node *node = &bvh->node[i];
-        end[i] = node->item_count ? node->item_first + node->item_count : end[node->snd];
-    }
-    for (uint32_t i = 0; i < bvh->prim_count; i++)
-        place[bvh->prim[i] + 1]++;
-    for (uint32_t i = 0; i < bvh->tri_count; i++)
+    for (uint32_t i = 0; i < tree->prim_count; i++)
+        place[tree->prim[i] + 1]++;
+    for (uint32_t i = 0; i < tree->tri_count; i++)
         place[i + 1] += place[i];
     /* Each range is filled from its end, so that place has the starts again afterwards. */
-    for (uint32_t i = bvh->prim_count; i-- > 0;)
-        of[--place[bvh->prim[i] + 1]] = i;
-    memmove(place, place + 1, bvh->tri_count * sizeof *place);
-    place[bvh->tri_count] = bvh->prim_count;
+    for (uint32_t i = tree->prim_count; i-- > 0;)
+        of[--place[tree->prim[i] + 1]] = i;
+    memmove(place, place + 1, tree->tri_count * sizeof *place);
+    place[tree->tri_count] = tree->prim_count;
 }
 
-enum status tree_overlap(const struct bvh *bvh, const struct scene *scene, uint32_t most,
-                         double *out)
+enum status overlap_measure(const struct overlap_tree *tree, const struct scene *scene,
+                            uint32_t most, uint64_t visits, double *out)
 {
-    uint32_t count = scene->tri_count;
+    uint32_t count = scene->tri_count, unfinished = 0;
     uint32_t stride = most && count > most ? (count + most - 1) / most : 1;
     uint32_t blocks =
         (uint32_t)(((uint64_t)count + (uint64_t)BLOCK * stride - 1) / ((uint64_t)BLOCK * stride));
-    uint32_t *end = alloc_zeroed(bvh->node_count, sizeof *end);
     uint32_t *place = alloc_zeroed((size_t)count + 1, sizeof *place);
-    uint32_t *of = alloc_zeroed(bvh->prim_count, sizeof *of);
+    uint32_t *of = alloc_zeroed(tree->prim_count, sizeof *of);
     double *part = alloc_zeroed(blocks, 2 * sizeof *part), sum = 0, area = 0;
-    bool enough = end && place && of && part;
-    if (enough && bvh->node_count) {
-        index_make(bvh, end, place, of);
-        struct overlap o = {bvh, scene, end, place, of};
-#pragma omp parallel for schedule(dynamic, 1) if (blocks > 16)
+    bool enough = place && of && part;
+    if (enough && tree->node_count) {
+        index_make(tree, place, of);
+        struct overlap o = {tree, scene, place, of};
+#pragma omp parallel for schedule(dynamic, 1) reduction(+ : unfinished) if (blocks > 16)
         for (uint32_t i = 0; i < blocks; i++)
-            overlap_block(&o, i, stride, &part[2 * i], &part[2 * i + 1]);
+            unfinished += !overlap_block(&o, i, stride, visits, &part[2 * i], &part[2 * i + 1]);
         for (uint32_t i = 0; i < blocks; i++) {
             sum += part[2 * i];
             area += part[2 * i + 1];
         }
     }
-    *out = area > 0 ? sum / area : 0;
-    free(end);
+    *out = unfinished ? (double)NAN : area > 0 ? sum / area : 0;
     free(place);
     free(of);
     free(part);
     return enough ? STATUS_OK : STATUS_MEMORY;
+}
+
+enum status tree_overlap(const struct bvh *bvh, const struct scene *scene, uint32_t most,
+                         double *out)
+{
+    struct overlap_node *node = alloc_zeroed(bvh->node_count, sizeof *node);
+    uint32_t *child = alloc_zeroed(bvh->node_count, 2 * sizeof *child);
+    enum status status = node && child ? STATUS_OK : STATUS_MEMORY;
+    for (uint32_t i = bvh->node_count; i-- > 0 && !status;) {
+        const struct bvh_node *from = &bvh->node[i];
+        const bool leaf = from->item_count > 0;
+        node[i] = (struct overlap_node){.box = from->bounds,
+                                        .child_first = 2 * (size_t)i,
+                                        .child_count = leaf ? 0 : 2,
+                                        .item_first = from->item_first,
+                                        .item_end = leaf ? from->item_first + from->item_count
+                                                         : node[from->snd].item_end};
+        child[2 * (size_t)i] = from->fst;
+        child[2 * (size_t)i + 1] = from->snd;
+    }
+    *out = 0;
+    if (!status)
+        status = overlap_measure(&(struct overlap_tree){.node = node,
+                                                        .child = child,
+                                                        .prim = bvh->prim,
+                                                        .node_count = bvh->node_count,
+                                                        .prim_count = bvh->prim_count,
+                                                        .tri_count = bvh->tri_count},
+                                 scene, most, UINT64_MAX, out);
+    free(node);
+    free(child);
+    return status;
 }

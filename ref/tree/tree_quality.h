@@ -32,6 +32,27 @@ double tree_sah(const struct bvh *bvh);
 enum status tree_overlap(const struct bvh *bvh, const struct scene *scene, uint32_t most,
                          double *out) MUST_USE;
 
+/* A node of any tree: the items prim[item_first .. item_end - 1] are below it. A leaf has no
+ * children. */
+struct overlap_node {
+    struct box box;
+    size_t child_first; /* children: child[child_first .. child_first + child_count - 1] */
+    uint32_t child_count;
+    uint32_t item_first, item_end;
+};
+
+struct overlap_tree {
+    const struct overlap_node *node; /* node 0 is the root */
+    const uint32_t *child;
+    const uint32_t *prim; /* triangles of the scene */
+    uint32_t node_count, prim_count, tri_count;
+};
+
+/* As tree_overlap for a tree of any width, whose triangles may be in no leaf. *out becomes NaN if a
+ * block of 256 triangles visits `visits` nodes. */
+enum status overlap_measure(const struct overlap_tree *tree, const struct scene *scene,
+                            uint32_t most, uint64_t visits, double *out) MUST_USE;
+
 /* Computes the measures of a well-formed tree of the scene. Errors: STATUS_MEMORY. */
 enum status tree_quality(const struct bvh *bvh, const struct scene *scene, struct tree_quality *out,
                          struct reason *reason) MUST_USE;

@@ -15,7 +15,7 @@ OBJ
 small="--count 200 --repeat 1 --engine cpu"
 
 # Help is on standard output and succeeds, everywhere.
-for command in '' check conform explain bisect leaks render bench list doctor scene precompute judge gen verify report web replay export fuzz merge min diff construct; do
+for command in '' check conform explain bisect leaks render bench list doctor scene precompute judge gen verify report web replay export fuzz merge min diff construct build tree; do
     expect 0 . $command --help
     grep -q 'example' "$dir/out" || bad "raydiff $command --help shows no example"
 done

@@ -31,7 +31,7 @@ value_of() {
     query) value=any ;; modes) value=all ;; rays) value=random ;; profile) value=rtrs ;; optimize) value=reinsert ;; handler) value=bvh ;;
     show) value=t ;; form) value=text ;; plan) value=steps ;; parts) value=machine ;; size) value=8x8 ;;
     pixel) value=1,1 ;; shard) value=1/2 ;; show-range) value=0:1 ;; triangles) value=8-16 ;; driver) value=stock ;;
-    compiler) value=opt ;; decorate) value=final ;; buffers) value=texel ;;
+    format) value=raydiff ;; compiler) value=opt ;; decorate) value=final ;; buffers) value=texel ;;
     ray) value='0,0,0 1,0,0' ;; cause) value=sentinel ;; scene) value=soup:n=9 ;; path) value=soup:n=9 ;;
     baseline) value=fuzz/baseline.txt ;;
     bvh | shader | waivers | check | bench | benchmark | doctor | findings | corpus | verify | picture)
@@ -184,6 +184,7 @@ walk 'gen soup:n=9 --count 5' 'rays=vertices count=6 seed=3 query=any decimal ou
 walk "judge sphere:n=2 $dir/rays $dir/hits" 'brute=1 ~displacement=3 ~require=watertight json=@ wide color=always'
 walk "precompute --scene soup:n=40 --builder median --out $files/tree" 'scene=sphere:n=2 out=@ layout=f32 builder=lbvh
     item-count=1 seed=3 ~optimize=reinsert presplit=3'
+walk 'tree tests/golden/input/faulty.tree' '~format=raydiff faults=1 json=@ ~wide color=always'
 walk 'scene list' ''
 walk 'scene info soup:n=9' 'json seed=3'
 walk 'list builders' ''

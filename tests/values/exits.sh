@@ -271,7 +271,10 @@ files() {
     ends 1 precompute --scene soup:n=20,seed=2 --verify "$dir/tree.json" # too small boxes
     ends 2 precompute --scene soup:n=9 --verify "$dir/tree.json"
     ends 2 precompute --scene soup:n=20 --verify "$dir/broken.json"
-    for command in report doctor list scene render diff bench construct precompute; do ends 2 $command --frobnicate; done
+    ends 0 tree tests/golden/input/mine.tree
+    ends 1 tree tests/golden/input/faulty.tree
+    ends 2 tree "$dir/broken.json"
+    for command in report doctor list scene render diff bench construct precompute tree; do ends 2 $command --frobnicate; done
 }
 
 # The worst of what happened ends a command, in any order of scenes and engines: 3 before 2, 1, 77 and 0.
