@@ -28,11 +28,13 @@ static void print_tree(const struct tree_told *told, const struct screen *screen
                 : told->scene    ? "of "
                                  : "with its own triangles",
                 told->scene ? told->scene : "");
-    screen_text(screen, "  nodes    %zu: %u inner with up to %u children, %s (%u empty)%s\n",
-                dump->node_count, r->inner, r->width, COUNTED(r->leaves, "leaf"), r->empty_leaves,
-                r->nodes < dump->node_count ? "; the root does not lead to the rest" : "");
-    screen_text(screen, "  leaves   %" PRIu64 " triangles, at most %u in one%s\n", r->items,
-                r->largest_leaf, dump->splits ? "; triangles may be split" : "");
+    screen_text(screen,
+                "  nodes    %zu, the root leads to %u: %u inner with up to %u children, %s (%u "
+                "empty)\n",
+                dump->node_count, r->nodes, r->inner, r->width, COUNTED(r->leaves, "leaf"),
+                r->empty_leaves);
+    screen_text(screen, "  leaves   %s, at most %u in one%s\n", COUNTED(r->items, "triangle"),
+                r->largest_leaf, dump->splits ? "; they may be split" : "");
     screen_text(screen, "  depth    %u, so a stack of at most %" PRIu64 "\n", r->depth, r->stack);
     if (dump->bytes)
         screen_text(screen, "  bytes    %" PRIu64 " of nodes\n", dump->bytes);

@@ -142,6 +142,9 @@ enum status dump_read_tinybvh(const char *name, const char *bytes, size_t size,
                     "%s: the object tells another layout or number of "
                     "triangles than the head",
                     name);
+    if (word_at(bytes + 4) > items)
+        return fail(reason, STATUS_INPUT, "%s: %u indices for %u triangles", name, items,
+                    word_at(bytes + 4));
     out->splits = object[TINY_FLAGS + 1] == 0;
     out->holes = object[TINY_FLAGS + 2] != 0;
     out->unused = nodes > 1;

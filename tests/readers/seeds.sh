@@ -6,7 +6,7 @@ set -eu
 raydiff=$1/raydiff
 out=$2
 rm -rf "$out" "$out.new"
-for entry in obj ply rtrs stl world gltf gz trial tree packed peer text log baseline play png page; do
+for entry in obj ply rtrs stl world gltf gz trial tree packed dump peer text log baseline play png page; do
     mkdir -p "$out.new/$entry"
 done
 cd "$out.new"
@@ -336,6 +336,27 @@ printf '\003raydiff 2\nh 1 .25 0x1p-2 0 1 0 front\nh 2 0 0 0 0 0 back 7\nend\n' 
 printf '\003raydiff 2\nm\nh 1 0 0 1 0 0 front\n' >text/world-no-mesh
 printf '\003m\nh 1 0 0 0\n' >text/world-old
 
+# --- trees of other programs
+cp "$repository"/tests/golden/input/*.tree dump
+printf 'raydiff tree 2\nend\n' >dump/version
+printf 'raydiff tree 1 # wide\nscene soup:n=4\nsplits\nnode -inf -1e9 -0x1p+9 inf 1e9 nan 1 2 3\n' >dump/open
+{
+    cat dump/open
+    printf 'leaf -1 -1 -1 1 1 1 0 1\r\nleaf -1 -1 -1 1 1 1 2 1\r\n\nleaf -1 -1 -1 1 1 1 3\nend\n'
+} >dump/wide
+# head, nodes as box, first, count; node 1 of tinybvh is left out
+tiny='sub node { pack("f3Vf3V", @_[0 .. 2], $_[6], @_[3 .. 5], $_[7]) }
+    sub object { my $o = "\253" x 288; substr($o, $_->[0], 4) = pack("V", $_->[1]) for [0, $_[0]], [32, 1], [40, $_[1]], [44, 4], [48, $_[2]]; $o }
+    my @box = (-1, -1, -1, 1, 1, 1);'
+perl -e "$tiny"' print pack("VV", 166 | 1 << 24, 4), object(0x01000101, 4, 4), node(@box, 2, 0), node(@box, 0, 0), node(@box, 0, 2), node(@box, 2, 2), pack("V4", 0 .. 3)' >dump/tiny
+perl -e "$tiny"' print pack("VV", 166 | 1 << 24, 4), object(0x00010001, 4, 5), node(@box, 2, 0), node(@box, 0, 0), node(@box, 0, 3), node(@box, 3, 2), pack("V5", 0 .. 3, 1)' >dump/tiny-splits
+perl -e "$tiny"' print pack("VV", 166 | 1 << 24, 4), object(0x01000101, 3, 4), node(@box, 0, 0), node(@box, 0, 4), node(@box, 1, 4), pack("V4", 0 .. 3)' >dump/tiny-circle
+perl -e 'print pack("VV", 166 | 10 << 24, 4), "\0" x 300' >dump/tiny-wide
+leaf='sub node { pack("f6V", @_[0, 3, 1, 4, 2, 5], $_[6] * 16 + $_[7]) } my @box = (-1, -1, -1, 1, 1, 1);'
+perl -e "$leaf"' print pack("VV", 3, 4), node(@box, 1, 0), node(@box, 0, 2), node(@box, 2, 2), pack("V4", 0 .. 3)' >dump/bvh2
+perl -e "$leaf"' print pack("VV", 3, 4), node(@box, 0, 0), node(@box, 1, 2), node(@box, 0xFFFFFFF, 15), pack("V4", 0, 0, 9, -1)' >dump/bvh2-faulty
+perl -e 'print pack("Q2", 1, 1), pack("d6", -1, 1, -1, 1, -1, 1), pack("Q2", 1, 0)' >dump/bvh2-double
+
 # --- logs
 line='"stream":"gen","seed":"7","index":"12","version":1,"trial":"00000000000000ff","triangles":2'
 {
@@ -363,7 +384,7 @@ echo 'a.b.c.d until 2026-02-30 no such day x.md' >baseline/day
 
 # --- large ones, for the plain programs: what takes the most memory a byte, in arrays that have just
 # grown and been copied
-for entry in obj ply rtrs tree text log; do
+for entry in obj ply rtrs tree text log dump; do
     mkdir -p large/$entry
 done
 {
@@ -387,6 +408,13 @@ done
 printf '{"uniforms":[%s],"indices":[]}' "$(many '{"":0},[],[],[]' 65537)" >large/tree/dense.json
 printf '{"unknown":[%s]}' "$(many '{"":0},[],[],[]' 65537)" >large/rtrs/dense.json
 printf '{"checkpoint":"x","more":{},"a":[%s]}\n' "$(many '{"":0},[],[],[]' 65537)" >large/log/dense
+{
+    echo 'raydiff tree 1'
+    many 'leaf 0 0 0 0 0 0' 20001 | tr ',' '\n'
+    printf '\nnode 0 0 0 0 0 0 '
+    many 1 65537 | tr ',' ' '
+    printf '\nend\n'
+} >large/dump/dense
 {
     many m 131073 | tr ',' '\n'
     echo

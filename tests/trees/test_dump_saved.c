@@ -201,6 +201,8 @@ static void another_version_is_refused_with_both(void **state)
     saved_tinybvh(&d.bvh, false, &file);
     saved_set(&file, 4, 41);
     must_refuse(DUMP_GUESSED, "t: the object tells another layout or number of triangles");
+    saved_set(&file, 8 + 44, 41);
+    must_refuse(DUMP_GUESSED, "t: 40 indices for 41 triangles");
     file.size = 0; /* bvh v2 with nodes of double: one leaf of one triangle */
     for (int i = 0; i < 20; i++)
         saved_word(&file, i == 0 || i == 2 ? 1 : 0);

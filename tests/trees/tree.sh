@@ -20,11 +20,11 @@ told() { # exit code, FILE and options
         echo "$(v file): a tree of format $(v format), "
         [ "$(v scene)" = null ] || echo "of $(v scene)"
         [ "$(v with_triangles)" = true ] || echo 'without a scene'
-        echo " $(v nodes): $(v inner) inner with up to $(v width) children, $(v leaves) lea"
+        echo " $(v nodes), the root leads to $(v reached): $(v inner) inner with up to $(v width) children, $(v leaves) lea"
         echo " ($(v empty_leaves) empty)"
-        [ "$(v reached)" = "$(v nodes)" ] || echo 'does not lead to the rest'
-        echo " $(v triangles) triangles, at most $(v largest_leaf) in one"
-        [ "$(v splits)" = false ] || echo 'triangles may be split'
+        echo " $(v triangles) triangle"
+        echo ", at most $(v largest_leaf) in one"
+        [ "$(v splits)" = false ] || echo 'they may be split'
         echo " depth $(v depth), so a stack of at most $(v stack)"
         [ "$(v bytes)" = null ] || echo " bytes $(v bytes) of nodes"
         echo " SAH $(number sah), with exact boxes $(number sah_tight); overlap $(number overlap)"
