@@ -43,7 +43,7 @@ static void trees_come_again(void **state)
         const int kind = (int)(i % KINDS);
         const char *what;
         struct dumped d = dumped_make(built_scene(i / 2 % BUILT_SCENES, &what),
-                                      builder[i / 2 / BUILT_SCENES], 1 + i % 7);
+                                      builder[i / 2 / BUILT_SCENES], 1 + i % 15);
         save(kind, &d.bvh);
         struct tree_dump dump = read_ok(kind);
         struct dump_report report = dump_found(&dump, &d.scene);
