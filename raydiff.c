@@ -37,7 +37,7 @@ static const struct command commands[] = {
      "scene"},
     {"precompute", "a tree as BVH JSON, byte for byte as RTRS's tool", cmd_precompute, "scene"},
     {"build", "trees that a GPU builds beside C's, stage by stage", cmd_build, NULL},
-    {"tree", "another program's tree: sound or not, size and cost, without a ray", cmd_tree, NULL},
+    {"tree", "another program's tree: is it sound, and what it costs", cmd_tree, NULL},
     {"leaks", "rays from inside a closed mesh: what passes, what is hit twice", cmd_leaks, NULL},
     {"list", "every builder, layout, test, engine, scene and ray set", cmd_list, NULL},
     {"doctor", "what can run here, and why the rest cannot", cmd_doctor, NULL},

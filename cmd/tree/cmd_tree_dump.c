@@ -42,8 +42,8 @@ static const struct option_set set = {
     .notes = "The format raydiff is text, which a tracer writes in twenty lines "
              "(docs/my-engine.md).",
     .codes = "0 sound, 1 faults found, 2 bad input, 4 no memory",
-    .example = "tree mine.tree sphere:n=40\n"
-               "tree saved.bin scene.obj --format tinybvh --json -",
+    .example = "tree fuzz/samples/two.tree\n"
+               "tree fuzz/samples/two.tree --format raydiff --json -",
 };
 
 /* Opens the scene of the tree. *out is empty if there is none; *named is what it is called. */

@@ -10,11 +10,22 @@
 #include <stdlib.h>
 
 /* A measure, or a dash where there is none. */
-static const char *measure(double value, char text[32])
+static const char *measure(double value, char text[96])
 {
     if (isnan(value))
         return "-";
-    snprintf(text, 32, "%.6g", value);
+    snprintf(text, 96, "%.6g", value);
+    return text;
+}
+
+/* What would mend boxes that leave parts of triangles uncovered. */
+static const char *gap_text(uint32_t gap, char text[96])
+{
+    if (gap == 0)
+        return "";
+    if (gap == DUMP_NONE)
+        return "; they would do grown by no 65536 floats";
+    snprintf(text, 96, "; they would do grown by %s on each side", COUNTED(gap, "float"));
     return text;
 }
 
@@ -22,7 +33,7 @@ static void print_tree(const struct tree_told *told, const struct screen *screen
 {
     const struct dump_report *r = told->report;
     const struct tree_dump *dump = told->dump;
-    char text[3][32];
+    char text[3][96];
     screen_text(screen, "%s: a tree of format %s, %s%s\n", told->file, dump->format,
                 !told->has_scene ? "without a scene"
                 : told->scene    ? "of "
@@ -42,7 +53,8 @@ static void print_tree(const struct tree_told *told, const struct screen *screen
                 measure(r->sah, text[0]), measure(r->sah_tight, text[1]),
                 measure(r->overlap, text[2]));
     if (dump->splits)
-        screen_text(screen, "  boxes    hold parts of triangles: judged together\n");
+        screen_text(screen, "  boxes    hold parts of triangles: judged together%s\n",
+                    gap_text(r->gap, text[0]));
     else
         screen_text(screen, "  boxes    of %u judged: %u too small, %u larger than need be\n",
                     r->judged, r->small_boxes, r->loose);
@@ -107,6 +119,13 @@ enum status tree_write_json(const char *path, const struct tree_told *told, int 
 {
     const struct dump_report *r = told->report;
     const struct tree_dump *dump = told->dump;
+    json_t *file = json_string(told->file), *scene = json_text(told->scene);
+    if (!file || !scene) {
+        json_decref(file);
+        json_decref(scene);
+        return fail(reason, STATUS_INPUT, "%s: a name that is not UTF-8 cannot be written to JSON",
+                    told->file);
+    }
     json_t *counts = json_object(), *faults = json_array();
     for (int rule = 0; rule < DUMP_RULES; rule++)
         json_object_set_new(counts, dump_rule_names[rule],
@@ -114,15 +133,16 @@ enum status tree_write_json(const char *path, const struct tree_told *told, int 
     for (size_t i = 0; i < r->fault_count; i++)
         json_array_append_new(faults, fault_json(&r->fault[i]));
     json_t *root = json_record(
-        "raydiff=%s exit=%d file=%s format=%s scene=%p with_triangles=%i splits=%i nodes=%zu "
+        "raydiff=%s exit=%d file=%p format=%s scene=%p with_triangles=%i splits=%i nodes=%zu "
         "reached=%u "
         "inner=%u leaves=%u empty_leaves=%u width=%u triangles=%zu largest_leaf=%u depth=%u "
         "stack=%zu bytes=%p sah=%g sah_tight=%g overlap=%g boxes_judged=%u boxes_small=%u "
-        "boxes_loose=%u faults=%zu counts=%p named=%p",
-        RAYDIFF_VERSION, code, told->file, dump->format, json_text(told->scene), told->has_scene,
-        dump->splits, dump->node_count, r->nodes, r->inner, r->leaves, r->empty_leaves, r->width,
+        "boxes_loose=%u gap=%p faults=%zu counts=%p named=%p",
+        RAYDIFF_VERSION, code, file, dump->format, scene, told->has_scene, dump->splits,
+        dump->node_count, r->nodes, r->inner, r->leaves, r->empty_leaves, r->width,
         (size_t)r->items, r->largest_leaf, r->depth, (size_t)r->stack, json_known(dump->bytes),
-        r->sah, r->sah_tight, r->overlap, r->judged, r->small_boxes, r->loose, (size_t)r->faults,
+        r->sah, r->sah_tight, r->overlap, r->judged, r->small_boxes, r->loose,
+        r->gap == 0 || r->gap == DUMP_NONE ? json_null() : json_integer(r->gap), (size_t)r->faults,
         counts, faults);
     return json_write(path, root, 17, reason);
 }

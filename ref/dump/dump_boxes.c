@@ -150,11 +150,68 @@ static enum status check_exact(const struct dump_walk *walk, const struct scene 
     return STATUS_OK;
 }
 
-/* A tree that splits: its leaves' boxes must cover each triangle together. */
+/* A tree that splits, as cover_check takes it. */
+struct dump_cover {
+    const struct dump_walk *walk;
+    const struct scene *scene;
+    struct cover_node *node;
+};
+
+/* Checks the tree with its boxes grown by so many floats on each side. */
+static enum status cover_grown(const struct dump_cover *cover, uint32_t by,
+                               struct cover_faults *found)
+{
+    const struct dump_walk *walk = cover->walk;
+    for (uint32_t i = 0; i < walk->count; i++)
+        for (int k = 0; k < 3; k++) {
+            const struct box *box = &walk->dump->node[walk->order[i]].box;
+            cover->node[i].box.lo[k] = dump_step(box->lo[k], -(int32_t)by);
+            cover->node[i].box.hi[k] = dump_step(box->hi[k], (int32_t)by);
+        }
+    return cover_check(&(struct cover_tree){cover->node, walk->prim, walk->count}, cover->scene,
+                       found);
+}
+
+/* The least growth that covers all; without growth it does not. */
+static enum status find_gap(const struct dump_cover *cover, uint32_t *out)
+{
+    struct cover_faults found = {.prims = 1};
+    uint32_t bad = 0, good = 1;
+    enum status status = cover_grown(cover, good, &found);
+    while (!status && found.prims && good < DUMP_GAP_MOST) {
+        bad = good;
+        good *= 2;
+        status = cover_grown(cover, good, &found);
+    }
+    *out = found.prims ? DUMP_NONE : good;
+    while (!status && *out != DUMP_NONE && bad + 1 < good) {
+        const uint32_t middle = bad + (good - bad) / 2;
+        status = cover_grown(cover, middle, &found);
+        *(found.prims ? &bad : &good) = middle;
+        *out = good;
+    }
+    return status;
+}
+
+/* The boxes of its leaves must cover each triangle together. */
+static enum status find_uncovered(const struct dump_cover *cover, struct dump_notes *notes)
+{
+    struct cover_faults found = {0};
+    enum status status = cover_grown(cover, 0, &found);
+    if (status || found.prims == 0)
+        return status;
+    dump_note(notes, &(struct dump_fault){.rule = DUMP_UNCOVERED,
+                                          .node = cover->walk->order[found.node],
+                                          .child = DUMP_NONE,
+                                          .triangle = found.prim});
+    notes->report->count[DUMP_UNCOVERED] = found.prims;
+    notes->report->faults += found.prims - 1;
+    return find_gap(cover, &notes->report->gap);
+}
+
 static enum status check_cover(const struct dump_walk *walk, const struct scene *scene,
                                struct dump_notes *notes)
 {
-    struct cover_faults found = {0};
     uint32_t *place = alloc_zeroed(walk->dump->node_count, sizeof *place);
     struct cover_node *node = alloc_zeroed(walk->count, sizeof *node);
     enum status status = place && node ? STATUS_OK : STATUS_MEMORY;
@@ -162,21 +219,12 @@ static enum status check_cover(const struct dump_walk *walk, const struct scene 
         const uint32_t of = walk->order[i], up = walk->parent[of];
         const bool leaf = walk->dump->node[of].leaf;
         place[of] = i;
-        node[i] = (struct cover_node){.box = walk->dump->node[of].box,
-                                      .parent = up == DUMP_NONE ? 0 : place[up],
+        node[i] = (struct cover_node){.parent = up == DUMP_NONE ? 0 : place[up],
                                       .item_first = walk->first[i],
                                       .item_count = leaf ? walk->end[i] - walk->first[i] : 0};
     }
     if (!status)
-        status = cover_check(&(struct cover_tree){node, walk->prim, walk->count}, scene, &found);
-    if (!status && found.prims) {
-        dump_note(notes, &(struct dump_fault){.rule = DUMP_UNCOVERED,
-                                              .node = walk->order[found.node],
-                                              .child = DUMP_NONE,
-                                              .triangle = found.prim});
-        notes->report->count[DUMP_UNCOVERED] = found.prims;
-        notes->report->faults += found.prims - 1;
-    }
+        status = find_uncovered(&(struct dump_cover){walk, scene, node}, notes);
     free(place);
     free(node);
     return status;

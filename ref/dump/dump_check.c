@@ -169,6 +169,16 @@ uint32_t dump_steps(float from, float to)
     return (uint32_t)llabs(rank_of_float(to) - rank_of_float(from));
 }
 
+float dump_step(float x, int32_t by)
+{
+    const int64_t most = 0x7F800000;
+    int64_t rank = rank_of_float(x) + by;
+    if (isnan(x) || by == 0)
+        return x;
+    rank = rank > most ? most : rank < -most ? -most : rank;
+    return float_from_bits(rank < 0 ? (uint32_t)-rank | 0x80000000u : (uint32_t)rank);
+}
+
 static const char *side_name(unsigned side)
 {
     static const char *const name[] = {"least x", "least y", "least z",

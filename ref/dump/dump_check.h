@@ -38,12 +38,16 @@ struct dump_fault {
 /* Triangles whose overlap is measured; of larger scenes about so many. */
 #define DUMP_OVERLAP_MOST 50000u
 
+#define DUMP_GAP_MOST (1u << 16)
+
 /* What was found. Of counts of a tree with faults: what the root leads to, each node once. */
 struct dump_report {
     uint64_t count[DUMP_RULES];
     struct dump_fault *fault; /* of each rule the first `most`, by rule, then as they were found */
     size_t fault_count;
     uint64_t faults;      /* all of them */
+    uint32_t gap;         /* of uncovered: grown by so many floats on each side all boxes would do;
+                     DUMP_NONE: by DUMP_GAP_MOST not; 0: nothing is uncovered */
     uint32_t small_boxes; /* boxes too small, on however many sides */
     uint32_t nodes, inner, leaves, empty_leaves;
     uint32_t depth; /* the root is 0 */
@@ -67,6 +71,9 @@ enum status dump_check(const struct tree_dump *dump, const struct scene *scene, 
 
 /* Floats from one to the other; neither is a NaN. */
 uint32_t dump_steps(float from, float to);
+
+/* The float so many further up, or down if `by` is negative; at most infinite. A NaN stays. */
+float dump_step(float x, int32_t by);
 
 /* Writes a fault as a line without its end: "node 7: ...". Returns `text`. */
 #define DUMP_FAULT_TEXT 320

@@ -129,13 +129,12 @@ static enum status read_triangle(struct dump_reading *r)
 static enum status read_scene(struct dump_reading *r)
 {
     scan_blanks(&r->scan);
-    const char *start = r->scan.at, *end = start;
-    while (!scan_line_done(&r->scan)) {
-        const char *word;
-        end = word = r->scan.at;
-        end += scan_word(&r->scan, &word);
-        scan_blanks(&r->scan);
-    }
+    const char *start = r->scan.at, *end = start, *word;
+    for (size_t length; (length = scan_word(&r->scan, &word)) > 0;)
+        end = word + length;
+    for (const char *at = start; at < end; at++)
+        if ((unsigned char)*at < 0x20 || *at == 0x7F)
+            return scan_fail(&r->scan, r->reason, "scene: a byte that is no letter");
     if (end == start)
         return scan_fail(&r->scan, r->reason, "scene: no name");
     if (r->making.dump.spec)

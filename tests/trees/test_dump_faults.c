@@ -76,7 +76,7 @@ static void a_box_too_small_is_told_to_the_float(void **state)
     dumped_free(&d);
 }
 
-/* Zeros of both signs are one place, and a step leads over them. */
+/* Zeros of both signs are one place. */
 static void steps_count_floats(void **state)
 {
     (void)state;
@@ -85,6 +85,9 @@ static void steps_count_floats(void **state)
     assert_int_equal(dump_steps(1, 2), 1 << 23);
     assert_int_equal(dump_steps(-INFINITY, INFINITY), 2 * 0x7F800000u);
     assert_int_equal(dump_steps(FLT_MAX, INFINITY), 1);
+    assert_true(dump_step(0x1p-149f, -2) == -0x1p-149f && dump_step(-0x1p-149f, 2) == 0x1p-149f);
+    assert_true(dump_step(1, -1) == nextafterf(1, 0) && dump_step(FLT_MAX, 9) == INFINITY);
+    assert_true(dump_step(-FLT_MAX, -9) == -INFINITY && isnan(dump_step(NAN, 1)));
 }
 
 /* A box that is larger is loose and sound, and it alone costs more. */
@@ -205,7 +208,6 @@ static void children_that_make_no_tree_are_named(void **state)
         assert_int_equal(fault.node, node);
         assert_int_equal(fault.child, tries[i].child);
         assert_int_equal(dump_fault_of(&report, DUMP_UNREACHED).node, lost);
-        assert_int_equal(report.count[DUMP_MISSING], d.bvh.node[lost].item_count);
         assert_int_equal(report.faults, 2 + d.bvh.node[lost].item_count);
         assert_int_equal(report.nodes, d.bvh.node_count - 1);
         free(report.fault);
@@ -258,6 +260,44 @@ static void boxes_are_judged_as_bvh_check_does(void **state)
     assert_true(unsound[0] == 300 && unsound[1] > 50 && unsound[1] < 300);
 }
 
+static void grow(struct tree_dump *dump, int32_t by)
+{
+    for (size_t i = 0; i < dump->node_count; i++)
+        for (unsigned side = 0; side < 6; side++) {
+            float *bound = side_of(&dump->node[i].box, side);
+            *bound = dump_step(*bound, side < 3 ? -by : by);
+        }
+}
+
+/* Boxes of a tree that splits, smaller by some floats: grown by the gap they cover all, by one less
+ * they do not. */
+static void the_gap_is_the_least_growth(void **state)
+{
+    (void)state;
+    static const uint32_t by[] = {1, 2, 3, 7, 100, 3000};
+    struct scene needles;
+    uint32_t found = 0;
+    assert_int_equal(scene_open("needles:n=300", 1, &needles, NULL), STATUS_OK);
+    for (size_t t = 0; t < ARRAY_COUNT(by); t++) {
+        struct dumped d = dumped_make(needles, "sbvh", 2);
+        d.dump.splits = true;
+        grow(&d.dump, -(int32_t)by[t]);
+        struct dump_report report = dump_found(&d.dump, &d.scene);
+        assert_true(report.count[DUMP_UNCOVERED] > 0);
+        assert_in_range(report.gap, 1, by[t]);
+        grow(&d.dump, (int32_t)report.gap - 1);
+        assert_true(dump_faults(&d.dump, &d.scene) > 0);
+        grow(&d.dump, 1);
+        assert_int_equal(dump_faults(&d.dump, &d.scene), 0);
+        found += report.gap > 2;
+        free(report.fault);
+        tree_dump_free(&d.dump);
+        bvh_free(&d.bvh);
+    }
+    assert_true(found >= 3);
+    scene_free(&needles);
+}
+
 /* Without a scene a box must hold the boxes of the leaves below. */
 static void without_triangles_leaves_are_held_against_boxes(void **state)
 {
@@ -302,7 +342,6 @@ static void faults_beyond_the_most_are_counted(void **state)
         d.dump.node[i].box.lo[0] = NAN;
     assert_int_equal(dump_check(&d.dump, &d.scene, 3, false, &report, NULL), STATUS_OK);
     assert_int_equal(report.count[DUMP_NAN], d.dump.node_count);
-    assert_int_equal(report.faults, d.dump.node_count);
     assert_int_equal(report.fault_count, 3);
     for (uint32_t i = 0; i < 3; i++)
         assert_int_equal(report.fault[i].node, i);
@@ -333,7 +372,6 @@ static void hostile_numbers_end(void **state)
     struct dump_report report = dump_found(&dump, NULL);
     assert_true(report.count[DUMP_CYCLE] > 0 && report.count[DUMP_SHARED] > 0);
     assert_true(report.count[DUMP_TAKEN] > 0);
-    assert_int_equal(report.nodes, NODES);
     free(report.fault);
     tree_dump_free(&dump);
 }
@@ -351,6 +389,7 @@ int main(void)
         cmocka_unit_test(children_that_make_no_tree_are_named),
         cmocka_unit_test(a_node_that_nothing_leads_to_is_named),
         cmocka_unit_test(boxes_are_judged_as_bvh_check_does),
+        cmocka_unit_test(the_gap_is_the_least_growth),
         cmocka_unit_test(without_triangles_leaves_are_held_against_boxes),
         cmocka_unit_test(another_number_of_triangles_is_refused),
         cmocka_unit_test(faults_beyond_the_most_are_counted),

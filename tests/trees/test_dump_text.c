@@ -264,6 +264,7 @@ static void what_is_refused_has_its_line_and_rule(void **state)
         {"raydiff tree 1\nleaf 0 0 0 1 1 1\nend\nend\n", "t:4: a line after 'end'"},
         {"raydiff tree 1\nscene a\nscene b\nend\n", "t:3: a second scene"},
         {"raydiff tree 1\nscene # a\nend\n", "t:2: scene: no name"},
+        {"raydiff tree 1\nscene a\033b\nend\n", "t:2: scene: a byte that is no letter"},
         {"raydiff tree 1\nvertex 0 inf 0\nend\n", "t:2: a vertex that is not finite"},
         {"raydiff tree 1\nbytes -1\nend\n", "t:2: bytes: below 0"},
         {"raydiff tree 1\nvertex 0 0 0\ntriangle 0 0 1\nleaf 0 0 0 1 1 1 0\nend\n",

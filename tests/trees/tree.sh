@@ -28,6 +28,7 @@ told() { # exit code, FILE and options
         echo " depth $(v depth), so a stack of at most $(v stack)"
         [ "$(v bytes)" = null ] || echo " bytes $(v bytes) of nodes"
         echo " SAH $(number sah), with exact boxes $(number sah_tight); overlap $(number overlap)"
+        [ "$(v gap)" = null ] || echo "would do grown by $(v gap) float"
         [ "$(v splits)" = true ] || echo " of $(v boxes_judged) judged: $(v boxes_small) too small, $(v boxes_loose) larger"
         [ "$code" -eq 0 ] && echo SOUND || echo "FAULTY: $(v faults) fault"
         sed -n 's/^counts\.\([a-z]*\)=\([1-9][0-9]*\)$/\1 \2/p' "$dir/flat"
@@ -58,7 +59,11 @@ sed 's/^bytes.*/splits/' $input/mine.tree >"$dir/splits.tree"
 told 0 "$dir/splits.tree"
 sed 's/^leaf 0 0 0 1 1 0.5 1/leaf 0.5 0 0 1 1 0.5 1/' "$dir/splits.tree" >"$dir/cut.tree"
 told 1 "$dir/cut.tree"
+has 'a gap that no float closes' 'they would do grown by no 65536 floats$'
 has 'a part that no leaf has' '^FAULT uncovered: node 0: .* triangle 1$'
+sed 's/^leaf 0 0 0 1 1 0.5 1/leaf 0 0 0 1 0x1.fffff8p-1 0.5 1/' "$dir/splits.tree" >"$dir/cut.tree"
+told 1 "$dir/cut.tree"
+[ "$(v gap)" = 4 ] || bad 'a gap of four floats'
 sed 's/^leaf 0 0 0 1 1 0.5 1/leaf 0 0 0x1p-149 1 1 0.5 1/' $input/mine.tree >"$dir/small.tree"
 told 1 "$dir/small.tree"
 has 'one float too small' '^FAULT small: node 2: .*least z is 0x1p-149, and triangle 1 has 0x0p\+0: 1 step, 1\.4'
@@ -79,6 +84,8 @@ expect 2 'is no file in the folder of this one' tree "$dir/up.tree"
 expect 2 'has triangles of its own, so soup is not used' tree $input/mine.tree soup
 expect 2 'No such file' tree "$dir/below/b.tree" "$dir/none.obj"
 
+cp $input/mine.tree "$dir/$(printf '\351').tree"
+expect 2 'not UTF-8' tree "$dir/$(printf '\351').tree" --json "$dir/j.json"
 expect 2 'no file given' tree
 expect 2 "unexpected argument 'c'" tree a b c
 expect 2 'No such file' tree "$dir/nothing"
