@@ -184,7 +184,9 @@ struct engine {
     bool compiles; /* compiles a program per layout, storage and tests: the first trial is slow */
     bool foreign_bits; /* may have other bits than the reference engine on the same tree, which are
                           counted */
-    bool recorded;     /* its results are a recording: it cannot trace other rays */
+    const struct engine *plain; /* of a mode of a library: its engine of the same formula, whose
+                                   bits are counted against: NULL: it is no such mode */
+    bool recorded;              /* its results are a recording: it cannot trace other rays */
     /* Errors: STATUS_UNSUPPORTED cannot run here (with the reason); STATUS_DEVICE;
      * STATUS_MEMORY. */
     enum status (*open)(const struct engine_options *options, void **self, struct reason *reason);
@@ -262,10 +264,13 @@ static inline bool engine_takes(const struct engine *engine, const struct layout
 /* NULL-terminated: the program's own, then what engine_add added. */
 extern const struct engine *const *const engines;
 
-/* Of each of three kinds from outside, a recorded answer, and engines with compiled shaders. */
+/* Of each of three kinds from outside, a recorded answer, engines with compiled shaders, and modes
+ * of Embree. */
 #define ENGINES_OUTSIDE_MOST  4
 #define ENGINES_COMPILED_MOST 32
-#define ENGINES_ADDED_MOST    (3 * ENGINES_OUTSIDE_MOST + 1 + ENGINES_COMPILED_MOST)
+#define ENGINES_EMBREE_MOST   240
+#define ENGINES_ADDED_MOST                                                                         \
+    (3 * ENGINES_OUTSIDE_MOST + 1 + ENGINES_COMPILED_MOST + ENGINES_EMBREE_MOST)
 
 /* Adds an engine at the end of the table; it is borrowed until the program ends. Call it only while
  * no other thread reads the table. Errors: STATUS_LIMIT more than ENGINES_ADDED_MOST. */

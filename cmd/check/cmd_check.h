@@ -61,6 +61,7 @@ void check_row_note(const struct row *row, char text[CHECK_NOTE_MOST]);
 void check_print_wide(const struct check_scene *scene);
 
 /* Prints how --move affected trees and packed trees. Prints nothing without --move. */
+void check_print_modes(const struct check_scene *scene, const struct screen *screen);
 void check_print_moved(const struct check_scene *scene, const struct screen *screen);
 
 /* The exit code of the rows. A refusing layout or a skipped engine counts only if it was named. It

@@ -179,6 +179,12 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
              row->boxes, row->tris, row_status_name(row->status), row->reason.text);
     if (row_counts_bits(row))
         json_add(out, "other_bits=%zu", row->moved);
+    if (row->engine && row->engine->plain && row->against)
+        json_add(out, "beside=%p",
+                 json_record("engine=%s differ=%zu both_right=%zu alone_right=%zu other_right=%zu "
+                             "neither_right=%zu",
+                             row->against->name, row->moved, row->beside.both, row->beside.own,
+                             row->beside.plain, row->beside.neither));
     if (row->compiled.words > 0)
         json_add(out, "compiled=%p", compiled_json(row));
     json_t *findings = json_array();

@@ -81,6 +81,9 @@ void check_row_note(const struct row *row, char text[CHECK_NOTE_MOST])
     if (row->moved)
         add(&note, "%s %zu answers with other bits than %s's", note.at ? ";" : "", row->moved,
             row->against->name);
+    if (row->moved && row->engine->plain)
+        add(&note, ": both right %zu, it alone %zu, %s alone %zu, neither %zu", row->beside.both,
+            row->beside.own, row->against->name, row->beside.plain, row->beside.neither);
     add_lists(&note, row);
     if (row->status == ROW_VACUOUS)
         add(&note, "%s %s", note.at ? ";" : "", row->reason.text);

@@ -241,6 +241,7 @@ static void print_agreement(const struct check_scene *scene, const struct screen
         screen_text(screen,
                     "  bit for bit against the shaders as built: %zu of %zu answers differ\n",
                     sum.same_bad, sum.same_rays);
+    check_print_modes(scene, screen);
     print_verdicts(&sum, screen);
     if (sum.counted)
         screen_text(screen, "  members as published are wrong in %s: counted, not judged\n",

@@ -2,6 +2,7 @@
 
 #include "gpu/engines/compiled.h"
 #include "gpu/engines/shader_tracer.h"
+#include "ref/engines/embree_named.h"
 #include "ref/guest/guest.h"
 #include "ref/guest/guest_engine.h"
 #include "ref/outside/pipe.h"
@@ -28,7 +29,12 @@ size_t outside_name_length(enum table table, const char *text)
 
 bool outside_is_engine(const char *name)
 {
-    return pipe_is_peer(name) || file_of_engine(name) || compiled_base(name);
+    return pipe_is_peer(name) || file_of_engine(name) || outside_is_known(name);
+}
+
+bool outside_is_known(const char *name)
+{
+    return compiled_base(name) || embree_is_named(name);
 }
 
 enum status outside_engine(const char *name, const struct engine **out, struct reason *reason)
@@ -39,6 +45,8 @@ enum status outside_engine(const char *name, const struct engine **out, struct r
         return STATUS_OK;
     if (begins_with(name, SHADER_PREFIX))
         return shader_tracer(name, out, reason);
+    if (embree_is_named(name))
+        return embree_named(name, out, reason);
     if (compiled_base(name))
         return compiled_engine(name, out, reason);
     enum status status = path ? guest_try(path, GUEST_TRY_MS, reason) : STATUS_OK;
@@ -47,9 +55,33 @@ enum status outside_engine(const char *name, const struct engine **out, struct r
     return path && path != name ? guest_engine(name, out, reason) : pipe_engine(name, out, reason);
 }
 
-/* If the name is "pipe:COMMAND", "FILE.so", "inside:FILE.so", "shader:FILE", "ENGINE:COMPILER" or
- * "answer:...", adds that engine to the table. */
-static enum status add_engine(enum table table, const char *flag, const char *text, size_t length,
+/* Adds a mode of Embree, or all of a pattern, and replaces the name by the engine's, or the
+ * pattern. */
+static enum status add_mode(const char *name, const char **text, size_t *length,
+                            struct reason *reason)
+{
+    const struct engine *engine;
+    const bool all = strcmp(name, EMBREE_PREFIX "all") == 0;
+    enum status status = STATUS_OK;
+    if (!all && !strpbrk(name, "*?")) {
+        status = embree_named(name, &engine, reason);
+        if (status)
+            return status;
+        *text = engine->name;
+        *length = strlen(*text);
+        return STATUS_OK;
+    }
+    if (all) {
+        *text = EMBREE_PREFIX "*";
+        *length = strlen(*text);
+        name = *text;
+    }
+    return embree_named_all(name, reason);
+}
+
+/* If the name is "pipe:COMMAND", "FILE.so", "inside:FILE.so", "shader:FILE", "ENGINE:COMPILER",
+ * "embree:MODE" or "answer:...", adds that engine to the table. */
+static enum status add_engine(enum table table, const char *flag, const char **text, size_t *length,
                               struct reason *reason)
 {
     char name[PIPE_NAME_MOST + 1];
@@ -58,8 +90,8 @@ static enum status add_engine(enum table table, const char *flag, const char *te
     enum status status = STATUS_OK;
     if (table != TABLE_ENGINES)
         return STATUS_OK;
-    snprintf(name, sizeof name, "%.*s", (int)(length < PIPE_NAME_MOST ? length : PIPE_NAME_MOST),
-             text);
+    snprintf(name, sizeof name, "%.*s", (int)(*length < PIPE_NAME_MOST ? *length : PIPE_NAME_MOST),
+             *text);
     const bool is_pipe = begins_with(name, PIPE_PREFIX);
     const char *comma = is_pipe ? pipe_engines_behind(name) : NULL;
     if (comma)
@@ -67,6 +99,8 @@ static enum status add_engine(enum table table, const char *flag, const char *te
                       "'%.100s': a pipe takes all that follows as its command: name it last, as "
                       "'%.60s,%.*s', or quote the comma of the command",
                       name, comma + 1, (int)(comma - name < 90 ? comma - name : 90), name);
+    else if (embree_is_named(name))
+        status = add_mode(name, text, length, &why);
     else if (outside_is_engine(name))
         status = outside_engine(name, &engine, &why);
     else if (begins_with(name, RECORDED_PREFIX))
@@ -99,6 +133,6 @@ static enum status add_plugin(enum table table, const char *flag, const char **t
 enum status outside_add(enum table table, const char *flag, const char **text, size_t *length,
                         struct reason *reason)
 {
-    enum status status = add_engine(table, flag, *text, *length, reason);
+    enum status status = add_engine(table, flag, text, length, reason);
     return status ? status : add_plugin(table, flag, text, length, reason);
 }

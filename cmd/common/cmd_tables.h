@@ -22,7 +22,7 @@ enum table {
     TABLE_COUNT
 };
 
-#define LIST_MOST 256
+#define LIST_MOST 320
 
 /* Some members of one table, by index. */
 struct list {

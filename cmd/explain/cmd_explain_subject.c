@@ -3,6 +3,7 @@
 
 #include "gpu/build/device_builders.h"
 #include "ref/outside/plugin_shader.h"
+#include "cmd/common/cmd_outside.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 #include "ref/base/text.h"
@@ -68,6 +69,11 @@ static enum status take_engine(struct explain_options *o, const struct fuzz_sign
 {
     if (!o->has_engine)
         o->of.engine = fuzz_signature_engine(signature);
+    if (!o->of.engine && outside_is_known(signature->engine)) {
+        enum status status = outside_engine(signature->engine, &o->of.engine, reason);
+        if (status)
+            return status;
+    }
     if (!o->of.engine)
         return fail(reason, STATUS_INPUT,
                     "%s: engine '%s' is not available: name one with --engine", o->of.spec,

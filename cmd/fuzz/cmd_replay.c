@@ -3,9 +3,9 @@
 #include "cmd/fuzz/cmd_replay.h"
 
 #include "gpu/build/device_builders.h"
-#include "gpu/engines/compiled.h"
 #include "ref/outside/pipe.h"
 #include "ref/outside/shared_object.h"
+#include "cmd/common/cmd_outside.h"
 #include "cmd/common/cmd_rows.h"
 #include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
@@ -216,8 +216,8 @@ enum status replay_engine(const struct finding_file *file, const struct engine *
     if (*out)
         return STATUS_OK;
     const char *name = file->signature.engine, *object = file_of_engine(name);
-    if (compiled_base(name))
-        return compiled_engine(name, out, reason);
+    if (outside_is_known(name))
+        return outside_engine(name, out, reason);
     return fail(reason, STATUS_INPUT, "engine '%s' is not available%s", name,
                 object && !object_of_engine(name) ? "; name its file: --engine shader:PATH"
                 : object && object != name        ? "; name its file: --engine inside:PATH/FILE.so"
@@ -301,6 +301,8 @@ int cmd_replay(int argc, char **argv)
     code = read_files(argv + first, count, files);
     for (size_t i = 0; i < count && code == EXIT_AGREE; i++)
         code = check_engine(&options, &files[i]);
+    if (!options.any_engine)
+        options.engine = table_all(TABLE_ENGINES); /* with those that files brought */
     if (code == EXIT_AGREE) {
         static struct turnout turnout;
         code = replay_all(&options, files, count, &turnout);

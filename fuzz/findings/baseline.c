@@ -2,6 +2,7 @@
 #include "fuzz/findings/baseline.h"
 
 #include "ref/engine.h"
+#include "ref/engines/embree_named.h"
 #include "ref/outside/pipe.h"
 #include "ref/outside/shared_object.h"
 #include "ref/files/file.h"
@@ -138,6 +139,23 @@ static bool has_expired(const struct waiver *waiver, const char *today)
     return waiver->until && strcmp(today, waiver->until) > 0;
 }
 
+/* Whether the waiver is about a finding, or about the same of the engine of a mode's formula. */
+static bool is_about(const struct waiver *waiver, const struct fuzz_signature *signature,
+                     const char *versions)
+{
+    char name[FUZZ_SIGNATURE_MOST];
+    struct fuzz_signature plain = *signature;
+    const char *engine = embree_named_plain(signature->engine);
+    fuzz_signature_print(signature, name);
+    if (waiver_is_about(waiver, name, versions))
+        return true;
+    if (!engine)
+        return false;
+    fuzz_signature_set_engine(&plain, engine);
+    fuzz_signature_print(&plain, name);
+    return waiver_is_about(waiver, name, versions);
+}
+
 void baseline_ask(struct baseline *baseline, const struct fuzz_signature *signature,
                   const char *versions, const char *today, struct baseline_answer *answer)
 {
@@ -150,7 +168,7 @@ void baseline_ask(struct baseline *baseline, const struct fuzz_signature *signat
         for (size_t i = 0; i < list->count && answer->state != BASELINE_KNOWN; i++) {
             const struct waiver *waiver = &list->waiver[i];
             bool expired = has_expired(waiver, today);
-            if (!waiver_is_about(waiver, name, versions) ||
+            if (!is_about(waiver, signature, versions) ||
                 (expired && answer->state == BASELINE_EXPIRED))
                 continue;
             answer->state = expired ? BASELINE_EXPIRED : BASELINE_KNOWN;
@@ -166,14 +184,11 @@ static bool could_show(const struct fuzz_contestant *who, const struct waiver *w
                        const char *versions)
 {
     struct fuzz_signature signature = {.layout = who->layout};
-    char name[FUZZ_SIGNATURE_MOST];
     fuzz_signature_set_engine(&signature, who->engine->name);
     for (signature.kind = FUZZ_KIND_WRONG + 1; signature.kind < FUZZ_KIND_COUNT; signature.kind++)
-        for (signature.cause = 0; signature.cause < CAUSE_COUNT; signature.cause++) {
-            fuzz_signature_print(&signature, name);
-            if (waiver_is_about(waiver, name, versions))
+        for (signature.cause = 0; signature.cause < CAUSE_COUNT; signature.cause++)
+            if (is_about(waiver, &signature, versions))
                 return true;
-        }
     return false;
 }
 

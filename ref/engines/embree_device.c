@@ -5,6 +5,7 @@
 
 #include "ref/engines/cpu_rays.h"
 #include "ref/engines/embree_inner.h"
+#include "ref/engines/embree_isa.h"
 
 #include <fenv.h>
 #include <stdio.h>
@@ -49,20 +50,25 @@ void embree_close(void *self)
     free(embree);
 }
 
-enum status embree_open_mode(const struct engine_options *options, enum embree_mode mode,
+enum status embree_open_mode(const struct engine_options *options, const struct embree_mode *mode,
                              void **self, struct reason *reason)
 {
-    struct embree *embree = alloc_zeroed(1, sizeof *embree);
     *self = NULL;
+    enum status status = embree_isa_check(mode->isa, reason);
+    if (status)
+        return status;
+    struct embree *embree = alloc_zeroed(1, sizeof *embree);
     if (!embree)
         return fail(reason, STATUS_MEMORY, "no memory for an engine");
-    embree->mode = mode;
-    embree->compact = options->compact;
+    embree->mode = *mode;
+    embree->mode.compact = mode->compact || options->compact;
     embree->unguarded = options->unguarded;
     embree->threads = cpu_rays_threads(options);
-    char config[sizeof "threads=4294967295,frequency_level=simd512"];
-    snprintf(config, sizeof config, "threads=%u%s", embree->threads,
-             options->avx512 ? ",frequency_level=simd512" : "");
+    const char *isa = mode->isa         ? embree_isa_configs[mode->isa]
+                      : options->avx512 ? ",frequency_level=simd512"
+                                        : "";
+    char config[sizeof "threads=4294967295,isa=sse4.2,frequency_level=simd512"];
+    snprintf(config, sizeof config, "threads=%u%s", embree->threads, isa);
     embree->device = rtcNewDevice(config);
     if (!embree->device) {
         free(embree);
@@ -75,27 +81,38 @@ enum status embree_open_mode(const struct engine_options *options, enum embree_m
     return STATUS_OK;
 }
 
-/* One ray of QUERY_ALL: the context that Embree passes to the filter, and the list of hits. */
-struct embree_list {
-    embree_context context; /* first: Embree passes its address to the filter */
-    struct hit *hit;
-    uint32_t capacity, found;
-};
-
-/* Adds the hit to the list and rejects it, so that the ray keeps its length and is traced on. Rays
- * are traced one by one: only a group of one has the layout of the single structs, and C has no
- * accessors for others. */
-static void embree_list_filter(const struct RTCFilterFunctionNArguments *args)
+/* Whether the list of a ray has the triangle. */
+static bool is_listed(const struct embree_lists *lists, size_t ray, unsigned prim)
 {
-    struct embree_list *list = (struct embree_list *)args->context;
-    const struct RTCRay *ray = (const struct RTCRay *)args->ray;
-    const struct RTCHit *hit = (const struct RTCHit *)args->hit;
-    if (args->N != 1 || args->valid[0] != -1)
-        return;
-    if (list->found < list->capacity)
-        list->hit[list->found] = (struct hit){ray->tfar, hit->u, hit->v, hit->primID};
-    list->found++;
-    args->valid[0] = 0;
+    const struct hit *hit = lists->hit + ray * lists->capacity;
+    for (uint32_t i = 0; i < lists->found[ray] && i < lists->capacity; i++)
+        if (hit[i].prim == prim)
+            return true;
+    return false;
+}
+
+/* Embree calls a group of N as it is built of arrays of N, in the order of the single structures;
+ * C has no accessors for them. A packet may come in pieces, so ids tell the rays. */
+void embree_list_filter(const struct RTCFilterFunctionNArguments *args)
+{
+    enum { RAY_TFAR = 8, RAY_ID = 10, HIT_U = 3, HIT_V = 4, HIT_PRIM = 5 };
+    struct embree_lists *lists = (struct embree_lists *)args->context;
+    const float *ray = (const float *)args->ray, *hit = (const float *)args->hit;
+    const unsigned *ray_word = (const unsigned *)args->ray, *hit_word = (const unsigned *)args->hit;
+    const size_t n = args->N;
+    for (size_t i = 0; i < n; i++) {
+        if (args->valid[i] != -1)
+            continue;
+        args->valid[i] = 0;
+        const size_t id = ray_word[RAY_ID * n + i];
+        const unsigned prim = hit_word[HIT_PRIM * n + i];
+        if (lists->twice && is_listed(lists, id, prim))
+            continue;
+        if (lists->found[id] < lists->capacity)
+            lists->hit[id * lists->capacity + lists->found[id]] =
+                (struct hit){ray[RAY_TFAR * n + i], hit[HIT_U * n + i], hit[HIT_V * n + i], prim};
+        lists->found[id]++;
+    }
 }
 
 static enum status embree_add_mesh(struct embree *embree, const struct scene *scene,
@@ -124,10 +141,12 @@ RTCScene embree_scene(const struct embree *embree)
 {
     RTCScene scene = rtcNewScene(embree->device);
     rtcSetSceneFlags(scene,
-                     (embree->mode == EMBREE_ROBUST ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE) |
-                         (embree->compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE));
-    if (embree->mode == EMBREE_HIGH)
+                     (embree->mode.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE) |
+                         (embree->mode.compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE));
+    if (embree->mode.quality == EMBREE_HIGH)
         rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+    if (embree->mode.quality == EMBREE_LOW)
+        rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
     return scene;
 }
 
@@ -216,24 +235,34 @@ bool embree_occluded(RTCScene scene, embree_context *context, struct RTCRay *ray
     return ray->tfar < 0.0f;
 }
 
-static uint32_t embree_all(struct embree *embree, const struct ray *ray, uint32_t capacity,
-                           struct hit *hit)
+static void list_one(const struct embree *embree, const struct ray *ray, uint32_t capacity,
+                     struct hit *hit, uint32_t *hit_count)
 {
     struct RTCRayHit query = embree_query(ray);
-    struct embree_list list = {.hit = hit, .capacity = capacity};
-    embree_intersect(embree->scene, &list.context, &query);
-    return list.found;
+    struct embree_lists lists = {.hit = hit,
+                                 .capacity = capacity,
+                                 .found = hit_count,
+                                 .twice = embree->mode.quality == EMBREE_HIGH};
+    *hit_count = 0;
+    if (embree_takes(embree, ray))
+        embree_intersect(embree->scene, &lists.context, &query);
 }
 
 enum status embree_trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
                              struct hit *hit, uint32_t *hit_count, struct reason *reason)
 {
     struct embree *embree = self;
+    const size_t step = embree->mode.packet ? embree->mode.packet : 1;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(embree->threads) if (ray_count > 64)
-    for (long long i = 0; i < (long long)ray_count; i++)
-        hit_count[i] = embree_takes(embree, &ray[i])
-                           ? embree_all(embree, &ray[i], capacity, hit + (size_t)i * capacity)
-                           : 0;
+    for (long long i = 0; i < (long long)ray_count; i += (long long)step) {
+        const size_t first = (size_t)i, left = ray_count - first;
+        struct hit *lists = hit ? hit + first * capacity : NULL;
+        if (embree->mode.packet)
+            embree_packet_list(embree, ray + first, left < step ? left : step, capacity, lists,
+                               hit_count + first);
+        else
+            list_one(embree, &ray[i], capacity, lists, &hit_count[i]);
+    }
     return embree_error(embree, "tracing", reason);
 }
 

@@ -21,8 +21,7 @@ struct embree {
     RTCDevice device;
     RTCScene scene;             /* of the last prepare; else NULL */
     struct embree_world *world; /* of the last prepare_world; else NULL */
-    enum embree_mode mode;
-    bool compact;
+    struct embree_mode mode;
     bool unguarded;
     bool masks; /* the library was built with masks of rays */
     unsigned threads;
@@ -46,6 +45,32 @@ enum status embree_room(struct embree *embree, size_t rays, struct reason *reaso
  * report. */
 void embree_time_spans(const struct embree *embree, RTCScene scene, size_t count,
                        struct trace_report *report);
+
+/* Packets of mode.packet rays in `rays`, of which embree_packet_bytes gives the bytes of `count`
+ * rays: filled with rays, traced from the first-th ray on, read. Lanes beyond the last ray, and lanes
+ * of rays that embree_takes rejects, are switched off. */
+size_t embree_packet_bytes(const struct embree *embree, size_t count);
+void embree_packets_fill(const struct embree *embree, const struct ray *ray, size_t count);
+void embree_packets_trace(const struct embree *embree, RTCScene scene, size_t first, size_t count);
+void embree_packets_read(const struct embree *embree, size_t count, struct hit *hit);
+
+/* Lists the hits of `count` rays, at most a packet of them, as engine.trace_all does. */
+void embree_packet_list(const struct embree *embree, const struct ray *ray, size_t count,
+                        uint32_t capacity, struct hit *hit, uint32_t *hit_count);
+
+/* The lists of QUERY_ALL: the context that Embree passes to the filter, and where the list of the
+ * ray with id i is. */
+struct embree_lists {
+    embree_context context; /* first: Embree passes its address to the filter */
+    struct hit *hit;        /* capacity of each ray */
+    uint32_t capacity;
+    uint32_t *found; /* of each ray */
+    bool twice;      /* a triangle may be met twice: one that is listed is not listed again */
+};
+
+/* Adds each hit to its ray's list and rejects it, so that the ray keeps its length and is traced
+ * on. */
+void embree_list_filter(const struct RTCFilterFunctionNArguments *args);
 
 /* Takes the device's error. Returns STATUS_OK if there is none. */
 enum status embree_error(struct embree *embree, const char *doing, struct reason *reason) MUST_USE;

@@ -8,17 +8,10 @@
 
 #include <stdlib.h>
 
-#define SPAN   64u /* rays that a thread takes at once */
-#define PACKET 16u
+#define SPAN 64u /* rays that a thread takes at once */
 
 /* Embree's packets are aligned to this. */
 #define ALIGNED 64u
-
-/* A packet of 16 rays, with its valid lanes. */
-struct embree_packet {
-    _Alignas(ALIGNED) struct RTCRayHit16 rays;
-    _Alignas(ALIGNED) int valid[PACKET];
-};
 
 /* --- single rays ------------------------------------------------------------------------------ */
 
@@ -92,81 +85,12 @@ static void read_singles(const struct embree *embree, const struct ray *ray, siz
     }
 }
 
-/* --- packets ---------------------------------------------------------------------------------- */
-
-/* Writes a ray to lane `i` of a packet. */
-static void fill_lane(struct RTCRayHit16 *to, const struct ray *ray, uint32_t i)
-{
-    to->ray.org_x[i] = ray->org[0];
-    to->ray.org_y[i] = ray->org[1];
-    to->ray.org_z[i] = ray->org[2];
-    to->ray.tnear[i] = ray->tmin;
-    to->ray.dir_x[i] = ray->dir[0];
-    to->ray.dir_y[i] = ray->dir[1];
-    to->ray.dir_z[i] = ray->dir[2];
-    to->ray.time[i] = 0;
-    to->ray.tfar[i] = ray->tmax;
-    to->ray.mask[i] = 0xFFFFFFFFu;
-    to->ray.id[i] = i;
-    to->ray.flags[i] = 0;
-    to->hit.geomID[i] = to->hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
-}
-
-/* Lanes beyond the last ray, and lanes of rays that embree_takes rejects, are switched off. */
-static void fill_packets(const struct embree *embree, const struct ray *ray, size_t count)
-{
-    const struct ray nothing = {.dir = {0, 0, 1}};
-    struct embree_packet *packet = embree->rays;
-    for (size_t i = 0; i < (count + PACKET - 1) / PACKET * PACKET; i++) {
-        const bool on = i < count && embree_takes(embree, &ray[i]);
-        packet[i / PACKET].valid[i % PACKET] = on ? -1 : 0;
-        fill_lane(&packet[i / PACKET].rays, on ? &ray[i] : &nothing, i % PACKET);
-    }
-}
-
-static void packet_span(const struct embree *embree, struct embree_packet *packet, size_t count)
-{
-#if HAVE_EMBREE == 4
-    for (size_t i = 0; i < count; i++)
-        if (embree->query == QUERY_ANY)
-            rtcOccluded16(packet[i].valid, embree->scene, &packet[i].rays.ray, NULL);
-        else
-            rtcIntersect16(packet[i].valid, embree->scene, &packet[i].rays, NULL);
-#else
-    embree_context context;
-    embree_start(&context);
-    for (size_t i = 0; i < count; i++)
-        if (embree->query == QUERY_ANY)
-            rtcOccluded16(packet[i].valid, embree->scene, &context, &packet[i].rays.ray);
-        else
-            rtcIntersect16(packet[i].valid, embree->scene, &context, &packet[i].rays);
-#endif
-}
-
-static void read_packets(const struct embree *embree, size_t count, struct hit *hit)
-{
-    const struct embree_packet *packet = embree->rays;
-    for (size_t i = 0; i < count; i++) {
-        const struct RTCRayHit16 *from = &packet[i / PACKET].rays;
-        const size_t lane = i % PACKET;
-        hit[i] = (struct hit){.prim = ABI_NO_PRIM};
-        if (!packet[i / PACKET].valid[lane])
-            continue;
-        if (embree->query == QUERY_ANY)
-            hit[i].prim = from->ray.tfar[lane] < 0.0f ? 0 : ABI_NO_PRIM;
-        else if (from->hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID)
-            hit[i] = (struct hit){from->ray.tfar[lane], from->hit.u[lane], from->hit.v[lane],
-                                  from->hit.primID[lane]};
-    }
-}
-
 /* --- batches ---------------------------------------------------------------------------------- */
 
 static void trace_span(const struct embree *embree, RTCScene scene, size_t first, size_t count)
 {
-    if (embree->mode == EMBREE_PACKETS)
-        packet_span(embree, (struct embree_packet *)embree->rays + first / PACKET,
-                    (count + PACKET - 1) / PACKET);
+    if (embree->mode.packet)
+        embree_packets_trace(embree, scene, first, count);
     else if (embree->query == QUERY_ANY)
         any_span(scene, (struct RTCRay *)embree->rays + first, count);
     else
@@ -188,13 +112,13 @@ static void trace_batch(struct embree *embree, const struct ray *ray, size_t cou
                         struct trace_report *report)
 {
     size_t traced = count;
-    if (embree->mode == EMBREE_PACKETS)
-        fill_packets(embree, ray, count);
+    if (embree->mode.packet)
+        embree_packets_fill(embree, ray, count);
     else
         traced = fill_singles(embree, ray, count);
     embree_time_spans(embree, embree->scene, traced, report);
-    if (embree->mode == EMBREE_PACKETS)
-        read_packets(embree, count, hit);
+    if (embree->mode.packet)
+        embree_packets_read(embree, count, hit);
     else
         read_singles(embree, ray, count, hit);
 }
@@ -202,9 +126,8 @@ static void trace_batch(struct embree *embree, const struct ray *ray, size_t cou
 enum status embree_room(struct embree *embree, size_t rays, struct reason *reason)
 {
     const size_t count = rays < EMBREE_BATCH ? rays : EMBREE_BATCH;
-    const size_t packets = (count + PACKET - 1) / PACKET;
-    const size_t bytes = embree->mode == EMBREE_PACKETS ? packets * sizeof(struct embree_packet)
-                                                        : count * sizeof(struct RTCRayHit);
+    const size_t bytes =
+        embree->mode.packet ? embree_packet_bytes(embree, count) : count * sizeof(struct RTCRayHit);
     if (embree->rays_bytes >= bytes)
         return STATUS_OK;
     free(embree->rays);

@@ -276,6 +276,10 @@ static enum status prepare_world(void *self, const struct world_job *job, struct
     struct embree *embree = self;
     const struct world *from = job->world;
     embree_drop(embree);
+    if (embree->mode.quality == EMBREE_LOW && !embree->unguarded)
+        return fail(reason, STATUS_UNSUPPORTED,
+                    "Embree: its builder of quality low may abort on what is placed and has no "
+                    "extent");
     embree->query = job->query;
     struct embree_world *world = embree->world = alloc_zeroed(1, sizeof *world);
     if (!world)

@@ -6,25 +6,29 @@
 static enum status embree_open(const struct engine_options *options, void **self,
                                struct reason *reason)
 {
-    return embree_open_mode(options, EMBREE_DEFAULT, self, reason);
+    const struct embree_mode mode = {0};
+    return embree_open_mode(options, &mode, self, reason);
 }
 
 static enum status embree_robust_open(const struct engine_options *options, void **self,
                                       struct reason *reason)
 {
-    return embree_open_mode(options, EMBREE_ROBUST, self, reason);
+    const struct embree_mode mode = {.robust = true};
+    return embree_open_mode(options, &mode, self, reason);
 }
 
 static enum status embree_packets_open(const struct engine_options *options, void **self,
                                        struct reason *reason)
 {
-    return embree_open_mode(options, EMBREE_PACKETS, self, reason);
+    const struct embree_mode mode = {.packet = 16};
+    return embree_open_mode(options, &mode, self, reason);
 }
 
 static enum status embree_high_open(const struct engine_options *options, void **self,
                                     struct reason *reason)
 {
-    return embree_open_mode(options, EMBREE_HIGH, self, reason);
+    const struct embree_mode mode = {.quality = EMBREE_HIGH};
+    return embree_open_mode(options, &mode, self, reason);
 }
 
 /* Each mode of Embree has one triangle test, whatever `tri` is. */

@@ -315,6 +315,8 @@ static enum status play_row(struct match *match, const struct engine *engine, vo
         row->compiled = *engine->compiled;
         row->against = engine->compiled->raw;
         row->bits = engine->compiled->equal;
+    } else if (engine->plain && match->options.query != QUERY_ALL) {
+        row->against = engine->plain;
     } else if (row->bits || (engine->foreign_bits && match->options.query != QUERY_ALL)) {
         row->against = engine_reference(true);
     }

@@ -8,7 +8,7 @@
 #include "ref/packed/tree_file.h"
 #include "ref/two_level/packed_world.h"
 
-#define POOL_MOST       59 /* every engine of the program, and all that may be added */
+#define POOL_MOST       299 /* every engine of the program, and all that may be added */
 #define FINDING_MOST    4  /* kept of a row: so many that are WRONG, and so many bit differences */
 #define REPEAT_MOST     32
 #define MATCH_EDGES     4 /* classes of hits beside edges */
@@ -152,6 +152,9 @@ struct row {
     const struct engine *against; /* engine cpu on the same tree; of compiled shaders the raw one */
     struct engine_compiled compiled; /* of an engine with compiled shaders that was prepared */
     size_t moved; /* of one whose bits are free: answers with other bits than `against` has */
+    struct {      /* of a mode of a library, of `moved`: who is right by the judge */
+        size_t both, own, plain, neither;
+    } beside;
     bool unknown; /* its formula is not known */
     const char
         *formula;  /* of an engine with own_tri that ran: the triangle test of the table that it
@@ -175,10 +178,11 @@ static inline bool row_bytes_known(const struct row *row)
 
 const char *row_status_name(enum row_status status);
 
-/* True if answers with other bits than the reference engine's are counted and are no fault. */
+/* True if answers with other bits than the reference engine's, or those of the library's plain mode,
+ * are counted and are no fault. */
 static inline bool row_counts_bits(const struct row *row)
 {
-    return row->against && !row->bits && row->engine->foreign_bits;
+    return row->against && !row->bits && (row->engine->foreign_bits || row->engine->plain);
 }
 
 /* The tests that a row's engine ran, which may be its own whatever the options are: "own" is a test

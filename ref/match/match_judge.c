@@ -161,6 +161,29 @@ void match_displacements(double *displacement, struct row *row)
     row->displacement.most = displacement[count - 1];
 }
 
+/* Who is right where a mode of a library has other bits than its plain one. */
+static enum status judge_beside(struct judging *j, size_t i, const struct judgement *own)
+{
+    const struct match *match = j->match;
+    struct row *row = j->row;
+    struct judgement other;
+    if (!row->engine->plain || !row->against || !ray_in_contract(&match->ray[i]) ||
+        match_same_bits(match->against.hit, match->answer, match->world ? match->answer_tag : NULL,
+                        match->against.tag, i))
+        return STATUS_OK;
+    const bool right = own->verdict != VERDICT_WRONG;
+    enum status status =
+        judge_with(match, j->judge, i, match->against.hit, match->against.tag, &other);
+    if (status)
+        return status;
+    const bool other_right = other.verdict != VERDICT_WRONG;
+    row->beside.both += right && other_right;
+    row->beside.own += right && !other_right;
+    row->beside.plain += !right && other_right;
+    row->beside.neither += !right && !other_right;
+    return STATUS_OK;
+}
+
 static enum status judge_all(struct judging *j)
 {
     size_t rays = j->row->rays;
@@ -172,8 +195,12 @@ static enum status judge_all(struct judging *j)
             failed += judge_one(j, first + (size_t)i, &j->judgement[i]) != STATUS_OK;
         if (failed)
             return fail(&j->row->reason, STATUS_MEMORY, "no memory to judge %zu rays", rays);
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; i++) {
             count_one(j, first + i, &j->judgement[i]);
+            failed += judge_beside(j, first + i, &j->judgement[i]) != STATUS_OK;
+        }
+        if (failed)
+            return fail(&j->row->reason, STATUS_MEMORY, "no memory to judge %zu rays", rays);
     }
     return STATUS_OK;
 }

@@ -22,12 +22,14 @@ static struct {
     RTCFilterFunctionN filter;                /* the last of them */
     unsigned mask[CALLS_MASKS], masks;        /* of geometries, in order */
     unsigned closest, any;                    /* rays */
-    unsigned packets[2];                      /* the same in packets */
+    unsigned packets[2];                      /* the same in packets of 16 */
+    unsigned of4[2], of8[2];                  /* of 4, of 8 */
     struct RTCRay ray;                        /* the last single one */
     int valid[16];                            /* of the last packet */
     struct RTCRay16 packet;
 
     bool no_device, no_ray_masks;
+    const char *other;  /* what devices are made with instead; NULL: with what they are to be */
     bool rude;          /* a build leaves another rounding mode */
     ssize_t version[3]; /* unless 0 */
     unsigned no_memory; /* counts down to the memory that is not there; 0: all is */
@@ -70,7 +72,7 @@ RTCDevice rtcNewDevice(const char *config)
         return NULL;
     calls.devices++;
     calls.made++;
-    return CALLS_REAL(rtcNewDevice)(config);
+    return CALLS_REAL(rtcNewDevice)(calls.other ? calls.other : config);
 }
 
 void rtcReleaseDevice(RTCDevice device)
@@ -206,6 +208,10 @@ void rtcCommitScene(RTCScene scene)
     const int *valid, RTCScene scene, struct RTCRayHit16 *query, struct RTCIntersectArguments *with
 #define CALLS_ANY16                                                                                \
     const int *valid, RTCScene scene, struct RTCRay16 *ray, struct RTCOccludedArguments *with
+#define CALLS_CLOSEST_OF(W)                                                                        \
+    const int *valid, RTCScene scene, struct RTCRayHit##W *query, struct RTCIntersectArguments *with
+#define CALLS_ANY_OF(W)                                                                            \
+    const int *valid, RTCScene scene, struct RTCRay##W *ray, struct RTCOccludedArguments *with
 #else
 #define CALLS_CLOSEST  RTCScene scene, embree_context *with, struct RTCRayHit *query
 #define CALLS_ANY      RTCScene scene, embree_context *with, struct RTCRay *ray
@@ -214,6 +220,10 @@ void rtcCommitScene(RTCScene scene)
 #define CALLS_CLOSEST16                                                                            \
     const int *valid, RTCScene scene, embree_context *with, struct RTCRayHit16 *query
 #define CALLS_ANY16 const int *valid, RTCScene scene, embree_context *with, struct RTCRay16 *ray
+#define CALLS_CLOSEST_OF(W)                                                                        \
+    const int *valid, RTCScene scene, embree_context *with, struct RTCRayHit##W *query
+#define CALLS_ANY_OF(W)                                                                            \
+    const int *valid, RTCScene scene, embree_context *with, struct RTCRay##W *ray
 #endif
 
 void rtcIntersect1(CALLS_CLOSEST)
@@ -252,5 +262,21 @@ void rtcOccluded16(CALLS_ANY16)
     calls.packet = *ray;
     CALLS_REAL(rtcOccluded16)(valid, CALLS_PASS(ray));
 }
+
+#define CALLS_NARROW(W)                                                                            \
+    void rtcIntersect##W(CALLS_CLOSEST_OF(W))                                                      \
+    {                                                                                              \
+        calls.of##W[0]++;                                                                          \
+        memcpy(calls.valid, valid, W * sizeof *valid);                                             \
+        CALLS_REAL(rtcIntersect##W)(valid, CALLS_PASS(query));                                     \
+    }                                                                                              \
+    void rtcOccluded##W(CALLS_ANY_OF(W))                                                           \
+    {                                                                                              \
+        calls.of##W[1]++;                                                                          \
+        memcpy(calls.valid, valid, W * sizeof *valid);                                             \
+        CALLS_REAL(rtcOccluded##W)(valid, CALLS_PASS(ray));                                        \
+    }
+CALLS_NARROW(4)
+CALLS_NARROW(8)
 
 #endif

@@ -1,0 +1,249 @@
+#include "ref/engines/embree_named.h"
+
+#include "ref/engines/embree_isa.h"
+#include "ref/twin/model.h"
+
+#include <fnmatch.h>
+#include <stdio.h>
+#include <string.h>
+
+extern const struct engine engine_embree, engine_embree_robust;
+
+const char *const embree_isa_words[EMBREE_ISAS] = {"", "sse2", "sse42", "avx", "avx2", "avx512"};
+static const char *const quality_words[EMBREE_QUALITIES] = {"medium", "low", "high"};
+static const char *const packet_words[] = {"1", "4", "8", "16"};
+static const unsigned packets[] = {0, 4, 8, 16};
+
+/* An engine of this file. */
+struct place {
+    char name[EMBREE_NAME_MOST];
+    struct embree_mode mode;
+};
+
+static struct place places[ENGINES_EMBREE_MOST];
+static struct engine engine_of[ENGINES_EMBREE_MOST];
+static size_t place_count;
+
+/* One function for each place, as an engine is not told its name when it is opened. */
+#define ROW(each, h)                                                                               \
+    each(0x##h##0) each(0x##h##1) each(0x##h##2) each(0x##h##3) each(0x##h##4) each(0x##h##5)      \
+        each(0x##h##6) each(0x##h##7) each(0x##h##8) each(0x##h##9) each(0x##h##A) each(0x##h##B)  \
+            each(0x##h##C) each(0x##h##D) each(0x##h##E) each(0x##h##F)
+#define PLACES(each)                                                                               \
+    ROW(each, 0)                                                                                   \
+    ROW(each, 1) ROW(each, 2) ROW(each, 3) ROW(each, 4) ROW(each, 5) ROW(each, 6) ROW(each, 7)     \
+        ROW(each, 8) ROW(each, 9) ROW(each, A) ROW(each, B) ROW(each, C) ROW(each, D) ROW(each, E)
+
+#define OPEN(n)                                                                                    \
+    static enum status open_##n(const struct engine_options *options, void **self,                 \
+                                struct reason *reason)                                             \
+    {                                                                                              \
+        return embree_open_mode(options, &places[n].mode, self, reason);                           \
+    }
+PLACES(OPEN)
+
+#define NAME_OF_OPEN(n) open_##n,
+static enum status (*const opens[])(const struct engine_options *options, void **self,
+                                    struct reason *reason) = {PLACES(NAME_OF_OPEN)};
+_Static_assert(ARRAY_COUNT(opens) == ENGINES_EMBREE_MOST, "a function for each place");
+
+/* How rays are given to Embree. */
+#define CALLED(n)                                                                                  \
+    static const char *called_##n(const void *self)                                                \
+    {                                                                                              \
+        (void)self;                                                                                \
+        return "rtcIntersect" #n " or rtcOccluded" #n;                                             \
+    }
+CALLED(1)
+CALLED(4)
+CALLED(8)
+CALLED(16)
+
+static const char *(*const called[])(const void *self) = {called_1, called_4, called_8, called_16};
+
+static size_t form_of(const struct embree_mode *mode)
+{
+    size_t form = 0;
+    while (packets[form] != mode->packet)
+        form++;
+    return form;
+}
+
+/* --- names ------------------------------------------------------------------------------------- */
+
+bool embree_is_named(const char *name)
+{
+    return strncmp(name, EMBREE_PREFIX, strlen(EMBREE_PREFIX)) == 0;
+}
+
+/* Where the word of that length is in a list; `count`: nowhere. */
+static size_t find(const char *const *list, size_t count, const char *word, size_t length)
+{
+    size_t i = 0;
+    while (i < count && !(strlen(list[i]) == length && memcmp(list[i], word, length) == 0))
+        i++;
+    return i;
+}
+
+/* What a name has said so far. */
+struct said {
+    bool isa, form, quality, robust, compact;
+};
+
+/* Takes a word. Returns false if it is none, or the second of its kind. */
+static bool take(const char *word, size_t length, struct said *said, struct embree_mode *out)
+{
+    static const char *const flags[] = {"robust", "compact"};
+    const bool dotted = length == 6 && memcmp(word, "sse4.2", 6) == 0;
+    const size_t isa =
+        dotted ? EMBREE_ISA_SSE42 : find(embree_isa_words, EMBREE_ISAS, word, length);
+    const size_t form = find(packet_words, ARRAY_COUNT(packet_words), word, length);
+    const size_t quality = find(quality_words, EMBREE_QUALITIES, word, length);
+    const size_t flag = find(flags, ARRAY_COUNT(flags), word, length);
+    bool *kind = &said->compact;
+    if (isa > EMBREE_ISA_OWN && isa < EMBREE_ISAS) {
+        out->isa = (enum embree_isa)isa;
+        kind = &said->isa;
+    } else if (form < ARRAY_COUNT(packet_words)) {
+        out->packet = packets[form];
+        kind = &said->form;
+    } else if (quality < EMBREE_QUALITIES) {
+        out->quality = (enum embree_quality)quality;
+        kind = &said->quality;
+    } else if (flag == 0) {
+        kind = &said->robust;
+    } else if (flag > 1) {
+        return false;
+    }
+    out->robust = out->robust || flag == 0;
+    out->compact = out->compact || flag == 1;
+    const bool second = *kind;
+    *kind = true;
+    return !second;
+}
+
+enum status embree_named_parse(const char *name, struct embree_mode *out, struct reason *reason)
+{
+    struct said said = {false};
+    *out = (struct embree_mode){0};
+    for (const char *at = name + strlen(EMBREE_PREFIX);; at++) {
+        const size_t length = strcspn(at, ":");
+        if (!take(at, length, &said, out))
+            return fail(reason, STATUS_INPUT,
+                        "'%.60s': '%.*s' is no word for a mode of Embree, or the second of its "
+                        "kind: sse2, sse42, avx, avx2 or avx512; 1, 4, 8 or 16; low, medium or "
+                        "high; robust; compact; or embree:all",
+                        name, (int)(length < 30 ? length : 30), at);
+        at += length;
+        if (!*at)
+            return STATUS_OK;
+    }
+}
+
+const char *embree_named_plain(const char *name)
+{
+    struct embree_mode mode;
+    struct reason reason;
+    if (!embree_is_named(name) || embree_named_parse(name, &mode, &reason))
+        return NULL;
+    return mode.robust ? engine_embree_robust.name : engine_embree.name;
+}
+
+void embree_named_write(const struct embree_mode *mode, char name[EMBREE_NAME_MOST])
+{
+    static const struct embree_mode plain = {0};
+    const size_t form = form_of(mode);
+    snprintf(name, EMBREE_NAME_MOST, "embree%s%s%s%s%s%s%s%s", mode->isa ? ":" : "",
+             embree_isa_words[mode->isa], form ? ":" : "", form ? packet_words[form] : "",
+             mode->quality ? ":" : "", mode->quality ? quality_words[mode->quality] : "",
+             mode->robust ? ":robust" : "", mode->compact ? ":compact" : "");
+    struct embree_mode rest = *mode;
+    rest.robust = false;
+    if (mode->robust && memcmp(&rest, &plain, sizeof rest) == 0)
+        snprintf(name, EMBREE_NAME_MOST, "%s", engine_embree_robust.name);
+}
+
+/* --- engines ----------------------------------------------------------------------------------- */
+
+static enum status add(const struct embree_mode *mode, const char *name, const struct engine **out,
+                       struct reason *reason)
+{
+    if (place_count == ENGINES_EMBREE_MOST)
+        return fail(reason, STATUS_LIMIT, "%s: more than %d modes of Embree", name,
+                    ENGINES_EMBREE_MOST);
+    struct place *place = &places[place_count];
+    struct engine *engine = &engine_of[place_count];
+    snprintf(place->name, sizeof place->name, "%s", name);
+    place->mode = *mode;
+    *engine = mode->robust ? engine_embree_robust : engine_embree;
+    engine->plain = mode->robust ? &engine_embree_robust : &engine_embree;
+    engine->name = place->name;
+    engine->summary = "a mode of Embree";
+    engine->open = opens[place_count];
+    engine->called = called[form_of(mode)];
+    if (mode->packet)
+        engine->worlds = NULL;
+    enum status status = engine_add(engine, reason);
+    if (status)
+        return status;
+    place_count++;
+    *out = engine;
+    return STATUS_OK;
+}
+
+enum status embree_named(const char *name, const struct engine **out, struct reason *reason)
+{
+    struct embree_mode mode;
+    char own[EMBREE_NAME_MOST];
+    *out = NULL;
+    enum status status = embree_named_parse(name, &mode, reason);
+    if (status)
+        return status;
+    embree_named_write(&mode, own);
+    *out = engine_find(own);
+    if (*out)
+        return STATUS_OK;
+    status = embree_isa_check(mode.isa, reason);
+    return status ? status : add(&mode, own, out, reason);
+}
+
+/* The modes that name their ISA, by number. */
+static struct embree_mode mode_at(unsigned i)
+{
+    return (struct embree_mode){.isa = (enum embree_isa)(1 + i / 48),
+                                .packet = packets[i / 12 % 4],
+                                .quality = (enum embree_quality)(i / 4 % EMBREE_QUALITIES),
+                                .robust = i / 2 % 2,
+                                .compact = i % 2};
+}
+
+enum status embree_named_all(const char *pattern, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    struct reason why = {""};
+    bool any = false, runs = false;
+    for (unsigned i = 0; i < 48 * (EMBREE_ISAS - 1) && status != STATUS_LIMIT; i++) {
+        const struct embree_mode mode = mode_at(i);
+        const struct engine *engine;
+        char name[EMBREE_NAME_MOST];
+        embree_named_write(&mode, name);
+        if (fnmatch(pattern, name, 0) != 0)
+            continue;
+        any = true;
+        status = embree_named(name, &engine, &why);
+        runs = runs || !status;
+    }
+    if (!any)
+        return fail(reason, STATUS_INPUT, "no mode of Embree is called '%.60s'", pattern);
+    if (runs && status != STATUS_LIMIT)
+        return STATUS_OK;
+    return fail(reason, status, "%s", why.text);
+}
+
+const struct embree_mode *embree_mode_of(const struct engine *engine)
+{
+    for (size_t i = 0; i < place_count; i++)
+        if (&engine_of[i] == engine)
+            return &places[i].mode;
+    return NULL;
+}
