@@ -181,9 +181,9 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
         json_add(out, "other_bits=%zu", row->moved);
     if (row->engine && row->engine->plain && row->against)
         json_add(out, "beside=%p",
-                 json_record("engine=%s differ=%zu both_right=%zu alone_right=%zu other_right=%zu "
+                 json_record("engine=%s both_right=%zu alone_right=%zu other_right=%zu "
                              "neither_right=%zu",
-                             row->against->name, row->moved, row->beside.both, row->beside.own,
+                             row->against->name, row->beside.both, row->beside.own,
                              row->beside.plain, row->beside.neither));
     if (row->compiled.words > 0)
         json_add(out, "compiled=%p", compiled_json(row));

@@ -39,7 +39,9 @@ static bool can_match(enum baseline_field field, const char *pattern)
     for (size_t i = 0; text_of(field, i); i++)
         if (fnmatch(pattern, text_of(field, i), 0) == 0)
             return true;
-    return field == FIELD_ENGINE && (pipe_is_peer(pattern) || file_of_engine(pattern));
+    return field == FIELD_ENGINE &&
+           (pipe_is_peer(pattern) || file_of_engine(pattern) || embree_named_plain(pattern) ||
+            (embree_is_named(pattern) && strpbrk(pattern, "*?")));
 }
 
 /* Every field must be able to match something: a misspelt one would silently excuse nothing. */

@@ -34,6 +34,12 @@ written check 0 sphere:n=4 --engine vulkan --layout f32 --compiler raw,opt --cou
 for change in 's/"bits_free": *false/"bits_free": 0/' 's/"translates"/"translated"/' 's/"kept": *[0-9]*/"kept": "all"/'; do
     planted check "$change"
 done
+# Modes of Embree.
+if "$raydiff" check sphere:n=1 --engine embree:sse2 --count 10 >"$dir/text" 2>&1 || [ $? != 77 ]; then
+    written check 0 sphere:n=4 --engine embree:sse2:8 --count 100 --repeat 1
+    planted check 's/"both_right": *[0-9]*/"both_right": "all"/'
+    planted check 's/"neither_right"/"neither"/'
+fi
 # A world's rows, with findings of a layout that is wrong once its tree was checked; engines that trace none.
 sed 's/"mine"/"late"/; s/            out->box\[i\] = box(packed, out->child\[i\]);/{ & static volatile int loads; if (loads++ > 3000) out->box[i].hi[0] = out->box[i].lo[0]; }/' \
     fuzz/samples/layout/mine.c >"$dir/late.c"

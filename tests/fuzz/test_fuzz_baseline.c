@@ -258,10 +258,43 @@ static void today_is_a_day(void **state)
     baseline_close(&b);
 }
 
+/* What is known of an engine is known of its modes, by their formula, and of no other. */
+static void modes_of_embree_have_the_faults_of_their_formula(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *waiver, *signature;
+        enum baseline_state state;
+    } cases[] = {
+        {"embree", "embree", BASELINE_KNOWN},
+        {"embree", "embree:avx2:8", BASELINE_KNOWN},
+        {"embree", "embree:sse2:high:compact", BASELINE_KNOWN},
+        {"embree", "embree:sse2:high:robust", BASELINE_NEW},
+        {"embree", "embree_robust", BASELINE_NEW},
+        {"embree_robust", "embree:sse2:high:robust", BASELINE_KNOWN},
+        {"embree_robust", "embree:sse2:high", BASELINE_NEW},
+        {"embree:sse2", "embree:sse2", BASELINE_KNOWN},
+        {"embree:sse2", "embree:avx", BASELINE_NEW},
+        {"embree:sse2", "embree", BASELINE_NEW},
+        {"embree", "vulkan:opt", BASELINE_NEW},
+    };
+    for (size_t i = 0; i < ARRAY_COUNT(cases); i++) {
+        char line[200], signature[100];
+        snprintf(line, sizeof line, "%s.-.missed.scale until 2027-12-31 because" LINK,
+                 cases[i].waiver);
+        snprintf(signature, sizeof signature, "%s.-.missed.scale", cases[i].signature);
+        struct baseline baseline = listed(line);
+        assert_int_equal(ask(&baseline, signature, "raydiff 0.1.0", "2027-01-01").state,
+                         cases[i].state);
+        baseline_close(&baseline);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(today_is_the_same_everywhere),
+        cmocka_unit_test(modes_of_embree_have_the_faults_of_their_formula),
         cmocka_unit_test(entries_excuse_until_their_day),
         cmocka_unit_test(bad_lines_are_refused),
         cmocka_unit_test(days_are_those_of_the_calendar),

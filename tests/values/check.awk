@@ -216,7 +216,7 @@ narrow {
     is["wrong"] = wrongs_of
     is["allowed"] = v[p ".rays"] - wrongs_of - v[p ".counts.right"]
     is["hits"] = v[p ".hits"]
-    is["bits"] = v[p ".bit_differences"] == "null" ? "-" : v[p ".bit_differences"]
+    is["bits"] = (p ".other_bits") in v ? v[p ".other_bits"] : v[p ".bit_differences"] == "null" ? "-" : v[p ".bit_differences"]
     for (title in place) {
         text = $(place[title])
         if (title == "B/tri") {
@@ -271,6 +271,12 @@ rows && NF >= 7 {
         same(name "err/E", $17, "%.2f", v[p ".err_over_bound"])
     equal(name "WRONG", $18, v[p ".judged"] == "true" ? v[p ".counts.wrong"] : "count")
     equal(name "bits", $19, v[p ".bit_differences"])
+    if ((p ".beside.engine") in v) {
+        base = v[p ".beside.engine"]
+        equal(name "the engine beside it", base, v[p ".engine"] ~ /:robust/ ? "embree_robust" : "embree")
+        equal(name "who is right, in all", v[p ".beside.both_right"] + v[p ".beside.alone_right"] + v[p ".beside.other_right"] + v[p ".beside.neither_right"], v[p ".other_bits"])
+        truth(name "who is right", v[p ".other_bits"] == 0 || index($0, " " v[p ".other_bits"] " answers with other bits than " base "'s: both right " v[p ".beside.both_right"] ", it alone " v[p ".beside.alone_right"] ", " base " alone " v[p ".beside.other_right"] ", neither " v[p ".beside.neither_right"]))
+    }
     same(name "Mray/s", $20, "%.3f", v[p ".mrays_per_s.median"])
     equal(name "least and most", $21, sprintf("(%.3f-%.3f)", v[p ".mrays_per_s.min"], v[p ".mrays_per_s.max"]))
     if (match($0, /as published: .*/)) {
@@ -324,6 +330,24 @@ rows && NF >= 7 {
             differ += v["rows." r ".bit_differences"]
         }
     equal("answers that differ", $6, differ + 0)
+    rays = differ = 0
+    next
+}
+/^  bits of modes beside [a-z_]+: / {
+    base = $5
+    sub(/:$/, "", base)
+    rays = differ = both = alone = other = neither = 0
+    for (r = first; r < next_row; r++)
+        if (v["rows." r ".beside.engine"] == base) {
+            rays += v["rows." r ".rays"]
+            differ += v["rows." r ".other_bits"]
+            both += v["rows." r ".beside.both_right"]
+            alone += v["rows." r ".beside.alone_right"]
+            other += v["rows." r ".beside.other_right"]
+            neither += v["rows." r ".beside.neither_right"]
+        }
+    equal("modes beside " base, $0, "  bits of modes beside " base ": " differ " of " rays " answers differ; right are both in " both ", the mode alone in " alone ", " base " alone in " other ", neither in " neither)
+    modes_told++
     rays = differ = 0
     next
 }

@@ -50,6 +50,12 @@ both 30 check soup:n=100 --engine cpu --layout f32 --query all --count 200 --rep
 both 150 check sphere:n=4 soup:n=100 --engine cpu,vulkan,vulkan_brute --compiler raw,opt,size:none --layout f32,rf16 --count 400 \
     --repeat 1 --threads 1
 both 60 check sphere:n=4 --engine vulkan --compiler raw,opt:final --layout f32 --query any,closest --count 400 --repeat 1
+# Modes of Embree beside its own choice.
+if "$raydiff" check sphere:n=1 --engine embree:sse2 --count 10 >"$dir/text" 2>&1 || [ $? != 77 ]; then
+    both 100 check sphere:n=4 soup:n=100 --engine embree,embree:sse2:4,embree:sse2:robust,embree:high:compact --query closest,any --count 400 \
+        --repeat 1 --threads 1
+    grep -q '^  bits of modes beside embree: [1-9]' "$dir/whole" || bad "$ran: no bits differ"
+fi
 # Worlds; engines that trace none are told, not played.
 both 100 check crowd:n=12 sphere:n=4 mixed:count=20 --layout f32,rf16 --engine cpu,brute $small
 both 60 check mixed:count=20 --layout f32 --engine cpu,brute --query closest,any,all --count 200 --repeat 1
