@@ -1,4 +1,4 @@
-/* The report of raydiff check on modes of a library, beside its plain engine of the same formula. */
+/* The report of raydiff check on modes of a library, beside its engine of the same formula. */
 #include "cmd/check/cmd_check.h"
 
 void check_print_modes(const struct check_scene *scene, const struct screen *screen)

@@ -10,11 +10,11 @@
 size_t outside_name_length(enum table table, const char *text);
 
 /* Adds what a name of *length characters names to its table: an engine "pipe:COMMAND", "FILE.so",
- * "inside:FILE.so", "shader:FILE", "ENGINE:COMPILER", "embree:MODE" or "answer:...", a
- * layout "FILE.so". The own name of a mode of Embree and of a layout replaces *text. A pattern or
- * "embree:all" adds all modes of Embree that it names. Does nothing for other names. Errors: STATUS_INPUT no such thing;
- * STATUS_DEVICE a shared object that crashes or hangs while it is opened; STATUS_UNSUPPORTED GLSL
- * without a compiler. */
+ * "inside:FILE.so", "shader:FILE", "ENGINE:COMPILER", "embree:MODE" or "answer:...", a layout
+ * "FILE.so". The own name of a mode of Embree and of a layout replaces *text. A pattern or
+ * "embree:all" adds all modes of Embree that it names. Does nothing for other names. Errors:
+ * STATUS_INPUT no such thing; STATUS_DEVICE a shared object that crashes or hangs while it is
+ * opened; STATUS_UNSUPPORTED GLSL without a compiler, no such mode of Embree here. */
 enum status outside_add(enum table table, const char *flag, const char **text, size_t *length,
                         struct reason *reason) MUST_USE;
 

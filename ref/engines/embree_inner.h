@@ -47,8 +47,8 @@ void embree_time_spans(const struct embree *embree, RTCScene scene, size_t count
                        struct trace_report *report);
 
 /* Packets of mode.packet rays in `rays`, of which embree_packet_bytes gives the bytes of `count`
- * rays: filled with rays, traced from the first-th ray on, read. Lanes beyond the last ray, and lanes
- * of rays that embree_takes rejects, are switched off. */
+ * rays: filled with rays, traced from the first-th ray on, read. Lanes beyond the last ray, and
+ * lanes of rays that embree_takes rejects, are switched off. */
 size_t embree_packet_bytes(const struct embree *embree, size_t count);
 void embree_packets_fill(const struct embree *embree, const struct ray *ray, size_t count);
 void embree_packets_trace(const struct embree *embree, RTCScene scene, size_t first, size_t count);

@@ -15,12 +15,12 @@ static const char *const packet_words[] = {"1", "4", "8", "16"};
 static const unsigned packets[] = {0, 4, 8, 16};
 
 /* An engine of this file. */
-struct place {
+struct named_mode {
     char name[EMBREE_NAME_MOST];
     struct embree_mode mode;
 };
 
-static struct place places[ENGINES_EMBREE_MOST];
+static struct named_mode places[ENGINES_EMBREE_MOST];
 static struct engine engine_of[ENGINES_EMBREE_MOST];
 static size_t place_count;
 
@@ -31,8 +31,9 @@ static size_t place_count;
             each(0x##h##C) each(0x##h##D) each(0x##h##E) each(0x##h##F)
 #define PLACES(each)                                                                               \
     ROW(each, 0)                                                                                   \
-    ROW(each, 1) ROW(each, 2) ROW(each, 3) ROW(each, 4) ROW(each, 5) ROW(each, 6) ROW(each, 7)     \
-        ROW(each, 8) ROW(each, 9) ROW(each, A) ROW(each, B) ROW(each, C) ROW(each, D) ROW(each, E)
+    ROW(each, 1)                                                                                   \
+    ROW(each, 2) ROW(each, 3) ROW(each, 4) ROW(each, 5) ROW(each, 6) ROW(each, 7) ROW(each, 8)     \
+        ROW(each, 9) ROW(each, A) ROW(each, B) ROW(each, C) ROW(each, D) ROW(each, E)
 
 #define OPEN(n)                                                                                    \
     static enum status open_##n(const struct engine_options *options, void **self,                 \
@@ -69,7 +70,7 @@ static size_t form_of(const struct embree_mode *mode)
     return form;
 }
 
-/* --- names ------------------------------------------------------------------------------------- */
+/* --- names ------------------------------------------------------------------------------------ */
 
 bool embree_is_named(const char *name)
 {
@@ -86,12 +87,12 @@ static size_t find(const char *const *list, size_t count, const char *word, size
 }
 
 /* What a name has said so far. */
-struct said {
+struct words_said {
     bool isa, form, quality, robust, compact;
 };
 
 /* Takes a word. Returns false if it is none, or the second of its kind. */
-static bool take(const char *word, size_t length, struct said *said, struct embree_mode *out)
+static bool take(const char *word, size_t length, struct words_said *said, struct embree_mode *out)
 {
     static const char *const flags[] = {"robust", "compact"};
     const bool dotted = length == 6 && memcmp(word, "sse4.2", 6) == 0;
@@ -124,7 +125,7 @@ static bool take(const char *word, size_t length, struct said *said, struct embr
 
 enum status embree_named_parse(const char *name, struct embree_mode *out, struct reason *reason)
 {
-    struct said said = {false};
+    struct words_said said = {false};
     *out = (struct embree_mode){0};
     for (const char *at = name + strlen(EMBREE_PREFIX);; at++) {
         const size_t length = strcspn(at, ":");
@@ -163,7 +164,7 @@ void embree_named_write(const struct embree_mode *mode, char name[EMBREE_NAME_MO
         snprintf(name, EMBREE_NAME_MOST, "%s", engine_embree_robust.name);
 }
 
-/* --- engines ----------------------------------------------------------------------------------- */
+/* --- engines ---------------------------------------------------------------------------------- */
 
 static enum status add(const struct embree_mode *mode, const char *name, const struct engine **out,
                        struct reason *reason)
@@ -171,7 +172,7 @@ static enum status add(const struct embree_mode *mode, const char *name, const s
     if (place_count == ENGINES_EMBREE_MOST)
         return fail(reason, STATUS_LIMIT, "%s: more than %d modes of Embree", name,
                     ENGINES_EMBREE_MOST);
-    struct place *place = &places[place_count];
+    struct named_mode *place = &places[place_count];
     struct engine *engine = &engine_of[place_count];
     snprintf(place->name, sizeof place->name, "%s", name);
     place->mode = *mode;

@@ -33,8 +33,8 @@ void embree_named_write(const struct embree_mode *mode, char name[EMBREE_NAME_MO
 enum status embree_named(const char *name, const struct engine **out,
                          struct reason *reason) MUST_USE;
 
-/* Adds every mode that names its ISA, can run here and has a name of that pattern (fnmatch), such as
- * "embree:avx2*". Errors: STATUS_UNSUPPORTED no mode of that pattern can run here; STATUS_INPUT
+/* Adds every mode that names its ISA, can run here and has a name of that pattern (fnmatch), such
+ * as "embree:avx2*". Errors: STATUS_UNSUPPORTED no mode of that pattern can run here; STATUS_INPUT
  * there is no mode of that pattern; STATUS_LIMIT. */
 enum status embree_named_all(const char *pattern, struct reason *reason) MUST_USE;
 

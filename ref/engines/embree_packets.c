@@ -19,7 +19,7 @@ struct embree_packet {
     } rays;
 };
 
-/* --- what Embree is called with, by width ------------------------------------------------------ */
+/* --- what Embree is called with, by width ----------------------------------------------------- */
 
 #if HAVE_EMBREE == 4
 #define CALLS(W)                                                                                   \
@@ -102,7 +102,7 @@ static const struct form *form_of(const struct embree *embree)
     return &forms[embree->mode.packet == 4 ? 0 : embree->mode.packet == 8 ? 1 : 2];
 }
 
-/* --- rays -------------------------------------------------------------------------------------- */
+/* --- rays ------------------------------------------------------------------------------------- */
 
 /* From a packet to the next. */
 static size_t stride_of(const struct embree *embree)

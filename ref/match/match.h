@@ -178,8 +178,8 @@ static inline bool row_bytes_known(const struct row *row)
 
 const char *row_status_name(enum row_status status);
 
-/* True if answers with other bits than the reference engine's, or those of the library's plain mode,
- * are counted and are no fault. */
+/* True if answers with other bits than the reference engine's, or those of the library's plain
+ * mode, are counted and are no fault. */
 static inline bool row_counts_bits(const struct row *row)
 {
     return row->against && !row->bits && (row->engine->foreign_bits || row->engine->plain);

@@ -20,7 +20,15 @@ static struct scene scene;
 static struct hit own[RAYS]; /* of brute force */
 
 /* Rays that hit, by what becomes of them: i % 12. */
-enum change { NOTHING, MODE_LOSES, PLAIN_LOSES, BOTH_LOSE, MODE_ROUNDS, MODE_LOSES_TWO, ALL = 12 };
+enum what_becomes {
+    NOTHING,
+    MODE_LOSES,
+    PLAIN_LOSES,
+    BOTH_LOSE,
+    MODE_ROUNDS,
+    MODE_LOSES_TWO,
+    ALL = 12
+};
 
 static bool loses(size_t i, bool mode)
 {

@@ -92,7 +92,7 @@ static unsigned group;
 static uint32_t repeats;
 
 /* Finds `repeats` triangles, numbered from 5 on, for the last of a group of rays, of which Embree
- * has arrays of each number; the others are switched off, and are nobody's. */
+ * has arrays of each number; the others are switched off, and their numbers mean nothing. */
 static void answer_with_list(embree_context *context, struct RTCRayHit *query)
 {
     (void)query;
