@@ -133,6 +133,8 @@ enum status outputs_try(struct reason *reason)
 
 int option_error(const char *command, enum status status, const struct reason *reason)
 {
+    if (status == STATUS_UNSUPPORTED)
+        return exit_with_reason(command, status, reason);
     int code = usage_error(command, "%s", reason->text);
     return status == STATUS_DEVICE ? EXIT_ENGINE : code;
 }

@@ -24,7 +24,8 @@ enum status outputs_try(struct reason *reason) MUST_USE;
 /* For "-": redirects standard output to standard error from here on. Errors: STATUS_INPUT a second
  * "-", or cannot redirect. */
 enum status output_aside(struct reason *reason) MUST_USE;
-/* Prints why an option is wrong. Returns EXIT_ENGINE for STATUS_DEVICE, else EXIT_USAGE. */
+/* Prints why an option is wrong. Returns EXIT_ENGINE for STATUS_DEVICE, EXIT_SKIPPED for
+ * STATUS_UNSUPPORTED, else EXIT_USAGE. */
 int option_error(const char *command, enum status status, const struct reason *reason);
 
 /* Tests that a file can be written, before the work for it begins. Existing files stay unchanged,

@@ -49,7 +49,7 @@ static const struct option_row rows[] = {
      OF_COUNT(count, 1, 1u << 30), .shown = "1000; with --all 200"},
     {"brute", "N", "ray-triangle tests that brute force may spend", OF_COUNT(brute, 0, UINT64_MAX),
      .value = "1e8"},
-    {"engine", "E,..", "only these engines; pipe:COMMAND and FILE.so are such, too",
+    {"engine", "E,..", "only these engines; pipe:COMMAND, FILE.so and embree:MODE are such, too",
      OF_LIST(list[TABLE_ENGINES], TABLE_ENGINES), .shown = "all"},
     {"layout", "L,..", "only these layouts", OF_LIST(list[TABLE_LAYOUTS], TABLE_LAYOUTS),
      .shown = "every"},

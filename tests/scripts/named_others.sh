@@ -51,5 +51,64 @@ for nothing in 'soup:n=0' 'rtrs --bounces 0'; do
     grep -q '^  vacuous: no path of either hits a triangle$' "$dir/out" || bad "diff $nothing: not vacuous"
 done
 
+# Modes of Embree: one that cannot run here, or of which another ISA runs, is told in one line, and `all` leaves it out.
+if "$raydiff" check sphere:n=1 --engine embree:sse2 --count 10 >"$dir/out" 2>&1 || [ $? != 77 ]; then
+    cat >"$dir/less.c" <<'END'
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <string.h>
+void *rtcNewDevice(const char *config)
+{
+    void *(*real)(const char *) = (void *(*)(const char *))dlsym(RTLD_NEXT, "rtcNewDevice");
+    if (strstr(config, "isa=avx512"))
+        return NULL;
+    return real(strstr(config, "isa=avx") ? "threads=1,verbose=1,isa=sse4.2" : config);
+}
+END
+    cc -shared -fPIC -o "$dir/less.so" "$dir/less.c" -ldl || bad 'less.c is not compiled'
+    cat >"$dir/less" <<END
+#!/bin/sh
+LD_PRELOAD=$dir/less.so exec $raydiff "\$@"
+END
+    chmod +x "$dir/less"
+    whole=$raydiff raydiff=$dir/less
+    tree='sphere:n=2 --count 200 --repeat 1'
+    for mode in 'avx512 no device of ISA avx512 for this processor' 'avx2:8 asked for ISA avx2, it runs sse42' \
+        'high:avx:robust asked for ISA avx, it runs sse42'; do
+        says 77 "^raydiff check: --engine: Embree: ${mode#* }\$" check $tree --engine "cpu,embree:${mode%% *}"
+        [ "$(cat "$dir/out" "$dir/err" | wc -l)" -eq 1 ] || bad "${mode%% *}: not one line"
+    done
+    says 77 'no device of ISA avx512' check $tree --engine 'embree:avx512*'
+    says 2 "no mode of Embree is called 'embree:nope[*]'" check $tree --engine 'embree:nope*'
+    says 0 '^conclusion: 96 of 96 rows agree' check $tree --engine embree:all
+    raydiff=$whole
+    says 0 '^engine embree:sse42:8:high:robust:compact answered 1 of 1' check $tree --engine embree:compact:sse4.2:robust:8:high
+    says 0 '^engine embree_robust answered 1 of 1' check $tree --engine embree:robust:1
+    says 2 'named twice' check $tree --engine embree_robust,embree:robust
+    says 2 'embree:sse2:8 is named twice|.embree:sse2:8. is named twice' check $tree --engine embree:sse2:8,embree:8:sse2
+    says 0 '^engine embree:sse2:8 answered 1 of 1' leaks sphere:n=4 --engine embree:sse2:8 --count 1000
+    says 0 'passed, 0 failed' conform 'closest.embree:sse2:8.-.-.-.mt.sphere:n=4.primary.1'
+    # A finding brings the mode back: replayed and explained without --engine.
+    cat >"$dir/mode.trial" <<'END'
+raydiff trial 1
+expect embree:sse2:4:low.-.missed.scale
+builder median leaf 4 eps 0x1p-6
+box robust
+tri mt
+query closest
+vertices 3
+0x0p+0 0x0p+0 0x0p+0
+0x1p+0 0x0p+0 0x0p+0
+0x0p+0 0x1p+0 0x0p+0
+triangles 1
+0 1 2
+rays 1
+0x1p-2 0x1p-2 0x1p+0 0x0p+0 0x0p+0 -0x1p+0 0x0p+0 inf
+end
+END
+    says 0 '^  embree:sse2:4:low -  *nothing wrong' replay "$dir/mode.trial"
+    says 0 'embree:sse2:4:low' explain "$dir/mode.trial"
+fi
+
 echo "named_others: $failed failed"
 [ "$failed" -eq 0 ]
