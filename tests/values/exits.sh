@@ -417,6 +417,7 @@ unwritable() {
     unwritten diff $picture --engine cpu,fast --out TO
     unwritten diff $picture --engine cpu,fast --json TO
     unwritten precompute --scene soup:n=20 --builder median --out TO
+    unwritten tree tests/golden/input/mine.tree --json TO
     unwritten gen sphere:n=4 --count 20 --out TO
     locked
 }
