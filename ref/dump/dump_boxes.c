@@ -175,21 +175,19 @@ static enum status cover_grown(const struct dump_cover *cover, uint32_t by,
 /* The least growth that covers all; without growth it does not. */
 static enum status find_gap(const struct dump_cover *cover, uint32_t *out)
 {
-    struct cover_faults found = {.prims = 1};
-    uint32_t bad = 0, good = 1;
+    struct cover_faults found;
+    uint32_t bad = 0, good = DUMP_GAP_MOST;
     enum status status = cover_grown(cover, good, &found);
-    while (!status && found.prims && good < DUMP_GAP_MOST) {
-        bad = good;
-        good *= 2;
-        status = cover_grown(cover, good, &found);
+    if (status || found.prims) {
+        *out = DUMP_NONE;
+        return status;
     }
-    *out = found.prims ? DUMP_NONE : good;
-    while (!status && *out != DUMP_NONE && bad + 1 < good) {
+    while (!status && bad + 1 < good) {
         const uint32_t middle = bad + (good - bad) / 2;
         status = cover_grown(cover, middle, &found);
         *(found.prims ? &bad : &good) = middle;
-        *out = good;
     }
+    *out = good;
     return status;
 }
 
