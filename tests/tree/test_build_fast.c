@@ -76,12 +76,16 @@ static struct scene large_scene(void)
     return scene;
 }
 
-static void check_threads(const struct builder *builder, const struct scene *scene, uint32_t passes)
+/* Built again, and by more threads than the processor has, the tree is the same; `few`: only the
+ * latter. */
+static void check_threads(const struct builder *builder, const struct scene *scene,
+                          struct build_options options, bool few)
 {
-    static const uint32_t threads[] = {1, 2, 3, 7};
+    static const uint32_t threads[] = {1, 16, 1, 7};
     struct bvh first = {0};
-    for (size_t t = 0; t < ARRAY_COUNT(threads); t++) {
-        struct build_options options = {.leaf = 3, .passes = passes, .threads = threads[t]};
+    options.leaf = 3;
+    for (size_t t = 0; t < (few ? 2 : ARRAY_COUNT(threads)); t++) {
+        options.threads = threads[t];
         struct reason reason = {""};
         struct bvh bvh;
         if (bvh_build(builder, scene, &options, &bvh, &reason))
@@ -102,10 +106,22 @@ static void the_tree_does_not_depend_on_the_number_of_threads(void **state)
     struct scene scene = large_scene();
     for (size_t b = 0; builders_all[b]; b++)
         if (is_lawful(builders_all[b]))
-            check_threads(builders_all[b], &scene, 0);
+            check_threads(builders_all[b], &scene, (struct build_options){0}, false);
     scene_free(&scene);
-    scene = built_soup(20000, 3);
-    check_threads(builder_find("lbvh"), &scene, 2);
+}
+
+/* Nor do reinsertion and rotations, whatever built the tree. */
+static void passes_do_not_depend_on_the_number_of_threads(void **state)
+{
+    (void)state;
+    struct scene scene = built_soup(17000, 3); /* so many are built by several threads */
+    for (size_t b = 0; builders_all[b]; b++) {
+        const struct builder *builder = builders_all[b];
+        if (builder->compare || builder->faithful)
+            continue;
+        check_threads(builder, &scene, (struct build_options){.passes = 2}, true);
+        check_threads(builder, &scene, (struct build_options){.passes = 1, .rotates = true}, true);
+    }
     scene_free(&scene);
 }
 
@@ -277,6 +293,7 @@ int main(void)
         cmocka_unit_test(trees_are_well_formed_and_contain_their_triangles),
         cmocka_unit_test(few_triangles_of_any_number),
         cmocka_unit_test(the_tree_does_not_depend_on_the_number_of_threads),
+        cmocka_unit_test(passes_do_not_depend_on_the_number_of_threads),
         cmocka_unit_test(costs_are_in_the_order_of_the_effort),
         cmocka_unit_test(the_cost_of_a_tree_by_hand),
         cmocka_unit_test(a_misplaced_triangle_is_moved),
