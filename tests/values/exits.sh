@@ -154,8 +154,8 @@ findings() {
     ends 0 fuzz --trials 64 --engine cpu,brute --layout f32 --dir "$dir/clean" $few
     ends 1 fuzz --trials 64 --engine cpu --layout rtrs_rf --faithful --until 1 --no-shrink --dir "$f" $few
     ends 1 fuzz --trials 64 --engine "$blind" --dir "$dir/blind.found" --until 1 --no-shrink $few
-    ends 1 fuzz --trials 64 --engine "$refuser" --dir "$dir/refused" $few # vacuous
-    ends 1 fuzz --trials 64 --engine "$refuser" --dir "$dir/refused" $few # and nothing is left to play
+    ends 1 fuzz --trials 64 --engine "$refuser" --dir "$dir/refused.found" $few # vacuous
+    ends 1 fuzz --trials 64 --engine "$refuser" --dir "$dir/refused.found" $few # and nothing is left to play
     ends 1 fuzz --trials 64 --engine cpu --pairs 1000 --layout f32 --dir "$dir/pairs" $few # pairs met too seldom
     ends 2 fuzz --trials 64 --engine cpu --dir "$dir/one.obj" $few
     ends 2 fuzz --trials 64 --engine cpu --seed 2 --dir "$f" # another campaign
