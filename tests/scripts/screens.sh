@@ -65,7 +65,6 @@ screen explain explain fuzz/corpus/rounded-inward.trial
 screen bench-error bench error --scene sphere:n=6 --count 200 --rounds 3 --engine cpu --layout f32,rf16,rtrs_rf --tri mt,woop --rays edges --threads 1
 screen bench-spawn bench spawn --scene sphere:n=4 --count 60 --engine cpu --tri mt --threads 1
 screen bench-builders bench builders --scene sphere:n=6 --rounds 3 --threads 1
-screen bench-layouts bench layouts --scene sphere:n=6 --count 60 --rounds 1 --threads 1
 screen bench-matrix bench matrix --scene sphere:n=5 --count 160 --rounds 1 --threads 1 --engine cpu,fast --layout f32,rf16
 screen bench-tightness bench tightness --scene soup:n=50 --count 50
 screen bench-frames bench frames --scene sphere:n=6 --engine cpu --layout f32,rf16,cwbvh80 --frames 3 --size 16x12 --out "$dir/frames"
@@ -73,9 +72,11 @@ screen bench-oracle bench oracle --scene sphere:n=6 --count 200 --rounds 1
 screen bench-fast bench fast --scene sphere:n=6 --count 200 --rounds 1 --threads 1
 screen bench-worlds bench worlds --scene sphere:n=6 --count 200 --rounds 1 --instances 50 --threads 1
 screen bench-fuzz bench fuzz --count 20 --rounds 1 --engine cpu --layout f32
-# What takes longest is shown on the narrowest and the widest.
+# What takes longest is shown on the narrowest and the widest, or on the narrowest alone.
 widths='80 200'
+screen bench-layouts bench layouts --scene sphere:n=6 --count 60 --rounds 1 --threads 1
 screen bench-special bench special --size 16x12 --frames 4 --out "$dir/special"
+widths=80
 screen bench-paper bench paper --size 16x12 --frames 2 --scene rtrs --out "$dir/paper"
 
 # Other commands fit 80 columns, too: what is wrong, the end of a campaign, lists. Commands to copy stay whole.
