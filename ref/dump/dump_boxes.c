@@ -11,38 +11,38 @@
  * which leaf. */
 struct dump_reach {
     struct box box;
-    uint32_t who[6];
+    uint32_t owner[6];
 };
 
 static struct dump_reach reach_none(void)
 {
     struct dump_reach none = {.box = box_empty()};
     for (int side = 0; side < 6; side++)
-        none.who[side] = DUMP_NONE;
+        none.owner[side] = DUMP_NONE;
     return none;
 }
 
 /* A bound that is no number reaches nowhere. */
-static void reach_add(struct dump_reach *reach, const struct box *box, const uint32_t who[6])
+static void reach_add(struct dump_reach *reach, const struct box *box, const uint32_t owner[6])
 {
     for (int k = 0; k < 3; k++) {
-        if (who[k] != DUMP_NONE && (reach->who[k] == DUMP_NONE || box->lo[k] < reach->box.lo[k]) &&
-            !isnan(box->lo[k])) {
+        if (owner[k] != DUMP_NONE &&
+            (reach->owner[k] == DUMP_NONE || box->lo[k] < reach->box.lo[k]) && !isnan(box->lo[k])) {
             reach->box.lo[k] = box->lo[k];
-            reach->who[k] = who[k];
+            reach->owner[k] = owner[k];
         }
-        if (who[3 + k] != DUMP_NONE &&
-            (reach->who[3 + k] == DUMP_NONE || box->hi[k] > reach->box.hi[k]) &&
+        if (owner[3 + k] != DUMP_NONE &&
+            (reach->owner[3 + k] == DUMP_NONE || box->hi[k] > reach->box.hi[k]) &&
             !isnan(box->hi[k])) {
             reach->box.hi[k] = box->hi[k];
-            reach->who[3 + k] = who[3 + k];
+            reach->owner[3 + k] = owner[3 + k];
         }
     }
 }
 
-static void reach_one(struct dump_reach *reach, const struct box *box, uint32_t who)
+static void reach_one(struct dump_reach *reach, const struct box *box, uint32_t owner)
 {
-    const uint32_t all[6] = {who, who, who, who, who, who};
+    const uint32_t all[6] = {owner, owner, owner, owner, owner, owner};
     reach_add(reach, box, all);
 }
 
@@ -72,7 +72,7 @@ static bool compare(const struct dump_walk *walk, uint32_t node, const struct du
     bool small = false, loose = false;
     for (unsigned side = 0; side < 6; side++) {
         const float bound = bound_of(box, side), needs = bound_of(&reach->box, side);
-        if (reach->who[side] == DUMP_NONE || isnan(bound))
+        if (reach->owner[side] == DUMP_NONE || isnan(bound))
             continue;
         loose = loose || (side < 3 ? bound < needs : bound > needs);
         if (side < 3 ? bound <= needs : bound >= needs)
@@ -80,8 +80,8 @@ static bool compare(const struct dump_walk *walk, uint32_t node, const struct du
         small = true;
         dump_note(notes, &(struct dump_fault){.rule = DUMP_SMALL,
                                               .node = node,
-                                              .child = scene ? DUMP_NONE : reach->who[side],
-                                              .triangle = scene ? reach->who[side] : DUMP_NONE,
+                                              .child = scene ? DUMP_NONE : reach->owner[side],
+                                              .triangle = scene ? reach->owner[side] : DUMP_NONE,
                                               .side = side,
                                               .bound = bound,
                                               .needs = needs});
@@ -119,7 +119,7 @@ static void compare_all(const struct dump_walk *walk, const struct dump_reach *r
     double sum = 0;
     for (uint32_t node = 0; node < walk->dump->node_count; node++) {
         const struct dump_node *of = &walk->dump->node[node];
-        if (walk->depth[node] == DUMP_NONE || reach[node].who[0] == DUMP_NONE)
+        if (walk->depth[node] == DUMP_NONE || reach[node].owner[0] == DUMP_NONE)
             continue;
         if (scene || !of->leaf) {
             notes->report->judged++;
@@ -143,7 +143,7 @@ static enum status check_exact(const struct dump_walk *walk, const struct scene 
         if (walk->dump->node[node].leaf)
             reach_leaf(walk, scene, place, &reach[node]);
         if (up != DUMP_NONE)
-            reach_add(&reach[up], &reach[node].box, reach[node].who);
+            reach_add(&reach[up], &reach[node].box, reach[node].owner);
     }
     compare_all(walk, reach, scene != NULL, notes);
     free(reach);

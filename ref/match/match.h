@@ -152,7 +152,7 @@ struct row {
     const struct engine *against; /* engine cpu on the same tree; of compiled shaders the raw one */
     struct engine_compiled compiled; /* of an engine with compiled shaders that was prepared */
     size_t moved; /* of one whose bits are free: answers with other bits than `against` has */
-    struct {      /* of a mode of a library, of `moved`: who is right by the judge */
+    struct {      /* of a mode of a library, of `moved`: which is right by the judge */
         size_t both, own, plain, neither;
     } beside;
     bool unknown; /* its formula is not known */

@@ -1,4 +1,4 @@
-/* Trees of triangles that are cut before the build are sound, whoever builds; and answers right. */
+/* Trees of triangles that are cut before the build: sound, from any builder; answers are right. */
 #include "ref/build/presplit.h"
 #include "ref/packed/refit.h"
 #include "ref/match/match.h"
@@ -45,7 +45,7 @@ static bool has_lone_inner(const struct bvh *bvh)
     return lone;
 }
 
-static void trees_are_sound_whoever_builds(void **state)
+static void trees_of_any_builder_are_sound(void **state)
 {
     (void)state;
     uint32_t split = 0;
@@ -216,7 +216,7 @@ static void answers_are_right(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(trees_are_sound_whoever_builds),
+        cmocka_unit_test(trees_of_any_builder_are_sound),
         cmocka_unit_test(whole_triangles_make_the_tree_of_triangles),
         cmocka_unit_test(trees_do_not_depend_on_the_number_of_threads),
         cmocka_unit_test(some_builders_take_no_parts),

@@ -1,5 +1,5 @@
-/* Modes of a library beside its plain engine: whose bits differ, and who is right. The engines are
- * brute force whose answers are changed. */
+/* Modes of a library beside its plain engine: whose bits differ, and which is right. The engines
+ * are brute force whose answers are changed. */
 #include "ref/match/match.h"
 #include "ref/trace/trace.h"
 #include "scenes/scenes.h"

@@ -11,28 +11,9 @@
 #include "scenes/rays/rays.h"
 #include "scenes/scenes.h"
 
-static const unsigned widths[] = {0, 4, 8, 16};
-
 #if HAVE_EMBREE
 
-static struct embree_mode parsed(const char *name)
-{
-    struct embree_mode mode;
-    struct reason reason = {""};
-    if (embree_named_parse(name, &mode, &reason))
-        fail_msg("%s", reason.text);
-    return mode;
-}
-
-static void expect_equal(const struct embree_mode *a, const struct embree_mode *b)
-{
-    assert_int_equal(a->isa, b->isa);
-    assert_int_equal(a->packet, b->packet);
-    assert_int_equal(a->quality, b->quality);
-    assert_int_equal(a->robust, b->robust);
-    assert_int_equal(a->compact, b->compact);
-}
-
+#include "tests/support/embree_mode_names.h"
 #include "tests/support/embree_calls.h"
 
 /* --- ISAs ------------------------------------------------------------------------------------- */

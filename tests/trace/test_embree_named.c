@@ -4,28 +4,9 @@
 #include "ref/engines/embree_isa.h"
 #include "ref/engines/embree_named.h"
 #include "tests/support/world_laws.h"
-
-static const unsigned widths[] = {0, 4, 8, 16};
+#include "tests/support/embree_mode_names.h"
 
 /* --- names ------------------------------------------------------------------------------------ */
-
-static struct embree_mode parsed(const char *name)
-{
-    struct embree_mode mode;
-    struct reason reason = {""};
-    if (embree_named_parse(name, &mode, &reason))
-        fail_msg("%s", reason.text);
-    return mode;
-}
-
-static void expect_equal(const struct embree_mode *a, const struct embree_mode *b)
-{
-    assert_int_equal(a->isa, b->isa);
-    assert_int_equal(a->packet, b->packet);
-    assert_int_equal(a->quality, b->quality);
-    assert_int_equal(a->robust, b->robust);
-    assert_int_equal(a->compact, b->compact);
-}
 
 /* What is written is read as the same mode, no two modes have one name, and its length fits. */
 static void names_are_of_one_mode(void **state)

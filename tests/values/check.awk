@@ -274,8 +274,8 @@ rows && NF >= 7 {
     if ((p ".beside.engine") in v) {
         base = v[p ".beside.engine"]
         equal(name "the engine beside it", base, v[p ".engine"] ~ /:robust/ ? "embree_robust" : "embree")
-        equal(name "who is right, in all", v[p ".beside.both_right"] + v[p ".beside.alone_right"] + v[p ".beside.other_right"] + v[p ".beside.neither_right"], v[p ".other_bits"])
-        truth(name "who is right", v[p ".other_bits"] == 0 || index($0, " " v[p ".other_bits"] " answers with other bits than " base "'s: both right " v[p ".beside.both_right"] ", it alone " v[p ".beside.alone_right"] ", " base " alone " v[p ".beside.other_right"] ", neither " v[p ".beside.neither_right"]))
+        equal(name "which is right, in all", v[p ".beside.both_right"] + v[p ".beside.alone_right"] + v[p ".beside.other_right"] + v[p ".beside.neither_right"], v[p ".other_bits"])
+        truth(name "which is right", v[p ".other_bits"] == 0 || index($0, " " v[p ".other_bits"] " answers with other bits than " base "'s: both right " v[p ".beside.both_right"] ", it alone " v[p ".beside.alone_right"] ", " base " alone " v[p ".beside.other_right"] ", neither " v[p ".beside.neither_right"]))
     }
     same(name "Mray/s", $20, "%.3f", v[p ".mrays_per_s.median"])
     equal(name "least and most", $21, sprintf("(%.3f-%.3f)", v[p ".mrays_per_s.min"], v[p ".mrays_per_s.max"]))
