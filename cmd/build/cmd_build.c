@@ -120,7 +120,7 @@ static void print_scene(const struct build_command *b, const struct build_result
     fflush(stdout);
 }
 
-static int code_of(const struct build_results *results)
+int build_exit(const struct build_results *results)
 {
     int code = results->code;
     for (size_t i = 0; i < results->row_count; i++)
@@ -153,7 +153,7 @@ static int play_all(const struct build_command *b, struct device_tree *tree, cha
         if (!status)
             print_scene(b, &results, refits, &screen);
     }
-    int code = code_of(&results);
+    int code = build_exit(&results);
     if (b->json && enough) {
         enum status status =
             build_write_json(b->json, &results, device_tree_limits(tree), b->rounds, code, &reason);

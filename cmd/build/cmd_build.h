@@ -110,6 +110,9 @@ struct build_results {
     int code;
 };
 
+/* The exit code: the worst of results->code and, where anything differs, EXIT_MISMATCH. */
+int build_exit(const struct build_results *results);
+
 /* Errors: as json_write. */
 enum status build_write_json(const char *path, const struct build_results *results,
                              const struct vk_limits *limits, uint32_t rounds, int code,
