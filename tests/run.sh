@@ -112,6 +112,8 @@ plain)
     suite named_others sh tests/scripts/named_others.sh "$build/raydiff"
     suite watertight sh tests/scripts/watertight.sh "$build/raydiff"
     alone bench sh tests/scripts/bench.sh "$build/raydiff"
+    suite reported sh tests/reported/reported.sh "$build/raydiff"
+    suite lists sh tests/reported/lists.sh "$build/raydiff"
     suite lazy sh tests/guest/lazy.sh "$build/raydiff"
     suite bytes sh tests/guest/bytes.sh "$build/raydiff"
     alone fair sh tests/bench/fair.sh "$build/raydiff" quick

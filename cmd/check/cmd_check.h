@@ -3,6 +3,7 @@
 #define CMD_CHECK_H
 
 #include "cmd/common/cmd_compiler.h"
+#include "cmd/common/cmd_finding.h"
 #include "ref/match/match.h"
 #include "ref/scene/quantise.h"
 #include "ref/match/turnout.h"
@@ -28,6 +29,9 @@ struct check_scene {
 
 /* The options; they fill a struct check_options. */
 extern const struct option_set check_set;
+
+/* What its findings are of. */
+struct finding_of check_finding_of(const struct check_scene *scene);
 
 /* Why a vacuous world is. */
 #define CHECK_VACUOUS "vacuous: this world has nothing that a ray can hit"

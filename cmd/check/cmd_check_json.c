@@ -74,7 +74,8 @@ static json_t *finding_json(const struct check_scene *scene, const struct row *r
         json_add(out, "judgement=%p", judgement_json(&f->judgement));
     if (f->world.is)
         json_add(out, "world=%p", finding_world_json(f));
-    if (finding_command(row, f, scene->spec, scene->seed, scene->driver, command))
+    const struct finding_of of = check_finding_of(scene);
+    if (finding_command(row, f, &of, command))
         json_add(out, "explain=%s", command);
     return out;
 }

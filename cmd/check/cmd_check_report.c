@@ -8,16 +8,24 @@
 
 #include <string.h>
 
+struct finding_of check_finding_of(const struct check_scene *scene)
+{
+    return (struct finding_of){.spec = scene->spec,
+                               .seed = scene->seed,
+                               .driver = scene->driver,
+                               .set = {scene->rays, scene->ray_count}};
+}
+
 static void print_findings(const struct check_scene *scene, const struct row *row,
                            const struct screen *screen)
 {
+    const struct finding_of of = check_finding_of(scene);
     const size_t all[] = {row->judged ? row->count[VERDICT_WRONG] : 0, row->bit_differences};
     for (int bits = 0; bits < 2; bits++) {
         size_t shown = 0;
         for (size_t i = 0; i < row->finding_count; i++)
             if (row->finding[i].bits == (bits == 1)) {
-                finding_print(screen, row, &row->finding[i], scene->spec, scene->seed,
-                              scene->driver, shown == 0);
+                finding_print(screen, row, &row->finding[i], &of, shown == 0);
                 shown++;
             }
         if (shown && all[bits] > shown)

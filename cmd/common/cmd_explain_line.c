@@ -6,6 +6,7 @@
 #include "ref/base/text.h"
 #include "ref/outside/plugin_shader.h"
 #include "ref/store.h"
+#include "scenes/rays/rays.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -53,20 +54,12 @@ static void append_build(const struct explain_of *of, const struct option_use *u
                     build->passes);
 }
 
-void explain_command(const struct explain_of *of, const struct ray *ray,
-                     char text[EXPLAIN_COMMAND_MOST])
+/* Appends all but the ray, after it. */
+static void append_rest(const struct explain_of *of, const struct option_use *use,
+                        char text[EXPLAIN_COMMAND_MOST])
 {
-    char numbers[RAY_TEXT_MOST];
     struct reason why;
-    const struct list engine = list_of_one(TABLE_ENGINES, of->engine);
-    const struct list builder = list_of_one(TABLE_BUILDERS, of->builder);
-    char *const scene[] = {(char *)(uintptr_t)of->spec}; /* only read */
-    const struct option_use use = {
-        .engine = &engine, .builder = &builder, .scene = scene, .scene_count = 1};
-    snprintf(text, EXPLAIN_COMMAND_MOST, "raydiff explain");
-    command_word(text, EXPLAIN_COMMAND_MOST, of->spec);
-    ray_text_write(ray, numbers);
-    text_append(text, EXPLAIN_COMMAND_MOST, " --ray '%s' --engine", numbers);
+    text_append(text, EXPLAIN_COMMAND_MOST, " --engine");
     command_word(text, EXPLAIN_COMMAND_MOST, of->engine->name);
     if (of->layout) {
         plugin_command(text, EXPLAIN_COMMAND_MOST, of->layout);
@@ -76,17 +69,50 @@ void explain_command(const struct explain_of *of, const struct ray *ray,
             text_append(text, EXPLAIN_COMMAND_MOST, " --store %s", of->store->name);
         text_append(text, EXPLAIN_COMMAND_MOST, " --box %s", of->box->name);
         if (!of->tree)
-            append_build(of, &use, text);
+            append_build(of, use, text);
     }
-    if (option_is_used(&use, "tri", &why))
+    if (option_is_used(use, "tri", &why))
         text_append(text, EXPLAIN_COMMAND_MOST, " --tri %s", of->tri->name);
     text_append(text, EXPLAIN_COMMAND_MOST, " --query %s", query_name(of->query));
-    if (of->seed != 1 && option_is_used(&use, "seed", &why))
+    if (of->seed != 1 && option_is_used(use, "seed", &why))
         text_append(text, EXPLAIN_COMMAND_MOST, " --seed %" PRIu64, of->seed);
-    if (of->driver && option_is_used(&use, "driver", &why)) {
+    if (of->driver && option_is_used(use, "driver", &why)) {
         text_append(text, EXPLAIN_COMMAND_MOST, " --driver");
         command_word(text, EXPLAIN_COMMAND_MOST, of->driver);
     }
+}
+
+/* Writes the whole command; `seeded`: the ray depends on the seed. */
+static void write_command(const struct explain_of *of, const char *ray, bool seeded,
+                          char text[EXPLAIN_COMMAND_MOST])
+{
+    const struct list engine = list_of_one(TABLE_ENGINES, of->engine);
+    const struct list builder = list_of_one(TABLE_BUILDERS, of->builder);
+    char *const scene[] = {(char *)(uintptr_t)of->spec}; /* only read */
+    const struct option_use use = {
+        .engine = &engine, .builder = &builder, .scene = scene, .scene_count = 1, .seeded = seeded};
+    snprintf(text, EXPLAIN_COMMAND_MOST, "raydiff explain");
+    command_word(text, EXPLAIN_COMMAND_MOST, of->spec);
+    text_append(text, EXPLAIN_COMMAND_MOST, "%s", ray);
+    append_rest(of, &use, text);
+}
+
+void explain_command(const struct explain_of *of, const struct ray *ray,
+                     char text[EXPLAIN_COMMAND_MOST])
+{
+    char numbers[RAY_TEXT_MOST], words[RAY_TEXT_MOST + 16];
+    ray_text_write(ray, numbers);
+    snprintf(words, sizeof words, " --ray '%s'", numbers);
+    write_command(of, words, false, text);
+}
+
+void explain_command_among(const struct explain_of *of, const struct explain_set *set, size_t index,
+                           char text[EXPLAIN_COMMAND_MOST])
+{
+    char words[128];
+    snprintf(words, sizeof words, " --rays %s --count %zu --index %zu", set->rays, set->count,
+             index);
+    write_command(of, words, !ray_set_find(set->rays)->seedless, text);
 }
 
 struct explain_of explain_of_row(const struct row *row, const char *spec, uint64_t seed,

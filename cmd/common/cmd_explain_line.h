@@ -29,10 +29,20 @@ struct explain_of {
     const char *driver; /* or NULL */
 };
 
+/* Rays as a user names them: those of a set, all of which are traced. */
+struct explain_set {
+    const char *rays; /* the set's name; NULL: they have none */
+    size_t count;
+};
+
 /* Writes the command that explains `ray`: "raydiff explain SCENE --ray '...' ...", with floats in
  * hexadecimal and names with odd characters in quotes. At most EXPLAIN_COMMAND_MOST bytes. */
 void explain_command(const struct explain_of *of, const struct ray *ray,
                      char text[EXPLAIN_COMMAND_MOST]);
+
+/* The same of ray `index` of a set, among its other rays. */
+void explain_command_among(const struct explain_of *of, const struct explain_set *set, size_t index,
+                           char text[EXPLAIN_COMMAND_MOST]);
 
 /* What to explain for a row of check or conform. */
 struct explain_of explain_of_row(const struct row *row, const char *spec, uint64_t seed,

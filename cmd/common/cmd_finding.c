@@ -1,5 +1,7 @@
 #include "cmd/common/cmd_finding.h"
 
+#include "cmd/common/cmd_outside.h"
+
 #include "ref/outside/recorded.h"
 #include "ref/store.h"
 
@@ -23,32 +25,45 @@ static void start_before(const struct finding *finding, struct ray *ray)
         ray->tmin = t;
 }
 
-bool finding_command(const struct row *row, const struct finding *finding, const char *spec,
-                     uint64_t seed, const char *driver, char text[EXPLAIN_COMMAND_MOST])
+/* The command of a list: of the list itself, or of the hit at fault. */
+static void command_of_list(const struct finding *finding, struct explain_of *of, bool own,
+                            char text[EXPLAIN_COMMAND_MOST])
 {
-    struct explain_of of = explain_of_row(row, spec, seed, driver);
+    const enum wrong kind = finding->bits ? WRONG_NOT : finding->judgement.wrong;
     struct ray ray = finding->ray;
-    enum wrong kind = finding->bits ? WRONG_NOT : finding->judgement.wrong;
+    if (!own && kind != WRONG_TWICE && kind != WRONG_ORDER) {
+        of->query = QUERY_CLOSEST;
+        start_before(finding, &ray);
+    }
+    explain_command(of, &ray, text);
+}
+
+bool finding_command(const struct row *row, const struct finding *finding,
+                     const struct finding_of *from, char text[EXPLAIN_COMMAND_MOST])
+{
+    struct explain_of of = explain_of_row(row, from->spec, from->seed, from->driver);
+    const bool own = outside_is_engine(row->engine->name) && !row->engine->needs_packed;
+    char name[RECORDED_NAME_MOST];
+    struct engine answered = *row->engine;
     text[0] = '\0';
-    /* One run cannot explain answers that vary, and a closest hit cannot explain a whole list. */
-    if (kind == WRONG_NOT_REPEATABLE || kind == WRONG_TWICE || kind == WRONG_ORDER)
+    /* One run cannot explain answers that vary. */
+    if (!finding->bits && finding->judgement.wrong == WRONG_NOT_REPEATABLE)
         return false;
     if (row->options.rest || row->of_world) /* explain has neither motion nor worlds */
         return false;
     if (row->options.store && row->options.store->head)
-        return false; /* no file has the decoded scene */
-    if (of.query == QUERY_ALL) {
-        of.query = QUERY_CLOSEST;
-        start_before(finding, &ray);
-    }
-    char name[RECORDED_NAME_MOST];
-    struct engine answered = *row->engine;
+        return false;            /* no file has the decoded scene */
     if (row->engine->recorded) { /* cannot trace again: the name holds the answer */
         recorded_name(row->engine->name, &finding->got, name);
         answered.name = name;
         of.engine = &answered;
     }
-    explain_command(&of, &ray, text);
+    if (of.query == QUERY_ALL)
+        command_of_list(finding, &of, own, text);
+    else if (own && from->set.rays)
+        explain_command_among(&of, &from->set, finding->ray_index, text);
+    else
+        explain_command(&of, &finding->ray, text);
     return true;
 }
 
@@ -95,8 +110,7 @@ static void print_world(const struct row *row, const struct finding *finding)
 }
 
 void finding_print(const struct screen *screen, const struct row *row,
-                   const struct finding *finding, const char *spec, uint64_t seed,
-                   const char *driver, bool first)
+                   const struct finding *finding, const struct finding_of *of, bool first)
 {
     char line[512], command[EXPLAIN_COMMAND_MOST], kind[320];
     if (finding->bits)
@@ -110,7 +124,6 @@ void finding_print(const struct screen *screen, const struct row *row,
                   finding->ray_index, line);
     if (finding->world.is)
         print_world(row, finding);
-    if ((first || !screen->terminal || screen->wide) &&
-        finding_command(row, finding, spec, seed, driver, command))
+    if ((first || !screen->terminal || screen->wide) && finding_command(row, finding, of, command))
         printf("  explain: %s\n", command);
 }

@@ -1,97 +1,21 @@
 /* raydiff explain: for one ray and one engine, shows the right answer, the given answer and why it
  * is wrong. */
 #include "cmd/explain/cmd_explain_inner.h"
+#include "cmd/explain/cmd_explain_list.h"
 #include "cmd/explain/cmd_explain_picture.h"
 #include "cmd/explain/cmd_explain_world.h"
 
 #include "fuzz/play/player.h"
 #include "fuzz/play/trial_tree.h"
 #include "cmd/common/cmd_tree.h"
-#include "ref/base/nearest_name.h"
 #include "ref/base/command.h"
 #include "ref/base/ray_text.h"
 #include "ref/two_level/braid.h"
-#include "scenes/rays/ray_modes.h"
 #include "scenes/opening.h"
 #include "scenes/worlds.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-static enum status take_cause(void *options, const struct option_value *given,
-                              struct reason *reason)
-{
-    struct explain_options *o = options;
-    char hint[NEAREST_HINT];
-    struct nearest_name nearest = nearest_make(given->text, strlen(given->text));
-    for (enum cause cause = CAUSE_NONE + 1; cause < CAUSE_COUNT; cause++)
-        nearest_try(&nearest, cause_name(cause));
-    o->has_cause = cause_find(given->text, &o->cause);
-    if (!o->has_cause || o->cause == CAUSE_NONE)
-        return fail(reason, STATUS_INPUT,
-                    "--cause: unknown cause '%.60s'; docs/causes.md has all%s", given->text,
-                    nearest_hint(&nearest, hint));
-    return STATUS_OK;
-}
-
-static const char *const modes[] = {"all", "mixed", "drawn", NULL}; /* as ray_modes_name */
-
-#define ROWS_OF struct explain_options
-
-static const struct option_row rows[] = {
-    {"ray", "R", "numbers in decimal or hexadecimal (0x1.8p+1), or inf, nan", OF_TEXT(ray_text)},
-    {"rays", "SET", "ray set, as raydiff check takes it", OF_MEMBER(rays, TABLE_RAY_SETS),
-     .value = "mixed"},
-    {"count", "N", "its rays", OF_COUNT(count, 1, 1u << 30), .value = "100000",
-     .shown = "100000; of a trial 1000"},
-    {"index", "I", "which of them", OF_COUNT(index, 0, (1u << 30) - 1),
-     .shown = "the first one with a wrong answer"},
-    {"cause", "C", "look for a ray with this cause, such as rounded_inward", OF_OWN(take_cause),
-     .shown = "any"},
-    SEED_ROW(of.seed),
-    {"engine", "E", "engine; pipe:COMMAND and FILE.so are tracers of your own",
-     OF_MEMBER(of.engine, TABLE_ENGINES), .value = "cpu"},
-    {"layout", "L", "layout", OF_MEMBER(of.layout, TABLE_LAYOUTS), .value = "rf16",
-     .shown = "rf16, or " EXPLAIN_LARGE_LAYOUT " where that cannot hold the scene"},
-    {"store", "S", "triangle storage, see raydiff list storages", OF_MEMBER(of.store, TABLE_STORES),
-     .value = "indexed"},
-    {"builder", "B", "builder", OF_MEMBER(of.builder, TABLE_BUILDERS), .value = "median"},
-    TREE_ROW(of.tree),
-    {"box", "B", "box test", OF_MEMBER(of.box, TABLE_BOX_TESTS), .value = "robust"},
-    {"tri", "T", "triangle test", OF_MEMBER(of.tri, TABLE_TRI_TESTS), .value = "mt"},
-    {"modes", "M", "of a world, what rays may meet: all, mixed or drawn", OF_CHOICE(modes, modes),
-     .value = "mixed"},
-    BRAID_ROW(braid),
-    {"query", "Q", "closest or any", OF_ONE(of.query, TABLE_QUERIES), .value = "closest"},
-    {"html", "FILE", "the page with pictures that turn; fetches nothing", OF_WRITTEN(html)},
-    {"svg", "FILE", "the pictures alone", OF_WRITTEN(svg)},
-    {"json", "FILE", "the page, for machines", OF_DATA(json)},
-    {0},
-};
-
-static const struct option_set set = {
-    .command = "explain",
-    .usage = "explain SCENE --ray 'OX,OY,OZ DX,DY,DZ [TMIN,TMAX]' [OPTIONS]\n"
-             "explain SCENE --rays SET [--index I] [OPTIONS]\n"
-             "explain TRIAL [--index I] [OPTIONS]     (a name of raydiff conform)\n"
-             "explain FILE.trial [--index I] [--engine E] [--layout L]     (a finding)\n"
-             "explain WORLD [--rays SET] [--modes M] [OPTIONS]",
-    .about = "Prints what a ray exactly hits, what the engine answers, and if that is wrong, why: "
-             "which node turned the ray away, its bounds in the triangles, in the tree and in the "
-             "bytes, and the one thing that, made right, makes the answer right.",
-    .group = {GROUP(rows), GROUP_AT(leaf_rows, of.build), GROUP_AT(build_rows, of.build),
-              GROUP_AT(engine_rows, engines), GROUP_AT(outside_rows, engines),
-              GROUP_AT(screen_rows, screen)},
-    .notes = "Of a world all answers are explained together: by the defect of a tracer that gives "
-             "them, such as masks that are compared by ==. "
-             "Of a layout from outside with --shader it also compares what its C and its GLSL "
-             "decode, record by record, and names the first that differs. A finding about a tree "
-             "is explained by the record. Members as published are held to what their repaired "
-             "forms promise.",
-    .codes = "0 the answer is allowed, 1 wrong and explained, 2 bad input, 3 the engine did not "
-             "finish (explained too), 77 the engine cannot run here",
-    .example = "explain soup:n=300 --rays vertices --layout rtrs_rf_paper",
-};
 
 /* State of a run. */
 struct explaining {
@@ -170,7 +94,7 @@ static enum status explain_ray(struct explaining *e, struct judged *judged, size
                                struct judged_ray *out, struct reason *reason)
 {
     const struct explain_of *of = &e->options->of;
-    enum status status = judged_explain(judged, &e->ray[index], out, reason);
+    enum status status = judged_explain_among(judged, e->ray, e->ray_count, index, out, reason);
     if (status || out->why.cause != CAUSE_OUTSIDE || !e->options->has_file)
         return status;
     const struct fuzz_field field = {
@@ -233,6 +157,7 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
         return explain_write_none(o, e->ray_count, &e->decode, *code, reason);
     }
     char again[EXPLAIN_COMMAND_MOST];
+    const struct explain_set set = {o->rays->name, e->ray_count};
     struct explain_page page = {.of = &o->of,
                                 .scene = &e->scene,
                                 .judged = judged,
@@ -246,6 +171,10 @@ static enum status explain_one(struct explaining *e, struct judged *judged, int 
                                 .built = e->built.text,
                                 .screen = screen,
                                 .again = explain_again(o, index, again)};
+    if (ray.among && !o->has_file) {
+        explain_command_among(&o->of, &set, index, again);
+        page.again = again;
+    }
     *code = exit_worse(*code, !ray.answer.finished     ? EXIT_ENGINE
                               : explain_is_wrong(&ray) ? EXIT_MISMATCH
                                                        : EXIT_AGREE);
@@ -294,44 +223,14 @@ static enum status explain_trial_of_world(struct explaining *e, int *code, struc
     return status;
 }
 
-static enum status explain(struct explaining *e, int *code, struct reason *reason)
+/* Explains an answer of the prepared engine. */
+static enum status explain_answers(struct explaining *e, void *self, const struct job *job,
+                                   int *code, struct reason *reason)
 {
-    const struct explain_of *of = &e->options->of;
     const struct screen screen = screen_make(&e->options->screen);
+    const struct judged_job from = {e->options->of.engine, self, job, &e->bvh, e->oracle};
     struct judged judged = {0};
-    struct job job = {.scene = &e->scene,
-                      .packed = of->engine->needs_packed ? &e->packed : NULL,
-                      .box = of->box,
-                      .tri = of->tri,
-                      .query = of->query};
-    enum status status = STATUS_OK;
-    e->pool.options = e->options->engines;
-    if (!e->options->has_file)
-        status = open_either(e, reason);
-    if (!status && e->options->shows && (e->file.trial.world.is || e->world.instance_count > 0))
-        return fail(reason, STATUS_UNSUPPORTED, "%s: is of a world, and pages are of scenes",
-                    of->spec);
-    if (e->file.trial.world.is)
-        return explain_trial_of_world(e, code, reason);
-    if (!status && e->world.instance_count > 0)
-        return explain_world(e->options, &e->world, NULL, &e->pool, code, reason);
-    if (!status)
-        status = make_rays(e, reason);
-    if (!status)
-        status = make_tree(e, reason);
-    if (!status)
-        status = oracle_make(&e->scene, &e->oracle, reason);
-    if (status)
-        return status;
-    void *self = pool_get(&e->pool, of->engine, &status, reason);
-    if (!status)
-        status = of->engine->prepare(self, &job, reason);
-    if (status) {
-        *code = exit_of_status(status);
-        return status;
-    }
-    struct judged_job from = {of->engine, self, &job, &e->bvh, e->oracle};
-    status = judged_make(&from, &judged, reason);
+    enum status status = judged_make(&from, &judged, reason);
     if (!status)
         status = explain_decode(e->options, &e->packed, &e->decode, reason);
     *code = explain_decode_code(&e->decode);
@@ -343,6 +242,66 @@ static enum status explain(struct explaining *e, int *code, struct reason *reaso
     }
     judged_free(&judged);
     return status;
+}
+
+static enum status explain_lists(struct explaining *e, void *self, const struct job *job, int *code,
+                                 struct reason *reason)
+{
+    const struct screen screen = screen_make(&e->options->screen);
+    const struct explain_lists lists = {e->options, &e->scene, e->oracle,   self,
+                                        job,        e->ray,    e->ray_count};
+    enum status status = explain_list(&lists, e->conclusion, code, reason);
+    if (!status)
+        explain_print_conclusion(e->conclusion, &e->decode, &screen);
+    return status;
+}
+
+/* Reads the subject: false if the whole of it is explained, a world. */
+static enum status open_all(struct explaining *e, bool *scene, int *code, struct reason *reason)
+{
+    const struct explain_options *o = e->options;
+    enum status status = o->has_file ? STATUS_OK : open_either(e, reason);
+    const bool world = e->file.trial.world.is || e->world.instance_count > 0;
+    *scene = !world;
+    if (!status && world && o->shows)
+        return fail(reason, STATUS_UNSUPPORTED, "%s: is of a world, and pages are of scenes",
+                    o->of.spec);
+    if (!status && e->file.trial.world.is)
+        return explain_trial_of_world(e, code, reason);
+    if (!status && world)
+        return explain_world(o, &e->world, NULL, &e->pool, code, reason);
+    if (!status)
+        status = make_rays(e, reason);
+    if (!status)
+        status = make_tree(e, reason);
+    return status ? status : oracle_make(&e->scene, &e->oracle, reason);
+}
+
+static enum status explain(struct explaining *e, int *code, struct reason *reason)
+{
+    const struct explain_of *of = &e->options->of;
+    bool scene;
+    e->pool.options = e->options->engines;
+    enum status status = open_all(e, &scene, code, reason);
+    if (status || !scene)
+        return status;
+    if (of->query == QUERY_ALL && e->options->shows)
+        return fail(reason, STATUS_UNSUPPORTED, "%s: is of lists, and pages are of one hit",
+                    of->spec);
+    const struct job job = {.scene = &e->scene,
+                            .packed = of->engine->needs_packed ? &e->packed : NULL,
+                            .box = of->box,
+                            .tri = of->tri,
+                            .query = of->query};
+    void *self = pool_get(&e->pool, of->engine, &status, reason);
+    if (!status)
+        status = of->engine->prepare(self, &job, reason);
+    if (status) {
+        *code = exit_of_status(status);
+        return status;
+    }
+    return of->query == QUERY_ALL ? explain_lists(e, self, &job, code, reason)
+                                  : explain_answers(e, self, &job, code, reason);
 }
 
 enum status explain_run(struct explain_options *o, struct finding_file *file, int *code,
@@ -380,19 +339,19 @@ int cmd_explain(int argc, char **argv)
         .of.build = build_options_default(),
         .engines = engine_options_default(),
     };
-    int first, code = options_read(&set, &options, argc, argv, &first);
+    int first, code = options_read(&explain_set, &options, argc, argv, &first);
     if (code >= 0)
         return code;
     options.has_index = option_was_given("index");
     options.has_engine = option_was_given("engine");
-    if (options.of.query == QUERY_ALL)
-        return usage_error("explain", "--query: closest or any can be explained, not all");
     if (argc - first != 1)
         return usage_error("explain", argc == first ? "no scene given" : "one scene at a time");
     if (tree_check_options(options.of.tree, 1, &reason) ||
         explain_take_subject(&options, argv[first], &file, &reason))
         return usage_error("explain", "%s", reason.text);
     code = explain_check_use(&options, argv + first);
+    if (code < 0 && options.of.query == QUERY_ALL)
+        code = explain_list_check_use(&options);
     if (code >= 0)
         return finding_file_free(&file), code;
     enum status status = explain_run(&options, &file, &code, &reason);

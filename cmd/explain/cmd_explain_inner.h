@@ -38,6 +38,9 @@ struct explain_options {
     struct screen_options screen;
 };
 
+/* The options; they fill a struct explain_options. */
+extern const struct option_set explain_set;
+
 /* Reads the subject: a scene, the name of a trial of raydiff conform, or a finding's file, which is
  * read into *file. Errors: STATUS_INPUT; those of finding_file_read. */
 enum status explain_take_subject(struct explain_options *options, const char *text,

@@ -61,6 +61,23 @@ static void print_truth(FILE *out, const struct oracle_answer *truth)
                 oracle_class_name((enum oracle_class)truth->class));
 }
 
+/* What it answers when no other ray is there. */
+static void print_alone(FILE *out, const struct judged_ray *ray)
+{
+    const struct judgement *judgement = &ray->alone_judgement;
+    if (!ray->among)
+        return;
+    fprintf(out, "          that is its answer among %zu rays; traced alone it gets another:\n",
+            ray->among);
+    fputs("alone     ", out);
+    print_hit(out, &ray->alone);
+    if (judgement->verdict == VERDICT_WRONG)
+        fprintf(out, ": WRONG, %s\n", wrong_name(judgement->wrong));
+    else
+        fprintf(out, ": %s%s\n", judgement->verdict == VERDICT_RIGHT ? "" : "allowed, ",
+                verdict_name(judgement->verdict));
+}
+
 static void print_verdict(FILE *out, const struct judged_ray *ray)
 {
     const struct judgement *judgement = &ray->judgement;
@@ -341,6 +358,7 @@ static void print_page(FILE *out, const struct explain_page *page)
         fputs(ray->reason.text, out);
     putc('\n', out);
     print_verdict(out, ray);
+    print_alone(out, ray);
     print_way(out, &ray->why);
     print_end(out, page);
     print_triangle(out, page, ray->why.prim);

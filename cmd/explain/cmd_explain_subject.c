@@ -29,8 +29,6 @@ static enum status take_trial(struct explain_options *o, const char *text, struc
 {
     static struct trial trial; /* static: the options point to its scene */
     enum status status = trial_parse(text, &trial, reason);
-    if (!status && trial.query == QUERY_ALL)
-        status = fail(reason, STATUS_INPUT, "trial: closest or any can be explained, not all");
     if (!status && o->of.tree)
         status = fail(reason, STATUS_INPUT, "--bvh: a trial's name says which tree it builds");
     if (status)

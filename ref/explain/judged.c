@@ -131,11 +131,24 @@ static struct explain_case case_of(struct judged *judged, const struct ray *ray,
     };
 }
 
-enum status judged_explain(struct judged *judged, const struct ray *ray, struct judged_ray *out,
-                           struct reason *reason)
+/* Judges and explains what the engine answered, or that it did not finish. */
+static enum status explain_answer(struct judged *judged, struct judged_ray *out,
+                                  struct reason *reason)
+{
+    struct question question = {judged, &out->truth};
+    enum status status =
+        judge_answer(judged->judge, &out->ray, &out->truth, &out->answer.hit, &out->judgement);
+    if (status)
+        return fail(reason, status, "no memory to judge a ray");
+    struct explain_case the = case_of(judged, &out->ray, &question);
+    return explain_make(&the, &out->answer, &out->why, reason);
+}
+
+/* Traces one ray alone, and finds what is true of it. */
+static enum status ask_alone(struct judged *judged, const struct ray *ray, struct judged_ray *out,
+                             struct reason *reason)
 {
     struct trace_report report = {0};
-    struct question question = {judged, &out->truth};
     *out = (struct judged_ray){.ray = *ray, .answer.hit.prim = ABI_NO_PRIM};
     enum status status = oracle_closest(judged->from.oracle, ORACLE_AUTO, ORACLE_CLOSED, ray, 1, 1,
                                         &out->truth, NULL, reason);
@@ -149,11 +162,14 @@ enum status judged_explain(struct judged *judged, const struct ray *ray, struct 
     out->answer.flags = report.flags;
     if (out->answer.finished)
         out->answer.hit = hit;
-    status = judge_answer(judged->judge, ray, &out->truth, &out->answer.hit, &out->judgement);
-    if (status)
-        return fail(reason, status, "no memory to judge a ray");
-    struct explain_case the = case_of(judged, ray, &question);
-    return explain_make(&the, &out->answer, &out->why, reason);
+    return STATUS_OK;
+}
+
+enum status judged_explain(struct judged *judged, const struct ray *ray, struct judged_ray *out,
+                           struct reason *reason)
+{
+    enum status status = ask_alone(judged, ray, out, reason);
+    return status ? status : explain_answer(judged, out, reason);
 }
 
 /* True if this answer is wrong, or not the bits that it should have. */
@@ -172,6 +188,37 @@ static bool is_wrong(struct judged *judged, const struct ray *ray,
         return false;
     return replay_run(&the.replay, &plain, ray, &expected, NULL) != REPLAY_DONE ||
            memcmp(&expected, hit, sizeof *hit) != 0;
+}
+
+/* The rays that are traced together with ray `index` of `count`: *part from *at on. */
+static void company_of(size_t index, size_t count, size_t *at, size_t *part)
+{
+    *at = index - index % SEARCH_BATCH;
+    *part = count - *at < SEARCH_BATCH ? count - *at : SEARCH_BATCH;
+}
+
+enum status judged_explain_among(struct judged *judged, const struct ray *ray, size_t count,
+                                 size_t index, struct judged_ray *out, struct reason *reason)
+{
+    size_t at, part;
+    company_of(index, count, &at, &part);
+    enum status status = ask_alone(judged, &ray[index], out, reason);
+    if (status || part == 1 || !out->answer.finished)
+        return status ? status : explain_answer(judged, out, reason);
+    struct hit *hit = alloc_zeroed(part, sizeof *hit);
+    if (!hit)
+        return fail(reason, STATUS_MEMORY, "no memory to trace %zu rays", part);
+    const struct hit alone = out->answer.hit, *among = &hit[index - at];
+    if (ask(judged, ray + at, part, hit) && memcmp(among, &alone, sizeof alone) != 0 &&
+        is_wrong(judged, &out->ray, &out->truth, among)) {
+        out->answer.hit = *among;
+        out->alone = alone;
+        out->among = part;
+        status = judge_answer(judged->judge, &out->ray, &out->truth, &alone, &out->alone_judgement);
+    }
+    free(hit);
+    return status ? fail(reason, status, "no memory to judge a ray")
+                  : explain_answer(judged, out, reason);
 }
 
 /* The first of these rays that the engine does not finish alone, or `count`. */
@@ -193,18 +240,19 @@ enum status judged_find(struct judged *judged, const struct ray *ray, size_t fir
     if (!truth || !hit)
         status = fail(reason, STATUS_MEMORY, "no memory to look for a wrong ray");
     *index = count;
-    for (size_t at = first; at < count && !status && *index == count; at += SEARCH_BATCH) {
-        size_t part = count - at < SEARCH_BATCH ? count - at : SEARCH_BATCH;
+    for (size_t at, part, from = first; from < count && !status && *index == count;
+         from = at + part) {
+        company_of(from, count, &at, &part);
         bool finished = ask(judged, ray + at, part, hit);
         if (!finished) {
-            size_t which = first_unfinished(judged, ray + at, part);
-            if (which < part)
-                *index = at + which;
+            size_t which = first_unfinished(judged, ray + from, at + part - from);
+            if (from + which < at + part)
+                *index = from + which;
             continue; /* rays that fail only together cannot be named */
         }
         status = oracle_closest(judged->from.oracle, ORACLE_AUTO, ORACLE_CLOSED, ray + at, part, 0,
                                 truth, NULL, reason);
-        for (size_t i = 0; i < part && !status && *index == count; i++)
+        for (size_t i = from - at; i < part && !status && *index == count; i++)
             if (is_wrong(judged, &ray[at + i], &truth[i], &hit[i]))
                 *index = at + i;
     }

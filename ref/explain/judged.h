@@ -34,6 +34,10 @@ struct judged_ray {
     struct oracle_answer truth;
     struct judgement judgement; /* of the answer; of a miss if the engine did not finish */
     struct explanation why;
+    size_t among;     /* the answer is that to the ray among so many, and wrong; asked
+                                   alone it has another one: */
+    struct hit alone; /* 0 rays: not so */
+    struct judgement alone_judgement;
 };
 
 /* Errors: STATUS_MEMORY. On error *out is zero. */
@@ -44,6 +48,13 @@ void judged_free(struct judged *judged);
 /* Traces, judges and explains. Errors: STATUS_MEMORY; those of the oracle. */
 enum status judged_explain(struct judged *judged, const struct ray *ray, struct judged_ray *out,
                            struct reason *reason) MUST_USE;
+
+/* The same of ray[index] of `count`. If its answer is wrong when it is traced with others, as many
+ * of them as judged_find traces at a time, and another one when it is traced alone, the former is
+ * explained, with CAUSE_NOT_REPEATABLE. */
+enum status judged_explain_among(struct judged *judged, const struct ray *ray, size_t count,
+                                 size_t index, struct judged_ray *out,
+                                 struct reason *reason) MUST_USE;
 
 /* Finds the first ray from `first` on that the engine does not finish, answers wrongly, or with
  * other bits than C where it promises C's: *index is that ray, or `count`. Errors: as

@@ -278,11 +278,12 @@ expect 0 . explain sphere:n=100 --count 100
 grep -q 'no answer of cpu is wrong' "$dir/out" || bad "explain: no default layout for a large scene"
 expect 2 'rf16: a child record index is at most 32767' explain sphere:n=100 --count 100 --layout rf16
 expect 2 "unknown cause 'bad luck'" explain soup --cause 'bad luck'
-expect 2 "closest or any can be explained, not all" explain soup --query all
+expect 2 '--html: not used by --query all' explain soup --query all --html x.html
 expect 2 "'closest,any' is not one name" explain soup --query closest,any
 expect 2 "trial: unknown storage 'tape'" explain closest.cpu.f32:tape.median.robust.mt.soup.random.1
 expect 2 "trial: unknown layout 'f31'" explain closest.cpu.f31.median.robust.mt.soup.random.1
-expect 2 "trial: " explain all.cpu.f32.median.robust.mt.soup.vertices.1
+expect 0 'conclusion: no list is wrong' explain all.cpu.f32.median.robust.mt.soup.vertices.1
+expect 0 'conclusion: the list is right' explain soup --query all --index 3 --count 10
 expect 2 "a leaf holds at most 8 items" explain soup --layout rf16 --leaf 9
 expect 0 . explain "$dir/one.obj" --ray '0x1p-2,0.25,-1 0,0,1'
 grep -q '^verdict   right' "$dir/out" || bad "explain: an answer that is right is not called so"

@@ -18,7 +18,7 @@ explained() {
     query=$(value flat "${1%.findings.*}.query") kind=$(value flat "$1.judgement.wrong") line=$(value flat "$1.explain")
     got=$(value flat "$1.got.prim") expected=$(value flat "$1.judgement.expected")
     case $kind in
-    twice | order | not_repeatable) # one run of one closest hit cannot show these
+    not_repeatable) # one run cannot show these
         [ -z "$line" ] || bad "$kind of a list has a command: $line"
         return
         ;;
@@ -30,6 +30,15 @@ explained() {
     code=$?
     awk -f tests/values/flat.awk "$dir/page.json" >"$dir/page.flat"
     shown=$(sed -n 's/^verdict  *WRONG: \([a-z_]*\).*/\1/p' "$dir/page")
+    case $line in
+    *' --query all'*) # the list itself, by the same rules
+        fault=$expected
+        [ "$kind" = missed ] || fault=$got
+        [ "$code" -eq 1 ] && [ "$shown" = "$kind" ] && grep -qx "verdict  *WRONG: $kind, triangle $fault" "$dir/page" ||
+            bad "all $kind: exit $code, $(grep '^verdict' "$dir/page"): $line"
+        return
+        ;;
+    esac
     [ "$code" -eq 1 ] && [ -n "$shown" ] || { bad "$query $kind: exit $code, $(grep '^verdict' "$dir/page"): $line"; return; }
     # Of a list the nearest hit from there on stands for the one at fault: a triangle that is not hit hides one that is,
     # and behind what is not a number there may be another.
@@ -63,6 +72,15 @@ done
 engine 0
 run check soup:n=60,size=0.8 --engine "inside:$dir/way0.so" --query closest,any,all --count 500 --repeat 1 --brute 0
 [ "$code" -eq 0 ] || bad "without a fault: exit $code"
+
+# The page of a list by value: of what is lost, listed twice, made up, right, and where no list is wrong.
+for way in 0 1 2 3 7; do
+    [ -f "$dir/way$way.so" ] || engine "$way"
+    compare explain_list "$([ "$way" = 0 ] && echo 1 || echo 20)" explain soup:n=60,size=0.8 --engine "inside:$dir/way$way.so" --query all --count 200 --wide
+    compare explain_list 20 explain soup:n=60,size=0.8 --engine "inside:$dir/way$way.so" --query all --count 200 --index 5 --wide
+done
+compare explain_list 12 explain soup:n=60,size=0.8 --engine cpu --query all --ray '0,0,0 1,0.5,0.25' --wide
+all_seen explain_list
 
 echo "explains: $shows commands, $failed failed"
 [ "$failed" -eq 0 ] && [ "$shows" -gt 50 ]
