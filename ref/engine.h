@@ -193,6 +193,12 @@ struct engine {
     /* Uploads, builds, compiles. May be called again with another job. Errors: STATUS_LIMIT too
      * large for the engine, STATUS_UNSUPPORTED, _DEVICE, _MEMORY. */
     enum status (*prepare)(void *self, const struct job *job, struct reason *reason);
+    /* As prepare, after a prepare or move of this engine that returned STATUS_OK, with nothing of
+     * another job between them. The vertices have moved; numbers of vertices and triangles,
+     * indices, tests and query are the same, and so is the packed tree but for what packed_refit
+     * changes. The engine updates what it holds. Errors: as prepare; then it holds nothing. NULL:
+     * it cannot, and is prepared anew (engine_follow). */
+    enum status (*move)(void *self, const struct job *job, struct reason *reason);
     /* Traces ray_count rays (0 is allowed). Errors: STATUS_DEVICE the device was lost, or a ray was
      * not finished (stack or loop exhausted: the reason names the ray and the cause);
      * STATUS_MEMORY. */
@@ -235,6 +241,15 @@ struct engine {
     /* Writes the text of `raydiff doctor`: versions, limits, or why it cannot run. */
     void (*describe)(const struct engine_options *options, char *text, size_t text_bytes);
 };
+
+/* Prepares an opened engine with the next job of a life (ref/packed/life.h). `refitted`: its tree
+ * was refitted, not built again. Errors: as engine.prepare. */
+static inline enum status engine_follow(const struct engine *engine, void *self,
+                                        const struct job *job, bool refitted, struct reason *reason)
+{
+    return refitted && engine->move ? engine->move(self, job, reason)
+                                    : engine->prepare(self, job, reason);
+}
 
 /* How an opened engine is called when it is timed. */
 static inline const char *engine_called(const struct engine *engine, const void *self)

@@ -2,6 +2,7 @@
 #include "fuzz/campaign/campaign_inner.h"
 
 #include "fuzz/play/fuzz_turns.h"
+#include "fuzz/play/trial_life.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -310,6 +311,20 @@ static enum status add_finding(struct campaign *c, const struct work_finding *on
     return status;
 }
 
+/* Of a trial with steps, what is kept ends after the step that shows the finding. */
+static enum status add_ended(struct campaign *c, const struct work_finding *one,
+                             struct finding_file *file)
+{
+    if (one->finding.step == file->trial.step_count)
+        return add_finding(c, one, file);
+    struct finding_file cut = *file;
+    enum status status = trial_life_cut(&file->trial, one->finding.step, &cut.trial, c->reason);
+    if (!status)
+        status = add_finding(c, one, &cut);
+    fuzz_trial_free(&cut.trial);
+    return status;
+}
+
 /* Adds the trial's findings, and the trial to the feedback; it is made again only if one of them
  * needs it. */
 static enum status apply_trial(struct campaign *c, const struct campaign_block *block, uint32_t i)
@@ -331,7 +346,7 @@ static enum status apply_trial(struct campaign *c, const struct campaign_block *
     snprintf(file.versions, sizeof file.versions, "%s", c->versions);
     for (size_t k = 0; k < block->findings && found && !status; k++)
         if (block->finding[k].trial == i)
-            status = add_finding(c, &block->finding[k], &file);
+            status = add_ended(c, &block->finding[k], &file);
     finding_file_free(&file);
     return status;
 }

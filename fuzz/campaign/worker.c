@@ -2,6 +2,7 @@
 #include "fuzz/campaign/worker.h"
 
 #include "fuzz/findings/versions.h"
+#include "ref/base/text.h"
 #include "fuzz/campaign/worker_base.h"
 
 #include <signal.h>
@@ -69,6 +70,11 @@ static void form_opinion(const struct fuzz_trial *trial, const struct fuzz_findi
         snprintf(text, WORK_OPINION_MOST, "%s", said);
     else
         fuzz_finding_line(trial, finding, text, WORK_OPINION_MOST);
+    if (finding->step > 0) {
+        char step[STEP_TEXT_MOST];
+        step_write(&trial->step[finding->step - 1], step);
+        text_append(text, WORK_OPINION_MOST, "; after step %u, %s", finding->step, step);
+    }
 }
 
 static enum status explain(struct worker *w, const struct work_order *order)

@@ -104,6 +104,8 @@ static enum status draw_members(const struct work_rules *rules, uint64_t index,
     if (draw->optimized > 0)
         trial->build.passes = 1 + rng_below(&rng, BUILD_PASSES_DEFAULT);
     trial->build.rotates = draw->optimized > 1;
+    if (draw->moved || draw->store->head)
+        trial->step_count = 0; /* nor are other vertices on a grid */
     if (draw->moved) {
         trial->move = gen_move(&rng);
         trial->move_seed = rng_below(&rng, 1000);

@@ -146,6 +146,15 @@ static void read_move(struct finding_scan *in, struct finding_file *file)
     file->trial.move_seed = named_whole(in, "seed", UINT64_MAX);
 }
 
+static void read_steps(struct finding_scan *in, struct finding_file *file)
+{
+    char text[STEPS_TEXT_MOST];
+    struct reason why;
+    finding_text(in, text, sizeof text);
+    if (!in->status && steps_parse(text, file->trial.step, &file->trial.step_count, &why))
+        in->status = scan_fail(&in->scan, in->reason, "%.180s", why.text);
+}
+
 static void read_filter(struct finding_scan *in, struct finding_file *file)
 {
     if (!in->status && !file->trial.world.is)
@@ -166,6 +175,7 @@ static const struct {
     {"store", read_store, false, false},   {"optimize", read_optimize, false, false},
     {"move", read_move, false, false},     {"filter", read_filter, false, false},
     {"rotate", read_rotate, false, false}, {"presplit", read_presplit, false, false},
+    {"steps", read_steps, false, false},
 };
 
 /* All lines before "vertices", which is left to be read. */

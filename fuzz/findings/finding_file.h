@@ -15,6 +15,7 @@
  *   rotate 4                                          passes of rotations
  *   presplit 0x1p-2                                   optional; parts cut before the build
  *   move 0x1p-3 seed 7                                optional; since the tree was built
+ *   steps refit:jitter:3,rebuild:mirror               optional; scenes/life_steps.h
  *   vertices 3
  *   0x0p+0 0x0p+0 0x0p+0                              # 0.0 0.0 0.0
  *   ...
@@ -24,9 +25,10 @@
  *   0x1p-2 0x1p-2 -0x1p+0 0x0p+0 0x0p+0 0x1p+0 0x0p+0 inf    origin, direction, tmin, tmax
  *   end
  *
- * The same of a world (ref/world/world.h) has version 2. It does not move. Between triangles and
- * rays it has geometries, which take the triangles in turn, and instances: mesh (-: none), custom
- * index, mask, flags, and the transform, row by row. A ray has its mask and flags behind tmax.
+ * The same of a world (ref/world/world.h) has version 2. It neither moves nor has steps. Between
+ * triangles and rays it has geometries, which take the triangles in turn, and instances: mesh (-:
+ * none), custom index, mask, flags, and the transform, row by row. A ray has its mask and flags
+ * behind tmax.
  *
  *   raydiff trial 2
  *   filter triangles seed 7 share 128                 optional; all seed 0 share 128
@@ -42,8 +44,8 @@
  *
  * The lines before `vertices` come in any order, each once; `vertices`, `triangles`, a
  * world's `geometries` and `instances`, `rays` and `end` in this order. A # starts a comment,
- * except in `recipe` and `with`, which are the rest of their line. Numbers may be decimal too; in
- * rays "inf" and "nan:0x7fc00000" with all its bits. */
+ * except in `recipe`, `with` and `steps`, which are the rest of their line. Numbers may be decimal
+ * too; in rays "inf" and "nan:0x7fc00000" with all its bits. */
 #ifndef FUZZ_FINDING_FILE_H
 #define FUZZ_FINDING_FILE_H
 

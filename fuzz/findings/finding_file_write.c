@@ -98,6 +98,11 @@ static void put_head(const struct finding_file *file, FILE *to)
         finding_put_decimal(trial->move, to);
         fputc('\n', to);
     }
+    if (trial->step_count > 0) {
+        char steps[STEPS_TEXT_MOST];
+        steps_write(trial->step, trial->step_count, steps);
+        fprintf(to, "steps %s\n", steps);
+    }
     if (trial->world.is)
         finding_put_filter(&trial->world, to);
 }

@@ -7,6 +7,11 @@
 #define OTHER_IN 4u
 /* One trial in that many has triangles cut before the build, if its builder takes their parts. */
 #define PRESPLIT_IN 8u
+/* One trial in that many has steps, if it has no more triangles; up to so many steps. */
+#define STEPS_IN        64u
+#define STEPS_TRIANGLES 512u
+#define STEPS_MOST      4u
+#define STEP_SEEDS      1000u
 
 /* A random member of a table that may take part: of the products, or of the others, each as likely.
  * `is_core`: whether member i is of the products; `is_here`: whether it is there on any machine. */
@@ -64,4 +69,20 @@ float gen_presplit(uint64_t seed, uint64_t index, const struct builder *builder)
     bool some = rng_below(&rng, PRESPLIT_IN) == 0;
     float share = power_of_two((int)rng_below(&rng, 6) - 4);
     return some && builder_takes(builder, "presplit") ? share : 0;
+}
+
+/* Two steps in three are refits; a motion that is still is as rare as any other. */
+void gen_steps(uint64_t seed, uint64_t index, struct fuzz_trial *trial)
+{
+    struct rng of_seed = rng_make(seed, 0x73746570u + GEN_SALT);
+    struct rng rng = rng_make(rng_u64(&of_seed), index);
+    if (rng_below(&rng, STEPS_IN) != 0 || trial->scene.tri_count > STEPS_TRIANGLES)
+        return;
+    trial->step_count = 1 + rng_below(&rng, STEPS_MOST);
+    for (uint32_t i = 0; i < trial->step_count; i++) {
+        struct step *step = &trial->step[i];
+        step->act = rng_below(&rng, 3) == 0 ? LIFE_REBUILD : LIFE_REFIT;
+        step->motion = (enum life_motion)rng_below(&rng, MOTIONS);
+        step->seed = rng_below(&rng, STEP_SEEDS);
+    }
 }

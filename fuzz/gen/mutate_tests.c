@@ -51,13 +51,13 @@ enum status edit_query(struct rng *rng, struct fuzz_trial *trial, bool *changed)
 }
 
 /* The tree is built of the scene at rest and refitted to the scene as it is; or no longer. No world
- * moves. */
+ * moves, and no trial with steps. */
 enum status edit_refit(struct rng *rng, struct fuzz_trial *trial, bool *changed)
 {
     uint64_t seed = rng_below(rng, 1000);
     float move = gen_move(rng);
     bool still = trial->move > 0;
-    if (trial->world.is)
+    if (trial->world.is || trial->step_count > 0)
         return STATUS_OK;
     trial->move = still ? 0 : move;
     trial->move_seed = still ? 0 : seed;

@@ -203,12 +203,13 @@ static void mark_set(struct fuzz_mark *mark, size_t first, size_t count, size_t 
     atomic_store(&mark->contestant, (uint32_t)contestant);
 }
 
-/* How many of the trials make a batch: all are of scenes, or all of worlds. */
+/* How many of the trials make a batch: all are of scenes, or all of worlds; of one with steps
+ * none. */
 static size_t batch_size(const struct fuzz_trial *trial, size_t count)
 {
     size_t rays = 0, size = 0;
     while (size < count && size < FUZZ_BATCH && trial[size].world.is == trial[0].world.is &&
-           (!size || rays + trial[size].ray_count <= BATCH_RAYS))
+           trial[size].step_count == 0 && (!size || rays + trial[size].ray_count <= BATCH_RAYS))
         rays += trial[size++].ray_count;
     return size;
 }
@@ -267,6 +268,57 @@ static enum status play_batch(struct fuzz_player *player, const struct fuzz_tria
     return status;
 }
 
+static void add_result(const struct fuzz_result *from, uint32_t step, struct fuzz_result *sum)
+{
+    struct fuzz_result result = *from;
+    for (size_t v = 0; v < VERDICT_COUNT; v++)
+        result.count[v] += sum->count[v];
+    result.wrong += sum->wrong;
+    result.judged += sum->judged;
+    result.refused = sum->refused > result.refused ? sum->refused : result.refused;
+    result.refusers |= sum->refusers;
+    result.decliners |= sum->decliners;
+    result.players |= sum->players;
+    result.provers |= sum->provers;
+    result.refitted |= sum->refitted;
+    result.rebuilt |= sum->rebuilt;
+    for (size_t i = 0; i < FUZZ_CONTESTANTS_MOST * MATCH_EDGES; i++) {
+        struct edges_lost *edges = &result.edges[i / MATCH_EDGES][i % MATCH_EDGES];
+        edges->hits += sum->edges[i / MATCH_EDGES][i % MATCH_EDGES].hits;
+        edges->lost += sum->edges[i / MATCH_EDGES][i % MATCH_EDGES].lost;
+    }
+    for (size_t i = 0; i < COVERAGE_WORDS; i++)
+        result.coverage[i] |= sum->coverage[i];
+    for (size_t i = 0; i < result.finding_count; i++)
+        result.finding[i].step = step;
+    *sum = result;
+}
+
+/* Plays a trial with steps, trial `at` of the call. */
+static enum status play_life(struct fuzz_player *player, const struct fuzz_trial *trial, size_t at,
+                             struct fuzz_result *result, struct fuzz_time *time,
+                             struct fuzz_mark *mark, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    struct fuzz_result *one = alloc_zeroed(1, sizeof *one);
+    if (!one)
+        return fail(reason, STATUS_MEMORY, "no memory for the result of a step");
+    *result = (struct fuzz_result){0};
+    for (uint32_t step = 0; step <= trial->step_count && !status && !result->finding_count;
+         step++) {
+        struct fuzz_trial cut;
+        status = trial_life_cut(trial, step, &cut, reason);
+        if (!status)
+            status = play_batch(player, &cut, at, 1, one, time, mark, reason);
+        if (!status)
+            add_result(one, step, result);
+        fuzz_trial_free(&cut);
+    }
+    result->rebuilt &= ~result->refitted;
+    free(one);
+    return status;
+}
+
 enum status fuzz_play(struct fuzz_player *player, const struct fuzz_trial *trial, size_t count,
                       struct fuzz_result *result, struct fuzz_time *time, struct fuzz_mark *mark,
                       struct reason *reason)
@@ -274,8 +326,10 @@ enum status fuzz_play(struct fuzz_player *player, const struct fuzz_trial *trial
     enum status status = STATUS_OK;
     for (size_t done = 0; done < count && !status;) {
         size_t part = batch_size(trial + done, count - done);
-        status = play_batch(player, trial + done, done, part, result + done, time, mark, reason);
-        done += part;
+        status =
+            part ? play_batch(player, trial + done, done, part, result + done, time, mark, reason)
+                 : play_life(player, trial + done, done, result + done, time, mark, reason);
+        done += part ? part : 1;
     }
     return status;
 }

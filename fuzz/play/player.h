@@ -48,7 +48,8 @@ enum status fuzz_field_draw(const struct engine *const *engine, size_t engine_co
 struct fuzz_finding {
     struct fuzz_signature signature; /* cause: CAUSE_UNEXPLAINED until fuzz_explain */
     size_t contestant;
-    uint32_t ray; /* index in the trial */
+    uint32_t step; /* of a trial with steps: after which of them, 0 is before the first */
+    uint32_t ray;  /* index in the trial */
     struct hit answer;
     uint32_t tag; /* of a world: what was answered beside the hit */
     struct judgement judgement;
@@ -68,7 +69,8 @@ struct fuzz_result {
     uint32_t decliners;          /* of them those whose engine refused, not their layout */
     uint32_t players;            /* contestants that answered, likewise */
     uint32_t provers;            /* those with a hit that is not WRONG, likewise */
-    uint32_t refitted, rebuilt;  /* contestants on a tree that was, since it moved, likewise */
+    uint32_t refitted, rebuilt;  /* contestants on a tree that was, since it moved, likewise; of
+                                    steps: on one that was ever refitted, else was built again */
     struct edges_lost edges[FUZZ_CONTESTANTS_MOST][MATCH_EDGES]; /* of unknown formulas */
     struct fuzz_finding finding[FUZZ_FINDINGS_MOST];
     size_t finding_count;
@@ -114,6 +116,8 @@ void fuzz_player_cast(struct fuzz_player *player, size_t contestant, const struc
 /* Plays `count` trials, which must have passed fuzz_trial_check. Faults of engines are in the
  * results. Times are added to *time (may be NULL); `mark` may be NULL. An engine that lost its
  * device is opened again. The results do not depend on which trials are played together.
+ * A trial with steps is played step by step, as trial_life_cut makes trials of it, up to the first
+ * step with a finding; its result is the sum of theirs.
  * Errors: STATUS_MEMORY; STATUS_DEVICE, STATUS_UNSUPPORTED an engine that died cannot be opened
  * again; STATUS_INTERNAL. */
 enum status fuzz_play(struct fuzz_player *player, const struct fuzz_trial *trial, size_t count,

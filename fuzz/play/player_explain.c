@@ -113,7 +113,7 @@ static enum status ask_anew(const struct seat *seat, const struct play_stage *st
                             struct explain_asked *out, struct reason *reason)
 {
     *out = (struct explain_asked){.job = stage_job(stage, seat)};
-    enum status status = seat->engine->prepare(seat->self, &out->job, reason);
+    enum status status = stage_prepare(stage, seat, reason);
     if (status)
         return status == STATUS_MEMORY ? status : STATUS_OK;
     const struct judged_job from = {.engine = seat->engine,
@@ -306,8 +306,8 @@ static enum cause end_cause(const struct layout *layout, const struct bvh *bvh)
     return CAUSE_UNEXPLAINED;
 }
 
-enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *trial,
-                         struct fuzz_finding *finding, struct reason *reason)
+static enum status explain(struct fuzz_player *player, const struct fuzz_trial *trial,
+                           struct fuzz_finding *finding, struct reason *reason)
 {
     const struct seat *seat = &player->seat[finding->contestant];
     struct play_stage *stage = &player->stage[0];
@@ -327,6 +327,19 @@ enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *tr
     stage_clear(stage);
     if (!status && *cause == CAUSE_OUTSIDE)
         status = scaled_cause(player, trial, finding, reason);
+    return status;
+}
+
+enum status fuzz_explain(struct fuzz_player *player, const struct fuzz_trial *trial,
+                         struct fuzz_finding *finding, struct reason *reason)
+{
+    struct fuzz_trial cut;
+    if (finding->step == trial->step_count)
+        return explain(player, trial, finding, reason);
+    enum status status = trial_life_cut(trial, finding->step, &cut, reason);
+    if (!status)
+        status = explain(player, &cut, finding, reason);
+    fuzz_trial_free(&cut);
     return status;
 }
 

@@ -217,7 +217,8 @@ enum status seat_ask(struct fuzz_player *player, size_t seat, size_t count, stru
 {
     enum status status = STATUS_OK;
     const struct seat *who = &player->seat[seat];
-    if (who->engine->trace_tasks && !player->stage[0].trial->world.is) {
+    const struct fuzz_trial *trial = player->stage[0].trial;
+    if (who->engine->trace_tasks && !trial->world.is && trial->step_count == 0) {
         status = ask_together(player, seat, count, reason);
         if (status != STATUS_DEVICE)
             return status;

@@ -75,12 +75,48 @@ static enum fuzz_kind outside_fault(enum status status)
     return plugin_hung() ? FUZZ_KIND_HANG : FUZZ_KIND_CRASH;
 }
 
+/* Makes all trees of a trial with steps; the last one is what is traced. */
+static enum status pack_life(struct play_stage *stage, const struct layout *layout, size_t i,
+                             struct reason *reason)
+{
+    const uint32_t last = stage->life.count;
+    stage->tree[i] = alloc_zeroed(LIFE_STEPS_MOST + 1, sizeof *stage->tree[i]);
+    if (!stage->tree[i])
+        return fail(reason, STATUS_MEMORY, "no memory for the trees of a life");
+    enum status status =
+        trial_life_trees(stage->trial, &stage->life, layout, stage->tree[i], reason);
+    if (status) {
+        free(stage->tree[i]);
+        stage->tree[i] = NULL;
+        return status;
+    }
+    stage->moved[i] = stage->tree[i][last].bvh;
+    stage->packed[i] = stage->tree[i][last].packed;
+    stage->motion[i] = fuzz_trial_motion(stage->tree[i][last].fate);
+    return STATUS_OK;
+}
+
+/* Frees them, with what is shared. */
+static void clear_life(struct play_stage *stage, size_t i)
+{
+    for (uint32_t k = 0; k <= stage->life.count && stage->tree[i]; k++)
+        life_tree_free(&stage->tree[i][k]);
+    if (stage->tree[i]) {
+        stage->packed[i] = (struct packed){0};
+        stage->moved[i] = (struct bvh){0};
+    }
+    free(stage->tree[i]);
+    stage->tree[i] = NULL;
+}
+
 /* A tree that moves is made anew for each layout: one is refitted, the next may be rebuilt. */
 static enum status pack(struct play_stage *stage, const struct layout *layout, size_t i,
                         struct reason *reason)
 {
     const struct fuzz_trial *trial = stage->trial;
     stage->motion[i] = TRIAL_STILL;
+    if (trial->step_count > 0)
+        return pack_life(stage, layout, i, reason);
     if (trial->move > 0)
         return fuzz_trial_tree(trial, layout, &stage->moved[i], &stage->packed[i],
                                &stage->motion[i], reason);
@@ -102,7 +138,7 @@ static enum status pack_all(struct play_stage *stage, const struct fuzz_player *
         if (status == STATUS_LIMIT)
             continue;
         if ((layout->outside && (status == STATUS_INPUT || status == STATUS_DEVICE)) ||
-            (status == STATUS_INPUT && stage->trial->move > 0)) {
+            (status == STATUS_INPUT && (stage->trial->move > 0 || stage->trial->step_count > 0))) {
             stage->fault[i] = outside_fault(status);
             stage->rule[i] = layout->outside ? plugin_rule() : PACKED_SOUND;
             say(stage, i, reason);
@@ -161,6 +197,8 @@ static enum status build_and_pack(struct play_stage *stage, const struct fuzz_pl
     struct reason built = {""};
     enum status status = compare_device(stage, &built, reason);
     if (!status)
+        status = trial_life_make(stage->trial, &stage->life, reason);
+    if (!status)
         status = fuzz_trial_build(stage->trial, &stage->bvh, reason);
     stage->has_tree = status == STATUS_OK;
     if (status && status != STATUS_LIMIT)
@@ -196,9 +234,11 @@ enum status stage_set(struct play_stage *stage, const struct fuzz_player *player
 void stage_clear(struct play_stage *stage)
 {
     for (size_t i = 0; i < LAYOUTS_MOST; i++) {
+        clear_life(stage, i);
         packed_free(&stage->packed[i]);
         bvh_free(&stage->moved[i]);
     }
+    trial_life_free(&stage->life);
     bvh_free(&stage->bvh);
     oracle_free(stage->oracle);
     stage->oracle = NULL;

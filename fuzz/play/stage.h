@@ -4,6 +4,7 @@
 #define FUZZ_STAGE_H
 
 #include "fuzz/play/player.h"
+#include "fuzz/play/trial_life.h"
 #include "fuzz/play/trial_tree.h"
 #include "ref/oracle/oracle.h"
 #include "ref/packed/packed_check.h"
@@ -73,8 +74,11 @@ struct play_stage {
     struct bvh moved[LAYOUTS_MOST]; /* of a trial that moves: what is packed */
     enum trial_motion motion[LAYOUTS_MOST];
     struct packed packed[LAYOUTS_MOST];
-    struct stage_world world;      /* in place of bvh, moved and packed */
-    bool has_packed[LAYOUTS_MOST]; /* else the layout refused */
+    struct trial_life life;               /* of a trial with steps */
+    struct life_tree *tree[LAYOUTS_MOST]; /* likewise its trees; moved and packed are shares in the
+                                             last of them */
+    struct stage_world world;             /* in place of bvh, moved and packed */
+    bool has_packed[LAYOUTS_MOST];        /* else the layout refused */
     /* FUZZ_KIND_TREE: packed_check found faults that the tree had not; a layout from outside did
      * not survive packing; a device built another tree than C; FUZZ_KIND_COUNT: nothing. */
     enum fuzz_kind fault[LAYOUTS_MOST];
@@ -101,7 +105,8 @@ void stage_close(struct play_stage *stage);
 /* The tree that packed[layout] was made of. */
 static inline const struct bvh *stage_tree(const struct play_stage *stage, size_t layout)
 {
-    return stage->trial->move > 0 ? &stage->moved[layout] : &stage->bvh;
+    const struct fuzz_trial *trial = stage->trial;
+    return trial->move > 0 || trial->step_count > 0 ? &stage->moved[layout] : &stage->bvh;
 }
 
 /* The job of a seat on a stage. */

@@ -18,7 +18,8 @@ void stage_world_clear(struct play_stage *stage);
 /* True if the layout's tree is split: see job_keeps_watertight. */
 bool stage_is_split(const struct play_stage *stage, size_t layout);
 
-/* As engine.prepare of the seat's engine with the stage's scene or world. Errors: as that;
+/* As engine.prepare of the seat's engine with the stage's scene or world; of a trial with steps as
+ * trial_life_prepare. Errors: as that;
  * STATUS_REFUSED an engine that traces no worlds. */
 enum status stage_prepare(const struct play_stage *stage, const struct seat *seat,
                           struct reason *reason) MUST_USE;

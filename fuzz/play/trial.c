@@ -113,6 +113,11 @@ uint64_t fuzz_trial_hash(const struct fuzz_trial *trial)
         hash = trial_mix_u32(trial_mix_u32(hash, (uint32_t)trial->move_seed),
                              (uint32_t)(trial->move_seed >> 32));
     }
+    if (trial->step_count > 0) {
+        char steps[STEPS_TEXT_MOST];
+        steps_write(trial->step, trial->step_count, steps);
+        hash = mix_text(mix_text(hash, "steps"), steps);
+    }
     return trial->world.is ? trial_world_hash(&trial->world, trial->ray_count, hash) : hash;
 }
 
@@ -146,6 +151,15 @@ static uint64_t disorder(const struct scene *scene)
 }
 
 /* 0 for what fuzz_trial_make sets; else more the farther down its table a member stands. */
+/* Of a step's seed. */
+static uint64_t step_weight(const struct step *step)
+{
+    uint64_t weight = 0;
+    for (uint64_t rest = step->seed; rest; rest /= 2)
+        weight++;
+    return weight;
+}
+
 static uint64_t member_weight(const struct fuzz_trial *trial)
 {
     uint64_t weight = trial->query != QUERY_CLOSEST;
@@ -166,6 +180,9 @@ static uint64_t member_weight(const struct fuzz_trial *trial)
         weight += 1 + trial_float_weight(trial->build.presplit);
     if (trial->move > 0)
         weight += 1 + trial_float_weight(trial->move) + (trial->move_seed > 0);
+    for (uint32_t i = 0; i < trial->step_count; i++)
+        weight +=
+            (uint64_t)trial->step[i].motion + trial->step[i].act + step_weight(&trial->step[i]);
     return weight;
 }
 
@@ -173,7 +190,8 @@ struct fuzz_trial_size fuzz_trial_size(const struct fuzz_trial *trial)
 {
     const struct scene *scene = &trial->scene;
     const struct trial_world *world = &trial->world;
-    struct fuzz_trial_size size = {.instances = world->instance_count,
+    struct fuzz_trial_size size = {.steps = trial->step_count,
+                                   .instances = world->instance_count,
                                    .triangles = scene->tri_count,
                                    .rays = trial->ray_count,
                                    .vertices = scene->vertex_count,
@@ -200,7 +218,9 @@ static int compare(uint64_t a, uint64_t b)
 
 int fuzz_trial_size_compare(const struct fuzz_trial_size *a, const struct fuzz_trial_size *b)
 {
-    int order = compare(a->instances, b->instances);
+    int order = compare(a->steps, b->steps);
+    if (!order)
+        order = compare(a->instances, b->instances);
     if (!order)
         order = compare(a->triangles, b->triangles);
     if (!order)
@@ -244,6 +264,11 @@ enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reas
     if (scene->tri_count > FUZZ_TRIANGLES_MOST || trial->ray_count > FUZZ_RAYS_MOST)
         return fail(reason, STATUS_LIMIT, "a trial has at most %u triangles and %u rays",
                     FUZZ_TRIANGLES_MOST, FUZZ_RAYS_MOST);
+    if (trial->step_count > LIFE_STEPS_MOST ||
+        (trial->step_count > 0 && (trial->world.is || trial->move > 0)))
+        return fail(reason, STATUS_INPUT,
+                    "a trial has at most %u steps, and none if it moves or is of a world",
+                    LIFE_STEPS_MOST);
     if (trial->world.is && trial->move > 0)
         return fail(reason, STATUS_INPUT, "a trial of a world does not move");
     enum status status = scene_check(scene, reason);

@@ -8,6 +8,7 @@
 #include "ref/tree/bvh.h"
 #include "ref/primitives/primitives.h"
 #include "ref/store.h"
+#include "scenes/life_steps.h"
 
 #define FUZZ_TRIANGLES_MOST 131072u /* of a trial; generated ones are far smaller */
 #define FUZZ_RAYS_MOST      65536u
@@ -40,6 +41,11 @@ struct fuzz_trial {
      * these, and then refitted (fuzz/play/trial_tree.h). 0: it never moved, as no world does. */
     float move;
     uint64_t move_seed;
+    /* Or the tree, and what engines make of it, lives through these steps. The scene is again what
+     * is traced, after the last of them; before step i it is what motion i makes of the scene after
+     * that step (fuzz/play/trial_life.h). Neither with `move` nor in a world. */
+    struct step step[LIFE_STEPS_MOST];
+    uint32_t step_count;
 };
 
 /* A trial of a scene, of default members, with room for that many vertices, triangles and rays, all
@@ -63,6 +69,7 @@ struct fuzz_trial fuzz_trial_rays_from(const struct fuzz_trial *trial, uint32_t 
 
 /* How much there is to read: what the shrinker reduces. Compared in this order. */
 struct fuzz_trial_size {
+    uint32_t steps;
     uint32_t instances; /* 0 of a scene */
     uint32_t triangles, rays, vertices;
     uint32_t places; /* trial_world_places */
@@ -77,7 +84,8 @@ int fuzz_trial_size_compare(const struct fuzz_trial_size *a, const struct fuzz_t
 
 /* Rejects what no reader may let through: indices out of range, vertices that are not finite, no
  * builder, test or storage, a storage that the triangle test cannot read, parts for a builder that
- * takes none, what trial_world_check rejects, a world that moves, limits. Rays may hold any bits.
+ * takes none, what trial_world_check rejects, a world that moves, steps of what moves, limits. Rays
+ * may hold any bits.
  * Errors: STATUS_INPUT, STATUS_LIMIT; STATUS_MEMORY of a world. */
 enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reason) MUST_USE;
 

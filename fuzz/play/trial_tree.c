@@ -1,5 +1,6 @@
 #include "fuzz/play/trial_tree.h"
 
+#include "fuzz/play/trial_life.h"
 #include "ref/packed/refit.h"
 #include "scenes/move.h"
 
@@ -37,11 +38,25 @@ static enum status rest_of(const struct fuzz_trial *trial, struct scene *out, fl
     return STATUS_OK;
 }
 
+/* Of a trial with steps: the tree of its first scene. */
+static enum status build_first(const struct fuzz_trial *trial, struct bvh *out,
+                               struct reason *reason)
+{
+    struct trial_life life;
+    enum status status = trial_life_make(trial, &life, reason);
+    if (!status)
+        status = build_of(trial, &life.scene[0], out, reason);
+    trial_life_free(&life);
+    return status;
+}
+
 enum status fuzz_trial_build(const struct fuzz_trial *trial, struct bvh *out, struct reason *reason)
 {
     struct scene rest;
     float *vertex;
     *out = (struct bvh){0};
+    if (trial->step_count > 0)
+        return build_first(trial, out, reason);
     if (!(trial->move > 0))
         return build_of(trial, &trial->scene, out, reason);
     enum status status = rest_of(trial, &rest, &vertex, reason);
@@ -76,15 +91,49 @@ static enum status refit(const struct fuzz_trial *trial, struct bvh *bvh, struct
     return status;
 }
 
+enum trial_motion fuzz_trial_motion(enum life_fate fate)
+{
+    static const enum trial_motion of[] = {[LIFE_BUILT] = TRIAL_STILL,
+                                           [LIFE_REFITTED] = TRIAL_REFITTED,
+                                           [LIFE_REBUILT] = TRIAL_REBUILT,
+                                           [LIFE_FORCED] = TRIAL_REBUILT};
+    return of[fate];
+}
+
+/* The tree after the last step. */
+static enum status tree_of_life(const struct fuzz_trial *trial, const struct layout *layout,
+                                struct bvh *bvh, struct packed *out, enum trial_motion *motion,
+                                struct reason *reason)
+{
+    struct trial_life life;
+    struct life_tree tree[LIFE_STEPS_MOST + 1];
+    enum status status = trial_life_make(trial, &life, reason);
+    if (!status)
+        status = trial_life_trees(trial, &life, layout, tree, reason);
+    if (!status) {
+        const struct life_tree *last = &tree[life.count];
+        *bvh = last->bvh;
+        *out = last->packed;
+        *motion = fuzz_trial_motion(last->fate);
+        for (uint32_t i = 0; i < life.count; i++)
+            life_tree_free(&tree[i]);
+    }
+    trial_life_free(&life);
+    return status;
+}
+
 enum status fuzz_trial_tree(const struct fuzz_trial *trial, const struct layout *layout,
                             struct bvh *bvh, struct packed *out, enum trial_motion *motion,
                             struct reason *reason)
 {
+    enum trial_motion unused;
     struct scene rest;
     float *vertex = NULL;
     enum trial_motion what = trial->move > 0 ? TRIAL_REFITTED : TRIAL_STILL;
     *bvh = (struct bvh){0};
     *out = (struct packed){0};
+    if (trial->step_count > 0)
+        return tree_of_life(trial, layout, bvh, out, motion ? motion : &unused, reason);
     enum status status = rest_of(trial, &rest, &vertex, reason);
     if (!status)
         status = build_of(trial, &rest, bvh, reason);

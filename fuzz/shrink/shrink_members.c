@@ -3,11 +3,11 @@
 
 #include <string.h>
 
-extern const struct shrink_pass shrink_rays, shrink_ends, shrink_triangles, shrink_trees,
-    shrink_pairs, shrink_repeat, shrink_tidy, shrink_merge, shrink_values, shrink_planes,
-    shrink_numbers, shrink_carrying, shrink_ranks, shrink_frame, shrink_aim, shrink_instances,
-    shrink_geometries, shrink_instance_members, shrink_modes, shrink_filter, shrink_places,
-    shrink_world_frame;
+extern const struct shrink_pass shrink_steps, shrink_rays, shrink_ends, shrink_triangles,
+    shrink_trees, shrink_pairs, shrink_repeat, shrink_tidy, shrink_merge, shrink_values,
+    shrink_planes, shrink_numbers, shrink_carrying, shrink_ranks, shrink_frame, shrink_aim,
+    shrink_instances, shrink_geometries, shrink_instance_members, shrink_modes, shrink_filter,
+    shrink_places, shrink_world_frame;
 
 uint32_t shrink_one(const struct fuzz_trial *trial)
 {
@@ -141,12 +141,28 @@ static bool change_member(struct fuzz_trial *trial, uint32_t first, uint32_t cou
 static const struct shrink_pass members = {"members", SHRINK_SINGLY, shrink_one, MEMBER_CHANGES,
                                            change_member};
 
-const struct shrink_pass *const shrink_passes[] = {
-    &shrink_rays,       &shrink_instances, &shrink_ends,
-    &shrink_triangles,  &shrink_trees,     &shrink_pairs,
-    &shrink_repeat,     &shrink_tidy,      &shrink_merge,
-    &shrink_geometries, &shrink_filter,    &shrink_instance_members,
-    &shrink_modes,      &shrink_places,    &shrink_world_frame,
-    &shrink_aim,        &shrink_ranks,     &shrink_frame,
-    &shrink_planes,     &shrink_values,    &shrink_numbers,
-    &shrink_carrying,   &members,          NULL};
+const struct shrink_pass *const shrink_passes[] = {&shrink_steps,
+                                                   &shrink_rays,
+                                                   &shrink_instances,
+                                                   &shrink_ends,
+                                                   &shrink_triangles,
+                                                   &shrink_trees,
+                                                   &shrink_pairs,
+                                                   &shrink_repeat,
+                                                   &shrink_tidy,
+                                                   &shrink_merge,
+                                                   &shrink_geometries,
+                                                   &shrink_filter,
+                                                   &shrink_instance_members,
+                                                   &shrink_modes,
+                                                   &shrink_places,
+                                                   &shrink_world_frame,
+                                                   &shrink_aim,
+                                                   &shrink_ranks,
+                                                   &shrink_frame,
+                                                   &shrink_planes,
+                                                   &shrink_values,
+                                                   &shrink_numbers,
+                                                   &shrink_carrying,
+                                                   &members,
+                                                   NULL};

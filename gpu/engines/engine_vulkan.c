@@ -47,6 +47,11 @@ static enum status prepare(void *self, const struct job *job, struct reason *rea
     return tracer_prepare(((struct vulkan *)self)->tracer, job, reason);
 }
 
+static enum status move(void *self, const struct job *job, struct reason *reason)
+{
+    return tracer_move(((struct vulkan *)self)->tracer, job, reason);
+}
+
 static enum status trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
                          struct trace_report *report, struct reason *reason)
 {
@@ -129,6 +134,7 @@ const struct engine engine_vulkan = {
     .compiles = true,
     .open = open,
     .prepare = prepare,
+    .move = move,
     .trace = trace,
     .trace_tasks = trace_tasks,
     .trace_all = trace_all,

@@ -141,6 +141,35 @@ enum status tracer_prepare(struct tracer *tracer, const struct job *job, struct 
     return status;
 }
 
+static enum status rewrite(struct tracer *tracer, uint32_t binding, const void *from,
+                           uint64_t bytes, struct reason *reason)
+{
+    return bytes && from
+               ? vk_buffer_write(tracer->vk, tracer->buffer[binding], 0, from, bytes, reason)
+               : STATUS_OK;
+}
+
+enum status tracer_move(struct tracer *tracer, const struct job *job, struct reason *reason)
+{
+    const struct packed *packed = job->packed;
+    struct dispatch dispatch;
+    if (!tracer->pipeline || job->parent)
+        return tracer_prepare(tracer, job, reason);
+    enum status status = dispatch_tree(job, tracer->workgroup, &dispatch, reason);
+    tracer->push = dispatch.push;
+    if (!status)
+        status = rewrite(tracer, ABI_BIND_NODES, packed->word, packed_node_bytes(packed), reason);
+    if (!status)
+        status = rewrite(tracer, ABI_BIND_ITEMS, packed->item, packed_item_bytes(packed), reason);
+    if (!status && tri_store_reads_scene(packed->store))
+        status = gather_write(tracer->vk, job->scene, tracer->buffer[ABI_BIND_TRIS], 0, reason);
+    if (status) {
+        free_buffers(tracer);
+        tracer->pipeline = NULL;
+    }
+    return status;
+}
+
 /* Makes the buffer of `binding` hold at least `bytes`. */
 static enum status grow(struct tracer *tracer, uint32_t binding, uint64_t bytes,
                         struct reason *reason)

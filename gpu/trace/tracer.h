@@ -19,6 +19,11 @@ enum status tracer_open(const struct vk_options *options, uint32_t workgroup, st
 enum status tracer_prepare(struct tracer *tracer, const struct job *job,
                            struct reason *reason) MUST_USE;
 
+/* As engine.move: writes nodes, items and triangles into the buffers of the last job. Errors: as
+ * tracer_prepare. */
+enum status tracer_move(struct tracer *tracer, const struct job *job,
+                        struct reason *reason) MUST_USE;
+
 /* As engine.trace. Errors: STATUS_DEVICE not prepared or for another query, lost, hung, a ray that
  * was not finished, or validation messages since open (the reason has the first); STATUS_MEMORY. */
 enum status tracer_trace(struct tracer *tracer, const struct ray *ray, size_t ray_count,

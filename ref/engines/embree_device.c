@@ -129,6 +129,8 @@ static enum status embree_add_mesh(struct embree *embree, const struct scene *sc
     }
     memcpy(vertex, scene->vertex, 3 * sizeof(float) * (size_t)scene->vertex_count);
     memcpy(index, scene->index, 3 * sizeof(unsigned) * (size_t)scene->tri_count);
+    if (embree->mode.refit)
+        rtcSetGeometryBuildQuality(mesh, RTC_BUILD_QUALITY_REFIT);
     if (embree->query == QUERY_ALL)
         rtcSetGeometryIntersectFilterFunction(mesh, embree_list_filter);
     rtcCommitGeometry(mesh);
@@ -142,7 +144,8 @@ RTCScene embree_scene(const struct embree *embree)
     RTCScene scene = rtcNewScene(embree->device);
     rtcSetSceneFlags(scene,
                      (embree->mode.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE) |
-                         (embree->mode.compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE));
+                         (embree->mode.compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE) |
+                         (embree->mode.dynamic ? RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_NONE));
     if (embree->mode.quality == EMBREE_HIGH)
         rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
     if (embree->mode.quality == EMBREE_LOW)
@@ -170,6 +173,20 @@ enum status embree_prepare(void *self, const struct job *job, struct reason *rea
     if (job->scene->tri_count > 0)
         status = embree_add_mesh(embree, job->scene, reason);
     return status ? status : embree_commit(embree, embree->scene, reason);
+}
+
+enum status embree_move(void *self, const struct job *job, struct reason *reason)
+{
+    struct embree *embree = self;
+    const struct scene *scene = job->scene;
+    if (scene->tri_count == 0)
+        return STATUS_OK;
+    RTCGeometry mesh = rtcGetGeometry(embree->scene, 0);
+    float *vertex = rtcGetGeometryBufferData(mesh, RTC_BUFFER_TYPE_VERTEX, 0);
+    memcpy(vertex, scene->vertex, 3 * sizeof(float) * (size_t)scene->vertex_count);
+    rtcUpdateGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(mesh);
+    return embree_commit(embree, embree->scene, reason);
 }
 
 bool embree_takes(const struct embree *embree, const struct ray *ray)

@@ -24,6 +24,8 @@ struct embree_mode {
     unsigned packet;             /* 0: single rays; else 4, 8 or 16 at once */
     enum embree_quality quality; /* RTC_BUILD_QUALITY_* */
     bool robust, compact;        /* RTC_SCENE_FLAG_* */
+    bool dynamic, refit;         /* RTC_SCENE_FLAG_DYNAMIC; and RTC_BUILD_QUALITY_REFIT of meshes,
+                                    which Embree heeds only in dynamic scenes */
 };
 
 #define EMBREE_PACKET_MOST 16u
@@ -41,6 +43,9 @@ enum status embree_open_mode(const struct engine_options *options, const struct 
 enum status embree_isa_check(enum embree_isa isa, struct reason *reason) MUST_USE;
 
 enum status embree_prepare(void *self, const struct job *job, struct reason *reason) MUST_USE;
+/* As engine.move: new vertices in the buffer that Embree has, and the scene committed again. Embree
+ * builds it anew, or refits it where the mode has that. */
+enum status embree_move(void *self, const struct job *job, struct reason *reason) MUST_USE;
 enum status embree_trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
                          struct trace_report *report, struct reason *reason) MUST_USE;
 enum status embree_trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,

@@ -32,8 +32,9 @@ static size_t place_count;
 #define PLACES(each)                                                                               \
     ROW(each, 0)                                                                                   \
     ROW(each, 1)                                                                                   \
-    ROW(each, 2) ROW(each, 3) ROW(each, 4) ROW(each, 5) ROW(each, 6) ROW(each, 7) ROW(each, 8)     \
-        ROW(each, 9) ROW(each, A) ROW(each, B) ROW(each, C) ROW(each, D) ROW(each, E)
+    ROW(each, 2)                                                                                   \
+    ROW(each, 3) ROW(each, 4) ROW(each, 5) ROW(each, 6) ROW(each, 7) ROW(each, 8) ROW(each, 9)     \
+        ROW(each, A) ROW(each, B) ROW(each, C) ROW(each, D) ROW(each, E)
 
 #define OPEN(n)                                                                                    \
     static enum status open_##n(const struct engine_options *options, void **self,                 \
@@ -88,13 +89,14 @@ static size_t find(const char *const *list, size_t count, const char *word, size
 
 /* What a name has said so far. */
 struct words_said {
-    bool isa, form, quality, robust, compact;
+    bool isa, form, quality, robust, compact, updates;
 };
 
 /* Takes a word. Returns false if it is none, or the second of its kind. */
 static bool take(const char *word, size_t length, struct words_said *said, struct embree_mode *out)
 {
-    static const char *const flags[] = {"robust", "compact"};
+    static const char *const flags[] = {"robust", "compact", "dynamic", "refit"};
+    enum { ROBUST, COMPACT, DYNAMIC, REFIT };
     const bool dotted = length == 6 && memcmp(word, "sse4.2", 6) == 0;
     const size_t isa =
         dotted ? EMBREE_ISA_SSE42 : find(embree_isa_words, EMBREE_ISAS, word, length);
@@ -111,13 +113,17 @@ static bool take(const char *word, size_t length, struct words_said *said, struc
     } else if (quality < EMBREE_QUALITIES) {
         out->quality = (enum embree_quality)quality;
         kind = &said->quality;
-    } else if (flag == 0) {
+    } else if (flag == ROBUST) {
         kind = &said->robust;
-    } else if (flag > 1) {
+    } else if (flag == DYNAMIC || flag == REFIT) {
+        kind = &said->updates;
+    } else if (flag != COMPACT) {
         return false;
     }
-    out->robust = out->robust || flag == 0;
-    out->compact = out->compact || flag == 1;
+    out->robust = out->robust || flag == ROBUST;
+    out->compact = out->compact || flag == COMPACT;
+    out->dynamic = out->dynamic || flag == DYNAMIC || flag == REFIT;
+    out->refit = out->refit || flag == REFIT;
     const bool second = *kind;
     *kind = true;
     return !second;
@@ -133,7 +139,7 @@ enum status embree_named_parse(const char *name, struct embree_mode *out, struct
             return fail(reason, STATUS_INPUT,
                         "'%.60s': '%.*s' is no word for a mode of Embree, or the second of its "
                         "kind: sse2, sse42, avx, avx2 or avx512; 1, 4, 8 or 16; low, medium or "
-                        "high; robust; compact; or embree:all",
+                        "high; robust; compact; dynamic or refit; or embree:all",
                         name, (int)(length < 30 ? length : 30), at);
         at += length;
         if (!*at)
@@ -154,10 +160,13 @@ void embree_named_write(const struct embree_mode *mode, char name[EMBREE_NAME_MO
 {
     static const struct embree_mode plain = {0};
     const size_t form = form_of(mode);
-    snprintf(name, EMBREE_NAME_MOST, "embree%s%s%s%s%s%s%s%s", mode->isa ? ":" : "",
+    snprintf(name, EMBREE_NAME_MOST, "embree%s%s%s%s%s%s%s%s%s", mode->isa ? ":" : "",
              embree_isa_words[mode->isa], form ? ":" : "", form ? packet_words[form] : "",
              mode->quality ? ":" : "", mode->quality ? quality_words[mode->quality] : "",
-             mode->robust ? ":robust" : "", mode->compact ? ":compact" : "");
+             mode->robust ? ":robust" : "", mode->compact ? ":compact" : "",
+             mode->refit     ? ":refit"
+             : mode->dynamic ? ":dynamic"
+                             : "");
     struct embree_mode rest = *mode;
     rest.robust = false;
     if (mode->robust && memcmp(&rest, &plain, sizeof rest) == 0)

@@ -1,9 +1,11 @@
-/* Modes of Embree as engines: "embree:ISA:FORM:QUALITY:robust:compact", as in "embree:avx2:8" or
- * "embree:sse2:high:robust". Words in any order, each of them optional:
+/* Modes of Embree as engines: "embree:ISA:FORM:QUALITY:robust:compact:UPDATE", as in
+ * "embree:avx2:8" or "embree:sse2:high:robust". Words in any order, each of them optional:
  *   sse2, sse42 (or sse4.2), avx, avx2, avx512   the ISA of the device; else Embree chooses
  *   1, 4, 8, 16                                  rtcIntersect1 and rtcOccluded1, or packets
  *   low, medium, high                            the quality of the build; else medium
  *   robust, compact                              flags of the scene
+ *   dynamic, refit                               its flag for scenes that change; and meshes that
+ *                                                are refitted when they do
  * An engine is called by its words in that order without those that change nothing. "embree:1" is
  * embree, "embree:robust" is embree_robust. Modes of single rays trace worlds. */
 #ifndef EMBREE_NAMED_H

@@ -26,6 +26,11 @@ enum status embree_prepare(void *self, const struct job *job, struct reason *rea
     return embree_open_mode(NULL, NULL, &self, reason);
 }
 
+enum status embree_move(void *self, const struct job *job, struct reason *reason)
+{
+    return embree_prepare(self, job, reason);
+}
+
 enum status embree_trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
                          struct trace_report *report, struct reason *reason)
 {

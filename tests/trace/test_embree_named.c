@@ -12,16 +12,20 @@
 static void names_are_of_one_mode(void **state)
 {
     (void)state;
-    enum { MODES = EMBREE_ISAS * 4 * EMBREE_QUALITIES * 4 };
+    enum { FLAGS = 12, MODES = EMBREE_ISAS * 4 * EMBREE_QUALITIES * FLAGS };
     static char name[MODES][EMBREE_NAME_MOST];
     size_t count = 0;
     for (int isa = 0; isa < EMBREE_ISAS; isa++)
         for (size_t w = 0; w < 4; w++)
             for (int quality = 0; quality < EMBREE_QUALITIES; quality++)
-                for (int flags = 0; flags < 4; flags++) {
-                    const struct embree_mode mode = {(enum embree_isa)isa, widths[w],
-                                                     (enum embree_quality)quality, flags & 1,
-                                                     flags & 2};
+                for (int flags = 0; flags < FLAGS; flags++) {
+                    const struct embree_mode mode = {(enum embree_isa)isa,
+                                                     widths[w],
+                                                     (enum embree_quality)quality,
+                                                     flags & 1,
+                                                     flags & 2,
+                                                     flags >= 4,
+                                                     flags >= 8};
                     embree_named_write(&mode, name[count]);
                     assert_true(strlen(name[count]) + 1 < EMBREE_NAME_MOST);
                     if (embree_is_named(name[count])) {
@@ -48,7 +52,7 @@ static void names_have_words_in_any_order(void **state)
         "embree:avx2:avx2", "embree:avx:avx2",   "embree:4:8",           "embree:1:1",
         "embree:low:high",  "embree:medium:low", "embree:robust:robust", "embree:compact:compact",
         "embree:2",         "embree:AVX2",       "embree:avx2 ",         "embree:all"};
-    const struct embree_mode want = {EMBREE_ISA_SSE42, 8, EMBREE_HIGH, true, true};
+    const struct embree_mode want = {EMBREE_ISA_SSE42, 8, EMBREE_HIGH, true, true, false, false};
     char name[EMBREE_NAME_MOST];
     for (size_t i = 0; i < ARRAY_COUNT(same); i++) {
         const struct embree_mode mode = parsed(same[i]);

@@ -1,0 +1,84 @@
+#include "fuzz/play/trial_life.h"
+
+#include "ref/engine.h"
+
+#include <string.h>
+
+enum status trial_life_make(const struct fuzz_trial *trial, struct trial_life *out,
+                            struct reason *reason)
+{
+    *out = (struct trial_life){.count = 0};
+    if (trial->step_count == 0)
+        return STATUS_OK;
+    enum status status =
+        steps_scenes_back(&trial->scene, trial->step, trial->step_count, out->scene, reason);
+    out->count = status ? 0 : trial->step_count;
+    return status;
+}
+
+void trial_life_free(struct trial_life *life)
+{
+    if (life->count > 0)
+        steps_free(life->scene, life->count);
+    *life = (struct trial_life){.count = 0};
+}
+
+enum status trial_life_trees(const struct fuzz_trial *trial, const struct trial_life *life,
+                             const struct layout *layout, struct life_tree *tree,
+                             struct reason *reason)
+{
+    struct build_options build = trial->build;
+    const struct life_recipe recipe = {trial->builder, &build, trial->store, layout};
+    build.threads = 1; /* trials are small and workers many */
+    uint32_t made = 0;
+    enum status status = life_begin(&recipe, &life->scene[0], &tree[0], reason);
+    while (!status && made < life->count) {
+        status = life_step(&recipe, trial->step[made].act, &life->scene[made + 1], &tree[made],
+                           &tree[made + 1], reason);
+        made++;
+    }
+    for (uint32_t i = 0; i <= made && status; i++)
+        life_tree_free(&tree[i]);
+    return status;
+}
+
+enum status trial_life_cut(const struct fuzz_trial *trial, uint32_t step, struct fuzz_trial *out,
+                           struct reason *reason)
+{
+    struct trial_life life;
+    enum status status = fuzz_trial_copy(trial, out, reason);
+    if (status || step == trial->step_count)
+        return status;
+    status = trial_life_make(trial, &life, reason);
+    if (status) {
+        fuzz_trial_free(out);
+        return status;
+    }
+    memcpy(out->scene.vertex, life.scene[step].vertex,
+           3 * sizeof *out->scene.vertex * out->scene.vertex_count);
+    memset(out->step + step, 0, sizeof *out->step * (LIFE_STEPS_MOST - step));
+    out->step_count = step;
+    trial_life_free(&life);
+    return STATUS_OK;
+}
+
+enum status trial_life_prepare(const struct fuzz_trial *trial, const struct trial_life *life,
+                               const struct life_tree *tree, const struct engine *engine,
+                               void *self, struct hit *hit, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (uint32_t i = 0; i <= life->count && !status; i++) {
+        const struct job job = {.scene = &life->scene[i],
+                                .packed = tree ? &tree[i].packed : NULL,
+                                .box = trial->box,
+                                .tri = trial->tri,
+                                .query = trial->query};
+        struct trace_report report = {0};
+        bool refitted =
+            i > 0 && (tree ? tree[i].fate == LIFE_REFITTED : trial->step[i - 1].act == LIFE_REFIT);
+        status = engine_follow(engine, self, &job, refitted, reason);
+        if (!status && i < life->count)
+            status = engine->trace(self, trial->ray, trial->ray_count, hit, &report, reason);
+    }
+    return status;
+}
