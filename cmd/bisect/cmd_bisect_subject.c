@@ -201,6 +201,9 @@ static enum status take_file(struct bisect_options *o, struct bisect_subject *s,
     if (status)
         return status;
     struct fuzz_trial *trial = &s->file.trial;
+    if (trial->step_count > 0)
+        return fail(reason, STATUS_INPUT, "%.100s: a trial with steps is not bisected: replay it",
+                    s->text);
     o->store = trial->store;
     o->builder = trial->builder;
     o->build = trial->build;

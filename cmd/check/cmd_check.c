@@ -124,6 +124,7 @@ static enum status play_scene(struct check_run *check, const struct scene *scene
                                     .build = o->build,
                                     .tree = o->bvh ? &check->tree : NULL,
                                     .rest = o->move > 0 ? rest : NULL,
+                                    .life = check->of->life.scene ? &check->of->life : NULL,
                                     .box = box_tests[o->box.index[0]],
                                     .tri = tri_tests[o->tri.index[0]],
                                     .query = (enum query)o->query.index[0],
@@ -186,25 +187,29 @@ static enum status play_both(struct check_run *check, const struct scene *scene,
     size_t grids = 0;
     for (size_t i = 0; i < o->store.count; i++)
         grids += store_is_of_grids(o, i);
-    if (grids && (o->bvh || o->layout_auto || o->move > 0))
+    if (grids && (o->bvh || o->layout_auto || o->move > 0 || o->step_count > 0))
         return fail(reason, STATUS_INPUT,
-                    "--store quantised: not with --bvh, --move, --layout auto");
+                    "--store quantised: not with --bvh, --move, --steps, --layout auto");
     enum status status =
         grids < o->store.count ? play_scene(check, scene, rest, rays, result, reason) : STATUS_OK;
     return status || !grids ? status : play_decoded(check, scene, rays, result, reason);
 }
 
-static enum status check_one(struct check_run *check, const char *spec, struct check_scene *result,
-                             struct reason *reason)
+/* `step`: after how many of the steps. */
+static enum status check_one(struct check_run *check, const char *spec, uint32_t step,
+                             struct check_scene *result, struct reason *reason)
 {
     const struct check_options *o = &check->options;
     struct check_subject of;
     *result = (struct check_scene){.spec = spec,
                                    .move = (double)o->move,
+                                   .step = step,
                                    .rays = ray_sets[o->rays]->name,
                                    .ray_count = (size_t)o->count,
                                    .seed = o->seed,
                                    .driver = o->engines.driver};
+    if (step > 0)
+        step_write(&o->step[step - 1], result->after);
     progress_step(&check->progress, "%s: reading", spec);
     enum status status = check_open(o, spec, result, &of, reason);
     if (status == STATUS_OK && o->bvh)
@@ -218,8 +223,10 @@ static enum status check_one(struct check_run *check, const char *spec, struct c
     return status;
 }
 
-static int check_all(struct check_run *check, char *const *spec, size_t count)
+/* `specs` texts, each of which has a result before the steps and after each of them. */
+static int check_all(struct check_run *check, char *const *spec, size_t specs)
 {
+    const size_t times = check->options.step_count + 1, count = specs * times;
     int code = EXIT_AGREE;
     bool any = false; /* scene was played */
     struct reason reason = {""};
@@ -234,13 +241,16 @@ static int check_all(struct check_run *check, char *const *spec, size_t count)
     turnout_expect(&check->turnout, o->engine_named ? &o->engine : NULL, &o->engine,
                    o->layout_named && !o->layout_auto ? &o->layout : NULL);
     for (size_t i = 0; i < count; i++) {
-        enum status status = check_one(check, spec[i], &results[i], &reason);
+        enum status status =
+            check_one(check, spec[i / times], (uint32_t)(i % times), &results[i], &reason);
         progress_end(&check->progress);
         code = exit_worse(code, exit_with_reason("check", status, &reason));
         if (status == STATUS_OK && results[i].vacuous) {
-            fprintf(stderr, "raydiff check: %s: " CHECK_VACUOUS "\n", spec[i]);
+            fprintf(stderr, "raydiff check: %s: " CHECK_VACUOUS "\n", results[i].spec);
             code = exit_worse(code, EXIT_MISMATCH);
         }
+        if (status)
+            i += times - 1 - i % times; /* the steps behind it would fail, too */
         if (status || results[i].vacuous)
             continue;
         any = true;
@@ -304,6 +314,9 @@ int cmd_check(int argc, char **argv)
     struct reason reason;
     if (tree_check_options(check.options.bvh, (size_t)(argc - first), &reason))
         return usage_error("check", "%s", reason.text);
+    const struct check_options *o = &check.options;
+    if (o->step_count > 0 && (o->bvh || o->layout_auto || o->move > 0))
+        return usage_error("check", "--steps: not with --bvh, --move, --layout auto");
     if (check.options.demands.watertight && list_has(&check.options.query, QUERY_ALL))
         return usage_error("check", "--require watertight is of closest and any hits, not all");
     code = check_use(&check.options, argv + first, (size_t)(argc - first));

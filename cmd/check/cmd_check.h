@@ -7,6 +7,7 @@
 #include "ref/match/match.h"
 #include "ref/scene/quantise.h"
 #include "ref/match/turnout.h"
+#include "scenes/life_steps.h"
 
 /* One scene and all its rows. */
 struct check_scene {
@@ -17,6 +18,8 @@ struct check_scene {
     char scenes_only[256];            /* of a world: names of engines that trace none, as "a, b" */
     bool vacuous;                     /* a world in which no ray can hit anything: no rows */
     double move;                      /* --move: extents; 0: nothing moved */
+    uint32_t step;              /* --steps: after which of them, from 1; 0: before them, or none */
+    char after[STEP_TEXT_MOST]; /* that step; "": none */
     const char *rays;
     size_t ray_count;
     uint64_t seed;
@@ -64,8 +67,13 @@ void check_row_note(const struct row *row, char text[CHECK_NOTE_MOST]);
 /* Prints it with every counter, however long the lines. */
 void check_print_wide(const struct check_scene *scene);
 
-/* Prints how --move affected trees and packed trees. Prints nothing without --move. */
 void check_print_modes(const struct check_scene *scene, const struct screen *screen);
+/* "built", "refitted", "rebuilt", or "forced" where it was built again in place of a refit. */
+const char *check_fate_name(enum life_fate fate);
+/* Prints which trees were refitted or built again in the last step, and which engines updated what
+ * they held. Prints nothing without --steps. */
+void check_print_life(const struct check_scene *scene, const struct screen *screen);
+/* Prints how --move affected trees and packed trees. Prints nothing without --move. */
 void check_print_moved(const struct check_scene *scene, const struct screen *screen);
 
 /* The exit code of the rows. A refusing layout or a skipped engine counts only if it was named. It
@@ -89,15 +97,17 @@ struct check_options;
 
 /* A scene or a world, and rays into it. */
 struct check_subject {
-    struct scene scene, rest; /* rest: before --move */
+    struct scene scene, rest;               /* rest: before --move */
+    struct scene past[LIFE_STEPS_MOST + 1]; /* --steps: as built, and after each step until now */
+    struct match_life life;                 /* of these; scene NULL: there are no steps */
     struct world world;
     bool is_world; /* else a scene */
     struct ray *ray;
     struct ray_mode *mode; /* of a world */
 };
 
-/* Opens what a text names, draws rays and fills in the members of `result` that say what it is. Of
- * a vacuous world there are no rays.
+/* Opens what a text names, takes it through the first result->step steps, draws rays and fills in
+ * the members of `result` that say what it is. Of a vacuous world there are no rays.
  * Errors: as world_open, world_bake and ray_set_new; STATUS_INPUT an option that is of worlds
  * alone, or of scenes alone. On error *out is to be freed, too. */
 enum status check_open(const struct check_options *options, const char *spec,
@@ -125,6 +135,8 @@ struct check_options {
     struct engine_options engines;
     struct compiler_options compilers;
     float move;
+    struct step step[LIFE_STEPS_MOST]; /* --steps */
+    uint32_t step_count;
     struct match_demands demands;
     struct screen_options screen;
     const char *json;

@@ -10,6 +10,7 @@
 #include "scenes/worlds.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* Moves the scene out of a plain world; it may have no triangle, which is vacuous. */
 static void take_scene(struct world *world, struct scene *out)
@@ -41,6 +42,23 @@ static enum status move_scene(const struct check_options *o, const char *spec,
     return scene_open(spec, o->seed, &out->rest, reason);
 }
 
+/* Takes the scene through the steps. */
+static enum status live(const struct check_options *o, uint32_t steps, struct check_subject *out,
+                        struct reason *reason)
+{
+    if (out->is_world || o->step_count == 0)
+        return STATUS_OK;
+    enum status status = steps_scenes(&out->scene, o->step, steps, out->past, reason);
+    if (status)
+        return status;
+    memcpy(out->scene.vertex, out->past[steps].vertex,
+           3 * sizeof *out->scene.vertex * (size_t)out->scene.vertex_count);
+    out->life = (struct match_life){.scene = out->past, .count = steps};
+    for (uint32_t i = 0; i < steps; i++)
+        out->life.act[i] = o->step[i].act;
+    return STATUS_OK;
+}
+
 static enum status check_use_of(const struct check_options *o, const char *spec, bool is_world,
                                 struct reason *reason)
 {
@@ -53,6 +71,8 @@ static enum status check_use_of(const struct check_options *o, const char *spec,
                     "--braid: %s is a scene; only worlds have instances (docs/worlds.md)", spec);
     if (is_world && o->move > 0)
         return fail(reason, STATUS_INPUT, "--move: %s is a world; only scenes are moved", spec);
+    if (is_world && o->step_count > 0)
+        return fail(reason, STATUS_INPUT, "--steps: %s is a world; only scenes are moved", spec);
     if (is_world && o->bvh)
         return fail(reason, STATUS_INPUT, "--bvh: %s is a world; a tree file is of a scene", spec);
     for (size_t i = 0; i < o->store.count && is_world; i++)
@@ -116,6 +136,8 @@ enum status check_open(const struct check_options *options, const char *spec,
         status = move_scene(options, spec, out, reason);
     if (status == STATUS_OK)
         status = check_use_of(options, spec, out->is_world, reason);
+    if (status == STATUS_OK)
+        status = live(options, result->step, out, reason);
     if (status)
         return status;
     if (!out->is_world) {
@@ -132,6 +154,8 @@ enum status check_open(const struct check_options *options, const char *spec,
 
 void check_close(struct check_subject *subject)
 {
+    if (subject->life.scene)
+        steps_free(subject->past, subject->life.count);
     scene_free(&subject->scene);
     scene_free(&subject->rest);
     world_free(&subject->world);

@@ -16,6 +16,15 @@ static enum status take_layouts(void *options, const struct option_value *given,
                           : table_parse(TABLE_LAYOUTS, "--layout", given->text, &o->layout, reason);
 }
 
+static enum status take_steps(void *options, const struct option_value *given,
+                              struct reason *reason)
+{
+    struct check_options *o = options;
+    struct reason why;
+    enum status status = steps_parse(given->text, o->step, &o->step_count, &why);
+    return status ? fail(reason, status, "--steps: %s", why.text) : STATUS_OK;
+}
+
 #define ROWS_OF struct check_options
 
 /* As ray_modes_name. */
@@ -40,6 +49,11 @@ static const struct option_row rows[] = {
      "after packing, moves vertices by up to so many extents of the scene, from the seed, and "
      "refits the packed trees to where they are",
      OF_REAL(move, 0, INFINITY), .value = "0"},
+    {"steps", "S,..",
+     "traces after each of these steps, too: ACT, ACT:MOTION or ACT:MOTION:SEED. The vertices move "
+     "(still, jitter, one, mirror, swap, far, point, zero, subnormal), then trees are updated "
+     "(refit) or built again (rebuild), and engines with them",
+     OF_OWN(take_steps)},
     {"box", "B,..", "box tests", OF_LIST(box, TABLE_BOX_TESTS), .value = "robust"},
     {"tri", "T,..", "triangle tests", OF_LIST(tri, TABLE_TRI_TESTS), .value = "mt"},
     {"query", "Q,..", "closest, any, all (every triangle along the ray)",
@@ -89,5 +103,6 @@ const struct option_set check_set = {
         "a named storage, exits with 2.",
     .codes = "0 agree, 1 mismatch or vacuous, 2 bad input, 3 engine failed, 77 skipped",
     .example = "check sphere:n=20 --layout f32,rf16 --engine cpu,embree --rays vertices\ncheck "
-               "sphere --engine vulkan --compiler raw,opt,passes:ccp+if-conversion",
+               "sphere --engine vulkan --compiler raw,opt,passes:ccp+if-conversion\ncheck "
+               "sphere --engine cpu,embree:refit --steps refit:jitter:3,rebuild:mirror",
 };

@@ -308,13 +308,15 @@ static void print_tree(const struct row *row)
 void check_print(const struct check_scene *scene, const struct screen *screen)
 {
     const struct row *first = scene->row_count ? &scene->row[0] : NULL;
-    char instances[32] = "", modes[32] = "";
+    char instances[32] = "", modes[32] = "", after[STEP_TEXT_MOST + 32] = "";
     if (scene->modes) {
         snprintf(instances, sizeof instances, "%s, ", COUNTED(scene->instance_count, "instance"));
         snprintf(modes, sizeof modes, ", masks and flags %s", scene->modes);
     }
-    screen_record(screen, PAINT_PLAIN, "%s: %s%s, %s; %s, set %s%s, seed %llu\n", scene->spec,
-                  instances, COUNTED(scene->tri_count, "triangle"),
+    if (scene->step > 0)
+        snprintf(after, sizeof after, " after step %u, %s", scene->step, scene->after);
+    screen_record(screen, PAINT_PLAIN, "%s%s: %s%s, %s; %s, set %s%s, seed %llu\n", scene->spec,
+                  after, instances, COUNTED(scene->tri_count, "triangle"),
                   COUNTED(scene->vertex_count, "vertex"), COUNTED(scene->ray_count, "ray"),
                   scene->rays, modes, (unsigned long long)scene->seed);
     for (size_t i = 0; i < scene->row_count; i++)
@@ -339,6 +341,7 @@ void check_print(const struct check_scene *scene, const struct screen *screen)
     print_winners(scene, screen);
     print_stored(scene, screen);
     check_print_moved(scene, screen);
+    check_print_life(scene, screen);
     print_originals(scene, screen);
     print_agreement(scene, screen);
     putchar('\n');

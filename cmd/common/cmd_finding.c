@@ -49,7 +49,7 @@ bool finding_command(const struct row *row, const struct finding *finding,
     /* One run cannot explain answers that vary. */
     if (!finding->bits && finding->judgement.wrong == WRONG_NOT_REPEATABLE)
         return false;
-    if (row->options.rest || row->of_world) /* explain has neither motion nor worlds */
+    if (row->options.rest || row->options.life || row->of_world) /* explain has none of these */
         return false;
     if (row->options.store && row->options.store->head)
         return false;            /* no file has the decoded scene */

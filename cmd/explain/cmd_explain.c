@@ -6,6 +6,7 @@
 #include "cmd/explain/cmd_explain_world.h"
 
 #include "fuzz/play/player.h"
+#include "fuzz/play/trial_life.h"
 #include "fuzz/play/trial_tree.h"
 #include "cmd/common/cmd_tree.h"
 #include "ref/base/command.h"
@@ -294,8 +295,8 @@ static enum status explain(struct explaining *e, int *code, struct reason *reaso
                             .tri = of->tri,
                             .query = of->query};
     void *self = pool_get(&e->pool, of->engine, &status, reason);
-    if (!status)
-        status = of->engine->prepare(self, &job, reason);
+    if (!status) /* without a file: a trial without steps */
+        status = trial_life_enter(&e->file.trial, of->engine, self, &job, reason);
     if (status) {
         *code = exit_of_status(status);
         return status;

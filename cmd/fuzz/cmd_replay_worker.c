@@ -4,6 +4,7 @@
 
 #include "ref/outside/plugin_shader.h"
 #include "ref/base/command.h"
+#include "fuzz/play/trial_life.h"
 #include "fuzz/play/trial_tree.h"
 #include "fuzz/findings/versions.h"
 #include "cmd/explain/cmd_explain.h"
@@ -177,7 +178,7 @@ static enum status make_page(struct troupe *troupe, const struct request *reques
                             .tri = trial->tri,
                             .query = trial->query};
     if (!status)
-        status = request->who.engine->prepare(self, &job, reason);
+        status = trial_life_enter(trial, request->who.engine, self, &job, reason);
     if (status)
         return status;
     const struct judged_job from = {request->who.engine, self, &job, layout ? &parts->bvh : NULL,

@@ -207,6 +207,9 @@ static enum status pack(struct export_case *the)
 {
     const struct fuzz_trial *trial = the->trial;
     enum status status = STATUS_OK;
+    if (trial->step_count > 0 && !the->layout)
+        return fail(the->reason, STATUS_INPUT,
+                    "its steps are not exported for an engine that builds its own tree: replay it");
     if (the->layout)
         status = fuzz_trial_tree(trial, the->layout, &the->bvh, &the->packed, NULL, the->reason);
     the->job = (struct job){.scene = &trial->scene,

@@ -143,30 +143,17 @@ bool stage_is_split(const struct play_stage *stage, size_t layout)
 
 /* --- engines ---------------------------------------------------------------------------------- */
 
-/* Takes the seat's engine through the steps of the trial. */
-static enum status prepare_life(const struct play_stage *stage, const struct seat *seat,
-                                struct reason *reason)
-{
-    const struct fuzz_trial *trial = stage->trial;
-    const struct life_tree *tree = seat->layout ? stage->tree[seat->layout_index] : NULL;
-    struct hit *unused = alloc_zeroed(trial->ray_count, sizeof *unused);
-    if (!unused)
-        return fail(reason, STATUS_MEMORY, "no memory for %u rays", trial->ray_count);
-    enum status status =
-        trial_life_prepare(trial, &stage->life, tree, seat->engine, seat->self, unused, reason);
-    free(unused);
-    return status;
-}
-
 enum status stage_prepare(const struct play_stage *stage, const struct seat *seat,
                           struct reason *reason)
 {
     const struct fuzz_trial *trial = stage->trial;
-    if (trial->step_count > 0)
-        return prepare_life(stage, seat, reason);
     if (!trial->world.is) {
         const struct job job = stage_job(stage, seat);
-        return seat->engine->prepare(seat->self, &job, reason);
+        if (trial->step_count == 0)
+            return seat->engine->prepare(seat->self, &job, reason);
+        const struct life_tree *tree = seat->layout ? stage->tree[seat->layout_index] : NULL;
+        return trial_life_prepare(trial, &stage->life, tree, seat->engine, seat->self, &job,
+                                  reason);
     }
     if (!seat->engine->worlds)
         return fail(reason, STATUS_REFUSED, "%s traces scenes, not worlds", seat->engine->name);

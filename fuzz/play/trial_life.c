@@ -2,6 +2,7 @@
 
 #include "ref/engine.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum status trial_life_make(const struct fuzz_trial *trial, struct trial_life *out,
@@ -62,23 +63,50 @@ enum status trial_life_cut(const struct fuzz_trial *trial, uint32_t step, struct
     return STATUS_OK;
 }
 
+static bool is_refitted(const struct fuzz_trial *trial, const struct life_tree *tree, uint32_t step)
+{
+    if (step == 0)
+        return false;
+    return tree ? tree[step].fate == LIFE_REFITTED : trial->step[step - 1].act == LIFE_REFIT;
+}
+
 enum status trial_life_prepare(const struct fuzz_trial *trial, const struct trial_life *life,
                                const struct life_tree *tree, const struct engine *engine,
-                               void *self, struct hit *hit, struct reason *reason)
+                               void *self, const struct job *last, struct reason *reason)
 {
-    enum status status = STATUS_OK;
-    for (uint32_t i = 0; i <= life->count && !status; i++) {
-        const struct job job = {.scene = &life->scene[i],
-                                .packed = tree ? &tree[i].packed : NULL,
-                                .box = trial->box,
-                                .tri = trial->tri,
-                                .query = trial->query};
+    struct hit *unused = alloc_zeroed(trial->ray_count, sizeof *unused);
+    enum status status =
+        unused ? STATUS_OK : fail(reason, STATUS_MEMORY, "no memory for %u rays", trial->ray_count);
+    for (uint32_t i = 0; i < life->count && !status; i++) {
         struct trace_report report = {0};
-        bool refitted =
-            i > 0 && (tree ? tree[i].fate == LIFE_REFITTED : trial->step[i - 1].act == LIFE_REFIT);
-        status = engine_follow(engine, self, &job, refitted, reason);
-        if (!status && i < life->count)
-            status = engine->trace(self, trial->ray, trial->ray_count, hit, &report, reason);
+        struct job job = *last;
+        job.scene = &life->scene[i];
+        job.packed = tree ? &tree[i].packed : NULL;
+        status = engine_follow(engine, self, &job, is_refitted(trial, tree, i), reason);
+        if (!status)
+            status = engine->trace(self, trial->ray, trial->ray_count, unused, &report, reason);
     }
+    free(unused);
+    if (status)
+        return status;
+    return engine_follow(engine, self, last, is_refitted(trial, tree, life->count), reason);
+}
+
+enum status trial_life_enter(const struct fuzz_trial *trial, const struct engine *engine,
+                             void *self, const struct job *last, struct reason *reason)
+{
+    struct trial_life life;
+    struct life_tree tree[LIFE_STEPS_MOST + 1] = {{.fate = LIFE_BUILT}};
+    if (trial->step_count == 0)
+        return engine->prepare(self, last, reason);
+    enum status status = trial_life_make(trial, &life, reason);
+    if (!status && last->packed)
+        status = trial_life_trees(trial, &life, last->packed->layout, tree, reason);
+    if (!status)
+        status = trial_life_prepare(trial, &life, last->packed ? tree : NULL, engine, self, last,
+                                    reason);
+    for (uint32_t i = 0; last->packed && i <= life.count && life.count > 0; i++)
+        life_tree_free(&tree[i]);
+    trial_life_free(&life);
     return status;
 }

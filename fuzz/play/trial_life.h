@@ -5,6 +5,7 @@
 #include "fuzz/play/trial.h"
 
 struct engine; /* ref/engine.h */
+struct job;    /* likewise */
 
 /* The scenes of a trial's life. Their triangles are the trial's. */
 struct trial_life {
@@ -30,12 +31,17 @@ enum status trial_life_cut(const struct fuzz_trial *trial, uint32_t step, struct
 
 /* Prepares an engine as all steps of a trial's life do: with the first tree and scene, then at each
  * step by its `move` after a refit, where it has one, else anew. After all steps but the last the
- * rays are traced, and the answers thrown away.
+ * rays are traced, and the answers thrown away. A trial without steps: as engine.prepare.
  *   tree  life->count + 1 of them, for an engine that needs packed trees; else NULL
- *   hit   room for the answers to the trial's rays
- * Errors: as engine.prepare and engine.trace. */
+ *   last  the job after the last step: its scene is the trial's, its tree has the last one's bytes
+ * Errors: as engine.prepare and engine.trace; STATUS_MEMORY. */
 enum status trial_life_prepare(const struct fuzz_trial *trial, const struct trial_life *life,
                                const struct life_tree *tree, const struct engine *engine,
-                               void *self, struct hit *hit, struct reason *reason) MUST_USE;
+                               void *self, const struct job *last, struct reason *reason) MUST_USE;
+
+/* The same, with scenes and trees made for it, and freed: the engine then borrows from `last`
+ * alone. Errors: also those of trial_life_trees. */
+enum status trial_life_enter(const struct fuzz_trial *trial, const struct engine *engine,
+                             void *self, const struct job *last, struct reason *reason) MUST_USE;
 
 #endif

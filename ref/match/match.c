@@ -383,8 +383,11 @@ void match_run(struct match *match, const struct engine *engine, struct row *row
     }
     if (engine->brute && match->brute_count > 0)
         row->rays = match->brute_count;
+    match_row_life(match, engine, row);
     row->cause = run_and_judge(match, engine, row);
     size_t floor = row->rays / VACUOUS_ONE_IN;
+    if (match->options.life && match->options.life->count > 0)
+        return; /* a step may leave nothing to hit */
     /* What is already shown to be at fault is not vacuous. */
     if (row->status == ROW_OK && row->judged && row->differences == 0 &&
         row->hits < (floor ? floor : 1)) {

@@ -5,11 +5,12 @@
 
 #include "ref/engine.h"
 #include "ref/judge/judge.h"
+#include "ref/packed/life.h"
 #include "ref/packed/tree_file.h"
 #include "ref/two_level/packed_world.h"
 
 #define POOL_MOST       299 /* every engine of the program, and all that may be added */
-#define FINDING_MOST    4  /* kept of a row: so many that are WRONG, and so many bit differences */
+#define FINDING_MOST    4   /* kept of a row: so many that are WRONG, and so many bit differences */
 #define REPEAT_MOST     32
 #define MATCH_EDGES     4 /* classes of hits beside edges */
 #define MATCH_EDGES_FEW 4.0
@@ -41,6 +42,13 @@ struct match_demands {
                            of lists */
 };
 
+/* The life of a match's scene: it is scene[count]; all have the same triangles. Borrowed. */
+struct match_life {
+    const struct scene *scene; /* count + 1 of them: as built, and after each step */
+    enum life_act act[LIFE_STEPS_MOST];
+    uint32_t count;
+};
+
 struct match_options {
     const struct builder *builder; /* tree_file_builder with `tree` */
     struct build_options build;
@@ -54,6 +62,9 @@ struct match_options {
     uint32_t braid;                    /* as world_build.braid */
     const struct scene *rest; /* borrowed: the scene before its vertices moved. Trees are built of
                                  it and packed, then refitted to the match's; NULL: nothing moved */
+    const struct match_life *life; /* borrowed: trees go through its steps, and engines with them,
+                                      which trace some rays after each; without `rest`, `tree` and
+                                      automatic layouts. NULL: none */
     enum query query;
     unsigned repeats;      /* timed traces per engine, 1 to REPEAT_MOST */
     uint64_t brute_budget; /* ray-triangle pairs that the oracle's brute force may spend */
@@ -164,6 +175,10 @@ struct row {
     size_t differences;       /* above 0 the exit code is 1 */
     double mrays[3];          /* million rays per second: median, least, most */
     struct match_refit refit; /* with options.rest */
+    struct {                  /* with options.life, at its last step */
+        enum life_fate fate;  /* of the tree; of an engine without one what the step says */
+        bool updated;         /* the engine updated what it held, else it was prepared anew */
+    } life;
     uint64_t boxes, tris;
     bool device_clock;
     struct finding finding[2 * FINDING_MOST];
@@ -221,6 +236,8 @@ struct match {
     struct oracle_stats work;    /* what they took */
     size_t brute_count;       /* the first this many were decided by brute force and by the tree */
     struct packed packed;     /* of the layout last packed */
+    struct life_tree *tree;   /* of options.life: those of all its steps, but that the last one's
+                                 packed tree is `packed`; NULL: nothing is packed */
     struct world_trees trees; /* of a world: in place of bvh */
     struct packed_world packed_world; /* and of packed */
     struct {
@@ -275,8 +292,8 @@ enum status match_rebuild(struct match *match, const struct builder *builder,
 void match_set(struct match *match, const struct box_test *box, enum query query);
 
 /* Makes `layout` the one that the next rows run on. Errors: those of packed_make and, with the
- * options' rest, of packed_refit; or with a tree of the options' of tree_file_pack; the match then
- * has no layout and stays usable. */
+ * options' rest, of packed_refit; with their life, of life_begin and life_step; or with a tree of
+ * the options' of tree_file_pack; the match then has no layout and stays usable. */
 enum status match_pack(struct match *match, const struct layout *layout,
                        struct reason *reason) MUST_USE;
 

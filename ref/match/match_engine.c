@@ -4,6 +4,7 @@
 #include "ref/match/match_trees.h"
 #include "ref/store.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static struct job job_of(const struct match *match, const struct engine *engine)
@@ -15,6 +16,52 @@ static struct job job_of(const struct match *match, const struct engine *engine)
                         .query = match->options.query};
 }
 
+/* Rays traced after each step but the last. */
+#define LIFE_RAYS 1000u
+
+/* What the last step did to the engine's tree; of an engine without one what the step says. */
+static enum life_fate fate_of(const struct match *match, const struct engine *engine, uint32_t step)
+{
+    if (engine->needs_packed)
+        return match->tree[step].fate;
+    if (step == 0)
+        return LIFE_BUILT;
+    return match->options.life->act[step - 1] == LIFE_REFIT ? LIFE_REFITTED : LIFE_REBUILT;
+}
+
+void match_row_life(const struct match *match, const struct engine *engine, struct row *row)
+{
+    const struct match_life *life = match->options.life;
+    if (!life || (engine->needs_packed && !match->tree))
+        return;
+    row->life.fate = fate_of(match, engine, life->count);
+    row->life.updated = engine->move && row->life.fate == LIFE_REFITTED;
+}
+
+/* Takes an engine through the steps. */
+static enum status prepare_life(const struct match *match, const struct engine *engine, void *self,
+                                struct reason *reason)
+{
+    const struct match_life *life = match->options.life;
+    const size_t rays = match->ray_count < LIFE_RAYS ? match->ray_count : LIFE_RAYS;
+    struct hit *unused = alloc_zeroed(rays, sizeof *unused);
+    enum status status =
+        unused ? STATUS_OK : fail(reason, STATUS_MEMORY, "no memory for %zu rays", rays);
+    for (uint32_t i = 0; i <= life->count && !status; i++) {
+        struct trace_report report = {0};
+        struct job job = job_of(match, engine);
+        const bool refitted = fate_of(match, engine, i) == LIFE_REFITTED;
+        job.scene = &life->scene[i];
+        if (job.packed && i < life->count)
+            job.packed = &match->tree[i].packed;
+        status = engine_follow(engine, self, &job, refitted, reason);
+        if (!status && i < life->count && job.query != QUERY_ALL)
+            status = engine->trace(self, match->ray, rays, unused, &report, reason);
+    }
+    free(unused);
+    return status;
+}
+
 enum status match_prepare(const struct match *match, const struct engine *engine, void *self,
                           struct reason *reason)
 {
@@ -23,7 +70,8 @@ enum status match_prepare(const struct match *match, const struct engine *engine
         const struct job job = job_of(match, engine);
         if (lists && !engine->trace_all)
             return fail(reason, STATUS_UNSUPPORTED, "%s cannot list all hits", engine->name);
-        return engine->prepare(self, &job, reason);
+        return match->options.life ? prepare_life(match, engine, self, reason)
+                                   : engine->prepare(self, &job, reason);
     }
     if (!engine->worlds)
         return fail(reason, STATUS_UNSUPPORTED, "%s traces scenes, not worlds", engine->name);

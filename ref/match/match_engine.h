@@ -4,8 +4,9 @@
 
 #include "ref/match/match.h"
 
-/* Prepares an opened engine for the match's query. Errors: as engine.prepare; STATUS_UNSUPPORTED an
- * engine that traces no worlds, or lists no hits, where they are asked for. */
+/* Prepares an opened engine for the match's query, by all steps of its life. Errors: as
+ * engine.prepare; STATUS_UNSUPPORTED an engine that traces no worlds, or lists no hits, where they
+ * are asked for. */
 enum status match_prepare(const struct match *match, const struct engine *engine, void *self,
                           struct reason *reason) MUST_USE;
 
@@ -21,6 +22,9 @@ static inline struct ray_mode match_mode(const struct match *match, size_t i)
 {
     return match->mode ? match->mode[i] : ray_mode_all();
 }
+
+/* Fills in row->life. */
+void match_row_life(const struct match *match, const struct engine *engine, struct row *row);
 
 /* As job_keeps_watertight. */
 bool match_keeps_watertight(const struct match *match, const struct engine *engine);

@@ -20,6 +20,10 @@ void match_forget_against(struct match *match)
 
 void match_unpack(struct match *match)
 {
+    for (uint32_t i = 0; match->tree && i <= match->options.life->count; i++)
+        life_tree_free(&match->tree[i]);
+    free(match->tree);
+    match->tree = NULL;
     packed_free(&match->packed);
     packed_world_free(&match->packed_world);
     match_forget_against(match);
@@ -29,7 +33,8 @@ void match_unpack(struct match *match)
 /* The scene that trees are built of. */
 static const struct scene *scene_of_trees(const struct match *match)
 {
-    return match->options.rest ? match->options.rest : match->scene;
+    const struct match_options *o = &match->options;
+    return o->rest ? o->rest : o->life ? o->life->scene : match->scene;
 }
 
 /* Measures the effect of the motion on the tree, which itself stays as it was built. */
@@ -92,6 +97,31 @@ enum status match_rebuild(struct match *match, const struct builder *builder,
     return status;
 }
 
+/* Packs the first tree of a life and takes it through the steps. */
+static enum status pack_life(struct match *match, const struct layout *layout,
+                             const struct tri_store *store, struct reason *reason)
+{
+    const struct match_life *life = match->options.life;
+    const struct life_recipe recipe = {match->options.builder, &match->options.build, store,
+                                       layout};
+    match->tree = alloc_zeroed(life->count + 1, sizeof *match->tree);
+    if (!match->tree)
+        return fail(reason, STATUS_MEMORY, "no memory for the trees of %u steps", life->count);
+    enum status status = life_begin(&recipe, &life->scene[0], &match->tree[0], reason);
+    for (uint32_t i = 0; i < life->count && !status; i++)
+        status = life_step(&recipe, life->act[i], &life->scene[i + 1], &match->tree[i],
+                           &match->tree[i + 1], reason);
+    if (!status)
+        status = bvh_count(&match->tree[life->count].bvh, match->scene, &match->stats, reason);
+    if (status) {
+        match_unpack(match);
+        return status;
+    }
+    match->packed = match->tree[life->count].packed;
+    match->tree[life->count].packed = (struct packed){0};
+    return STATUS_OK;
+}
+
 enum status match_pack(struct match *match, const struct layout *layout, struct reason *reason)
 {
     const struct tri_store *store = match->options.store ? match->options.store : tri_stores[0];
@@ -102,6 +132,8 @@ enum status match_pack(struct match *match, const struct layout *layout, struct 
         return fail(reason, STATUS_LIMIT,
                     "%s: a tree from a file has its own items, not storage %s", layout->name,
                     store->name);
+    if (match->options.life)
+        return pack_life(match, layout, store, reason);
     const struct scene *scene = scene_of_trees(match);
     uint64_t start = time_ns();
     enum status status =
