@@ -1,4 +1,5 @@
 #include "cmd/build/cmd_build.h"
+#include "cmd/build/cmd_build_same.h"
 
 #include "cmd/common/cmd_progress.h"
 #include "gpu/trace/vulkan_options.h"
@@ -21,6 +22,11 @@ static const struct option_row rows[] = {
     {"rounds", "N", "measurements of each", OF_COUNT(rounds, 1, BUILD_ROUNDS_MOST), .value = "5"},
     {"move", "F", "also moves vertices by up to F of the scene's size, and refits trees",
      OF_REAL(move, 1e-7f, 1e6f)},
+    {"same", "N",
+     "instead builds N times with each of 1, 2, 8 and 16 threads, in C: all bytes must be equal; "
+     "and "
+     "reports whether answers of other projects' engines change from build to build",
+     OF_COUNT(same, 1, 99)},
     {"seed", "S", "of generators whose text gives none, and of --move",
      OF_COUNT(seed, 0, UINT64_MAX), .value = "1"},
     {"json", "FILE", "all rows, for machines", OF_DATA(json)},
@@ -37,10 +43,13 @@ static const struct option_set set = {
         "children and items of the nodes are compared, and the words. Of trees that differ it "
         "names the first stage and the element. Times are of the stages alone, without copies; C "
         "builds with one thread. With --move, trees of builder hploc are refitted on the device, "
-        "too, in each layout of which it can be done, and compared with C's word by word.",
+        "too, in each layout of which it can be done, and compared with C's word by word. With "
+        "--same, "
+        "no device is used: the same tree is built again and again, by default by all builders.",
     .group = {GROUP(rows), GROUP_AT(screen_rows, screen)},
-    .codes = "0 equal, 1 a tree differs, 2 bad input, 3 the device failed, 77 no device",
-    .example = "build sphere:n=40 --builder gpu_hploc",
+    .codes = "0 equal, 1 a tree differs or an answer is WRONG, 2 bad input, 3 the device failed, "
+             "77 no device",
+    .example = "build sphere:n=40 --builder gpu_hploc\nbuild sphere:n=40 --same 2 --layout f32",
 };
 
 /* All device builders, or those that were named. */
@@ -165,6 +174,20 @@ static int play_all(const struct build_command *b, struct device_tree *tree, cha
     return code;
 }
 
+/* What --same does not use. Returns true if one of these was given. */
+static bool refuse_same(const struct build_command *b)
+{
+    static const char *const unused[] = {"driver", "device", "rounds", "move"};
+    for (size_t i = 0; i < ARRAY_COUNT(unused); i++)
+        if (option_was_given(unused[i]))
+            return usage_error("build", "--%s: not used here: --same builds in C", unused[i]);
+    for (size_t i = 0; i < b->builder.count; i++)
+        if (builders_all[b->builder.index[i]]->compare)
+            return usage_error("build", "--builder: %s builds on a device, --same in C",
+                               builders_all[b->builder.index[i]]->name);
+    return false;
+}
+
 int cmd_build(int argc, char **argv)
 {
     struct build_command b = {.engines = engine_options_default()};
@@ -175,6 +198,8 @@ int cmd_build(int argc, char **argv)
         return code;
     if (first == argc)
         return usage_error("build", "no scene given");
+    if (b.same > 0)
+        return refuse_same(&b) ? EXIT_USAGE : same_run(&b, argv + first, (size_t)(argc - first));
     if (choose(&b, &reason) || choose_layouts(&b, &reason))
         return usage_error("build", "%s", reason.text);
     const struct vk_options options = vulkan_options(&b.engines);

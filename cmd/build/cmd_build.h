@@ -17,7 +17,8 @@ struct build_command {
     struct engine_options engines;
     uint64_t seed;
     uint32_t rounds;
-    float move; /* of vertices, for refits; 0: none */
+    uint32_t same; /* builds with each number of threads; 0: no --same */
+    float move;    /* of vertices, for refits; 0: none */
     const char *json;
     struct screen_options screen;
 };
