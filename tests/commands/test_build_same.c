@@ -1,0 +1,109 @@
+/* raydiff build --same: builders that depend on threads, or on how often they ran. */
+#include "cmd/build/cmd_build_same.h"
+#include "scenes/scenes.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <string.h>
+
+static uint32_t built, threads[64];
+
+static enum status note(const struct scene *scene, const struct build_options *options,
+                        struct bvh *out, struct reason *reason)
+{
+    threads[built++ % 64] = options->threads;
+    return builder_find("median")->build(scene, options, out, reason);
+}
+
+/* Planted: with several threads two items of a leaf are exchanged. */
+static enum status racy(const struct scene *scene, const struct build_options *options,
+                        struct bvh *out, struct reason *reason)
+{
+    enum status status = note(scene, options, out, reason);
+    if (!status && options->threads > 8) {
+        uint32_t kept = out->prim[0];
+        out->prim[0] = out->prim[1];
+        out->prim[1] = kept;
+    }
+    return status;
+}
+
+/* Planted: the last build has one box that is larger. */
+static enum status tired(const struct scene *scene, const struct build_options *options,
+                         struct bvh *out, struct reason *reason)
+{
+    enum status status = note(scene, options, out, reason);
+    if (!status && built == 9)
+        out->node[out->node_count - 1].bounds.hi[0] += 1.0f;
+    return status;
+}
+
+static void play(enum status (*build)(const struct scene *, const struct build_options *,
+                                      struct bvh *, struct reason *),
+                 struct same_row row[2])
+{
+    const struct builder builder = {.name = "it", .summary = "", .build = build};
+    const struct builder *const builders_of[] = {&builder};
+    const struct layout *const of[] = {layout_find("f32")};
+    const struct same_job job = {
+        .builder = builders_of, .builder_count = 1, .layout = of, .layout_count = 1, .rounds = 2};
+    struct scene scene;
+    struct reason reason = {""};
+    built = 0;
+    memset(row, 0, 2 * sizeof *row);
+    assert_int_equal(scene_open("soup:n=50", 1, &scene, &reason), STATUS_OK);
+    assert_int_equal(same_play(&job, &scene, row, &reason), STATUS_OK);
+    scene_free(&scene);
+}
+
+static void every_number_of_threads_has_its_builds(void **state)
+{
+    (void)state;
+    struct same_row row[2];
+    uint32_t with[17] = {0};
+    play(note, row);
+    assert_int_equal(built, 9);
+    for (uint32_t i = 0; i < built; i++)
+        with[threads[i]]++;
+    assert_int_equal(with[1], 3);
+    assert_true(with[2] == 2 && with[8] == 2 && with[16] == 2);
+    for (size_t i = 0; i < 2; i++) {
+        assert_int_equal(row[i].builds, 8);
+        assert_int_equal(row[i].differing, 0);
+    }
+}
+
+static void a_tree_that_depends_on_threads_is_seen(void **state)
+{
+    (void)state;
+    struct same_row row[2];
+    play(racy, row);
+    assert_int_equal(row[0].differing, 2);
+    assert_string_equal(row[0].text, "with 16 threads: item 0");
+    assert_int_equal(row[1].differing, 2); /* items are packed in that order */
+}
+
+static void one_build_that_differs_is_seen(void **state)
+{
+    (void)state;
+    struct same_row row[2];
+    play(tired, row);
+    assert_int_equal(row[0].differing, 1);
+    assert_non_null(strstr(row[0].text, "node "));
+    assert_int_equal(row[1].differing, 1);
+    assert_non_null(strstr(row[1].text, "word "));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_number_of_threads_has_its_builds),
+        cmocka_unit_test(a_tree_that_depends_on_threads_is_seen),
+        cmocka_unit_test(one_build_that_differs_is_seen),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
