@@ -83,6 +83,31 @@ static void nasty_motions_are_as_nasty_as_they_say(void **state)
     lived_free(&far);
 }
 
+/* A soup's triangles share no vertices. */
+static void the_triangles_of_a_swap_are_each_others(void **state)
+{
+    (void)state;
+    uint32_t swapped = 0;
+    for (uint64_t seed = 0; seed < 20; seed++) {
+        char text[STEP_TEXT_MOST];
+        const struct step step = {LIFE_REFIT, MOTION_SWAP, seed};
+        step_write(&step, text);
+        struct lived lived = lived_make(SPEC, text);
+        for (uint32_t i = 0; i < lived.first.tri_count; i++) {
+            float now[3][3], then[3][3];
+            uint32_t k = 0;
+            scene_tri(&lived.scene[1], i, now);
+            do
+                scene_tri(&lived.scene[0], k, then);
+            while (memcmp(now, then, sizeof now) != 0 && ++k < lived.first.tri_count);
+            assert_true(k < lived.first.tri_count);
+            swapped += k != i;
+        }
+        lived_free(&lived);
+    }
+    assert_true(swapped > 20);
+}
+
 static void texts_are_read_as_they_are_written(void **state)
 {
     (void)state;
@@ -276,6 +301,7 @@ int main(void)
         cmocka_unit_test(motions_are_finite_the_same_each_time_and_themselves),
         cmocka_unit_test(some_motions_are_their_own_inverse),
         cmocka_unit_test(nasty_motions_are_as_nasty_as_they_say),
+        cmocka_unit_test(the_triangles_of_a_swap_are_each_others),
         cmocka_unit_test(texts_are_read_as_they_are_written),
         cmocka_unit_test(refitted_twice_is_refitted_once),
         cmocka_unit_test(there_and_back_is_the_first_refit),

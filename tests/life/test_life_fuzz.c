@@ -297,6 +297,39 @@ static void shrinking_leaves_the_step_that_fails(void **state)
     }
 }
 
+/* Shows what it wants in the whole trial, and in the one that ends after its first step. */
+static enum status ask_for_first(void *user, const struct fuzz_trial *candidate, size_t count,
+                                 size_t *first, struct reason *reason)
+{
+    const struct fuzz_trial *whole = user;
+    struct trial_life life;
+    enum status status = trial_life_make(whole, &life, reason);
+    for (*first = 0; *first < count && !status; ++*first) {
+        const struct fuzz_trial *one = &candidate[*first];
+        if (fuzz_trial_hash(one) == fuzz_trial_hash(whole) ||
+            (one->step_count == 1 && one->scene.vertex_count == whole->scene.vertex_count &&
+             memcmp(one->scene.vertex, life.scene[1].vertex,
+                    12 * (size_t)one->scene.vertex_count) == 0))
+            break;
+    }
+    trial_life_free(&life);
+    return status;
+}
+
+static void the_end_of_a_life_is_cut_with_its_scene(void **state)
+{
+    (void)state;
+    struct fuzz_trial whole = trial_of(4, "refit:jitter:1,refit:mirror:2,rebuild:one:7"), out;
+    const struct shrink_options options = {.asks = 3000};
+    struct shrink_stats stats;
+    assert_int_equal(fuzz_shrink_trial(&whole, ask_for_first, &whole, &options, &out, &stats, NULL),
+                     STATUS_OK);
+    assert_int_equal(out.step_count, 1);
+    assert_int_equal(out.scene.vertex_count, whole.scene.vertex_count);
+    fuzz_trial_free(&whole);
+    fuzz_trial_free(&out);
+}
+
 /* --- drawing ---------------------------------------------------------------------------------- */
 
 static void one_generated_trial_in_64_has_steps(void **state)
@@ -332,6 +365,7 @@ int main(void)
         cmocka_unit_test(steps_are_part_of_a_trial),
         cmocka_unit_test(files_keep_the_steps),
         cmocka_unit_test(shrinking_leaves_the_step_that_fails),
+        cmocka_unit_test(the_end_of_a_life_is_cut_with_its_scene),
         cmocka_unit_test(one_generated_trial_in_64_has_steps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
