@@ -33,7 +33,7 @@ value_of() {
     pixel) value=1,1 ;; shard) value=1/2 ;; show-range) value=0:1 ;; triangles) value=8-16 ;; driver) value=stock ;;
     format) value=raydiff ;; compiler) value=opt ;; decorate) value=final ;; buffers) value=texel ;;
     ray) value='0,0,0 1,0,0' ;; cause) value=sentinel ;; scene) value=soup:n=9 ;; path) value=soup:n=9 ;;
-    baseline) value=fuzz/baseline.txt ;;
+    baseline) value=fuzz/baseline.txt ;; steps) value=refit ;;
     bvh | shader | waivers | check | bench | benchmark | doctor | findings | corpus | verify | picture)
         value=$dir/nothing ;;
     out | json | csv | svg | junit | jsonl | tap | markdown | html | log | paths | to | dir | benchmark-out)
@@ -137,7 +137,7 @@ echo "closest.* it is known https://example.org" >"$dir/waivers"
 
 # What trees are played on, and by whom.
 walk 'check soup:n=40,seed=2 --count 64 --repeat 1 --engine cpu --rays primary' \
-    "layout=f32 store=compact engine=fast builder=sah_sweep leaf=1 ~bvh=$dir/soup.json optimize=reinsert presplit=3 move=0.1 box=watertight
+    "layout=f32 store=compact engine=fast builder=sah_sweep leaf=1 ~bvh=$dir/soup.json optimize=reinsert presplit=3 move=0.1 steps=refit:one:2 box=watertight
     tri=woop query=any rays=random count=70 ~repeat=2 brute=300 brute-rays=3 ~require=watertight
     json=@ ~threads=1 wide color=always"
 walk 'check soup:n=40,seed=2 --count 64 --repeat 1 --engine vulkan_brute --rays primary --compiler size' \
@@ -189,6 +189,7 @@ walk 'scene list' ''
 walk 'scene info soup:n=9' 'json seed=3'
 walk 'list builders' ''
 walk 'build soup:n=40 --builder gpu_lbvh63 --rounds 1' "builder=gpu_lbvh30 ~driver=stock ~device=0 ~rounds=2 move=0.1 ~seed=3 json=@ ~wide color=always"
+walk 'build soup:n=40 --builder median --same 1' "builder=lbvh layout=f32 ~same=2 ~seed=3 json=@ ~wide color=always"
 trial=fuzz/corpus/slot-not-read.trial
 walk "export $trial --form text" 'to=@ ~form=text engine=embree ~ray=0'
 walk "web $trial --out $files/w" '~index=0 engine=brute layout=f32 out=@ ~threads=1 ~force'
