@@ -141,10 +141,10 @@ walk 'check soup:n=40,seed=2 --count 64 --repeat 1 --engine cpu --rays primary' 
     tri=woop query=any rays=random count=70 ~repeat=2 brute=300 brute-rays=3 ~require=watertight
     json=@ ~threads=1 wide color=always"
 walk 'check soup:n=40,seed=2 --count 64 --repeat 1 --engine vulkan_brute --rays primary --compiler size' \
-    'engine=vulkan move=0.1 tri=woop query=any rays=random count=70 ~repeat=2 brute=300 brute-rays=3 ~require=watertight
+    'engine=vulkan move=0.1 steps=refit:one:2 tri=woop query=any rays=random count=70 ~repeat=2 brute=300 brute-rays=3 ~require=watertight
     json=@ compiler=opt decorate=final buffers=texel ~driver=stock ~device=0 ~workgroup=32 wide color=always'
 walk 'check soup:n=40 --count 64 --repeat 1 --engine brute' \
-    'engine=cpu tri=woop move=0.1 query=any rays=random count=70 seed=3 ~repeat=2 brute=300 brute-rays=3
+    'engine=cpu tri=woop move=0.1 steps=refit:one:2 query=any rays=random count=70 seed=3 ~repeat=2 brute=300 brute-rays=3
     ~require=watertight json=@ ~threads=1 wide color=always'
 walk 'check crowd:n=6,seed=2 --count 64 --repeat 1 --engine cpu --layout f32 --rays primary' \
     'layout=rf16 store=compact engine=cpu_stackless builder=sah_sweep leaf=1 optimize=reinsert presplit=3 braid=4 box=watertight tri=woop query=any
