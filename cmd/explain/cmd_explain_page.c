@@ -29,6 +29,11 @@ static void print_subject(FILE *out, const struct explain_page *page)
     const float range[2] = {ray->tmin, ray->tmax};
     fprintf(out, "scene     %s: %u triangle%s\n", of->spec, page->scene->tri_count,
             plural(page->scene->tri_count));
+    if (page->file && page->file->trial.step_count > 0) {
+        char steps[STEPS_TEXT_MOST];
+        steps_write(page->file->trial.step, page->file->trial.step_count, steps);
+        fprintf(out, "steps     %s; the ray is traced after the last\n", steps);
+    }
     if (page->rays)
         fprintf(out, "ray       %zu of %zu of set %s, seed %llu\n", page->index, page->count,
                 page->rays, (unsigned long long)of->seed);
