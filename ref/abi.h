@@ -48,6 +48,8 @@
 #define ABI_STORE_BALDWIN_WEBBER 3u
 #define ABI_STORE_COMPACT        4u
 #define ABI_STORE_QUANTISED      5u
+#define ABI_STORE_TRUNCATED      6u
+#define ABI_STORE_DGF1           7u
 
 /* ABI_SPEC_LAYOUT_0 and _1 for the shaders grid2, grid4 and grid8: number format and frame. */
 #define ABI_NUMBER_F32  0u

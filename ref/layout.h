@@ -58,6 +58,13 @@ struct wide {
     uint32_t leaf_count[WIDE_MAX];
 };
 
+/* A ray for layout->misses. What lies `by` beside it counts as met, and so does what is met at a
+ * distance of `least` or more, which may be negative. */
+struct oblique_ray {
+    float org[3], dir[3];
+    float by, least;
+};
+
 struct layout {
     const char *name;
     const char *summary;
@@ -107,6 +114,11 @@ struct layout {
      * words are then undefined. NULL: such trees must be built anew (ref/packed/refit.h). */
     enum status (*rebound)(struct packed *packed, uint32_t ref, const struct box *own,
                            const struct wide *node, struct reason *reason);
+    /* Of layouts whose nodes store more of a child than its box: true if the ray certainly meets
+     * nothing below `child`, a reference that load(ref) returned, at a distance of up to tmax.
+     * Traversals call it where the box is hit. NULL: boxes are all that is stored. */
+    bool (*misses)(const struct packed *packed, uint32_t ref, uint32_t child,
+                   const struct oblique_ray *ray, float tmax);
     /* Set only if items are stored in nodes. NULL: pack() writes them with store_put, in any
      * storage. Returns the triangle of item slot item_first + i of a leaf, or ABI_NO_PRIM if the
      * slot is empty or not a triangle. */

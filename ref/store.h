@@ -5,6 +5,7 @@
 #define STORE_H
 
 #include "ref/layout.h"
+#include "ref/scene/quantise.h"
 
 struct tri_ray;
 
@@ -13,6 +14,8 @@ struct tri_store {
     const char *summary;
     uint32_t id;    /* ABI_STORE_* */
     uint32_t tests; /* a bit 1 << ABI_TRI_* for each supported triangle test; 0: all */
+    /* Of lossy storages: makes a scene one that is stored without loss. NULL: every scene is. */
+    const struct lossy *lossy;
     /* Writes the `head_words` words before the first leaf, at packed->item. Errors: STATUS_LIMIT,
      * with the rule. NULL: there are none. */
     uint32_t head_words;

@@ -33,6 +33,7 @@ struct slab_ray {
     float behind;  /* watertight: SLAB_BEHIND of the scene's reach behind the origin */
     bvec3 swapped; /* the upper bound is met first */
     float tmin;
+    float by; /* of slab_ray_widen, else 0 */
 };
 
 /* Componentwise pick. */
@@ -78,6 +79,7 @@ slab_ray slab_ray_make(vec3 o, vec3 d, float tmin)
     if (BOX_TEST == ABI_BOX_RTRS) /* it orders the planes itself */
         r.swapped = bvec3(false);
     r.tmin = tmin;
+    r.by = 0.0;
     r.behind = 0.0;
     return r;
 }
@@ -87,6 +89,7 @@ slab_ray slab_ray_make(vec3 o, vec3 d, float tmin)
 void slab_ray_widen(inout slab_ray r, float by)
 {
     if (by > 0.0) {
+        r.by = by;
         precise vec3 more = r.o + by;
         precise vec3 less = r.o - by;
         bvec3 crossing = equal(r.pad, vec3(SLAB_FAR));

@@ -28,6 +28,7 @@ vec3 store_vec(uint at, uint stride)
 }
 
 #include "store_quantised.glsl"
+#include "store_dgf1.glsl"
 
 /* Returns the larger of each two bytes, which are at most 15. */
 uint store_larger(uint a, uint b)
@@ -67,6 +68,16 @@ uint leaf_item(leaf l, uint slot)
         uint prim = quantised_bits(l.first, q.number_at + q.number * slot, q.number);
         return pick(q.there, prim, ABI_NO_PRIM);
     }
+    if (STORE == ABI_STORE_TRUNCATED) {
+        truncated t = truncated_of(l.first, slot);
+        uint prim = truncated_bits(l.first, t.number_at + t.number * slot, t.number);
+        return pick(t.there, prim, ABI_NO_PRIM);
+    }
+    if (STORE == ABI_STORE_DGF1) {
+        dense d = dense_of(l.first, slot);
+        uint prim = truncated_bits(l.first, d.end + (d.number + 2u) * slot, d.number);
+        return pick(d.there, prim, ABI_NO_PRIM);
+    }
     uint at = l.first + slot;
     uint mask = 0xFFFFFFFFu;
     if (STORE == ABI_STORE_COMPACT) {
@@ -96,6 +107,15 @@ bool leaf_test(leaf l, uint slot, uint prim, tri_ray r, out vec3 tuv)
         quantised q = quantised_of(l.first, slot);
         hit = tri_test_run(TRI_TEST, r, quantised_vertex(q, 0u, slot),
                            quantised_vertex(q, 1u, slot), quantised_vertex(q, 2u, slot), tuv);
+    } else if (STORE == ABI_STORE_TRUNCATED) {
+        truncated t = truncated_of(l.first, slot);
+        hit = tri_test_run(TRI_TEST, r, truncated_vertex(t, 0u, slot),
+                           truncated_vertex(t, 1u, slot), truncated_vertex(t, 2u, slot), tuv);
+    } else if (STORE == ABI_STORE_DGF1) {
+        dense d = dense_of(l.first, slot);
+        vec3 v0, v1, v2;
+        dense_triangle(d, slot, v0, v1, v2);
+        hit = tri_test_run(TRI_TEST, r, v0, v1, v2, tuv);
     } else if (STORE == ABI_STORE_EDGES) {
         hit = tri_moeller_trumbore_edges(r, store_vec(row, 1u), store_vec(row + 3u, 1u),
                                          store_vec(row + 6u, 1u),

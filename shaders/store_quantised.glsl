@@ -1,5 +1,6 @@
-/* Storage `quantised`, as in ref/store/store_quantised.c: blocks of codes on a grid. For
- * store.glsl, after store_word. */
+/* Storages `quantised` and `truncated`, as in ref/store/store_quantised.c and store_truncated.c:
+ * blocks of codes on a grid, and of vertices without their low bits. For store.glsl, after
+ * store_word. */
 #ifndef STORE_QUANTISED_GLSL
 #define STORE_QUANTISED_GLSL
 
@@ -61,6 +62,54 @@ vec3 quantised_vertex(quantised q, uint corner, uint slot)
     return vec3(quantised_decode(store_word(0u) + n.x, steps & 255u),
                 quantised_decode(store_word(1u) + n.y, (steps >> 8) & 255u),
                 quantised_decode(store_word(2u) + n.z, (steps >> 16) & 255u));
+}
+
+/* --- truncated */
+
+struct truncated {
+    uint first;
+    uint vertices, dropped;
+    uint number, coordinate; /* widths in bits */
+    uint number_at, vertex_at;
+    bool there; /* the block is within the words, and the slot within the block */
+};
+
+/* Reads 1 to 32 bits. */
+uint truncated_bits(uint first, uint at, uint width)
+{
+    uint word = first + (at >> 5), shift = at & 31u;
+    uint low = store_word(word) >> shift;
+    uint high = store_word(word + 1u) << ((32u - shift) & 31u);
+    return (low | pick(shift + width > 32u, high, 0u)) & (0xFFFFFFFFu >> (32u - width));
+}
+
+truncated truncated_of(uint first, uint slot)
+{
+    truncated t;
+    uint sizes = store_word(first);
+    uint tris = (sizes & 7u) + 1u;
+    t.first = first;
+    t.vertices = ((sizes >> 3) & 15u) + 1u;
+    t.dropped = (sizes >> 7) & 31u;
+    t.number = ((sizes >> 12) & 31u) + 1u;
+    t.coordinate = 32u - t.dropped;
+    t.number_at = 17u + 12u * tris;
+    t.vertex_at = t.number_at + t.number * tris;
+    uint end = t.vertex_at + 3u * t.coordinate * t.vertices;
+    bool inside = both(first < job.item_count, ((end + 31u) >> 5) <= job.item_count - first);
+    t.there = both(slot < tris, inside);
+    return t;
+}
+
+vec3 truncated_vertex(truncated t, uint corner, uint slot)
+{
+    uint vertex = truncated_bits(t.first, 17u + 12u * slot + 4u * corner, 4u);
+    uint at = t.vertex_at + 3u * t.coordinate * pick(vertex < t.vertices, vertex, 0u);
+    return uintBitsToFloat(
+        uvec3(truncated_bits(t.first, at, t.coordinate),
+              truncated_bits(t.first, at + t.coordinate, t.coordinate),
+              truncated_bits(t.first, at + 2u * t.coordinate, t.coordinate))
+        << t.dropped);
 }
 
 #endif

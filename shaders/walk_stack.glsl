@@ -68,6 +68,9 @@ node step_inner(slab_ray slab, node n, float tbest)
         float entry;
         node child = wide_child(slab, w, slot, nearer, farther);
         bool hit = slab_test(slab, nearer, farther, tbest, entry);
+#ifdef WIDE_MISSES
+        hit = both(hit, !wide_misses(slab, w, slot, tbest));
+#endif
         if (both(hit, child.a != NODE_LEAF))
             stack_insert(base, child, entry);
         slot++;

@@ -4,7 +4,9 @@
  *   node node_of(ref)   the inner node of a reference
  *   struct wide, wide wide_load(node)   the record of an inner node
  *   node wide_child(slab_ray, wide, slot, out nearer, out farther)   a child and its bounds, in the
- *                       order in which the ray meets them; NODE_DONE: the slot is empty */
+ *                       order in which the ray meets them; NODE_DONE: the slot is empty
+ * and, if they define WIDE_MISSES,
+ *   bool wide_misses(slab_ray, wide, slot, tbest)   as layout->misses of ref/layout.h */
 #ifndef WIDE_GLSL
 #define WIDE_GLSL
 

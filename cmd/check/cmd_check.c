@@ -13,11 +13,11 @@
 
 #include <stdlib.h>
 
-/* True for storages of grids (quantised). They run on the decoded scene, the others on the scene as
- * it is. */
-static bool store_is_of_grids(const struct check_options *o, size_t i)
+/* How a storage loses precision; NULL: not at all. Lossy ones run on the decoded scene, the others
+ * on the scene as it is. */
+static const struct lossy *store_lossy(const struct check_options *o, size_t i)
 {
-    return tri_stores[o->store.index[i]]->head != NULL;
+    return tri_stores[o->store.index[i]]->lossy;
 }
 
 /* State of one run of the command. */
@@ -83,7 +83,7 @@ static enum status play_layouts(struct check_run *check, struct match *match,
         const struct layout *layout =
             o->layout_auto ? NULL : layouts_all[list.index[i / o->store.count]];
         struct reason refusal = {""};
-        if (store_is_of_grids(o, i % o->store.count) != (check->original != NULL))
+        if ((store_lossy(o, i % o->store.count) != NULL) != (check->original != NULL))
             continue;
         match->options.store = tri_stores[o->store.index[i % o->store.count]];
         enum status status =
@@ -158,17 +158,19 @@ static enum status play_scene(struct check_run *check, const struct scene *scene
     return status;
 }
 
-/* Runs the storages of grids on the scene that they decode to. */
-static enum status play_decoded(struct check_run *check, const struct scene *scene,
-                                const struct ray *rays, struct check_scene *result,
-                                struct reason *reason)
+/* Runs the lossy storage on the scene that it decodes to. */
+static enum status play_decoded(struct check_run *check, const struct lossy *lossy,
+                                const struct scene *scene, const struct ray *rays,
+                                struct check_scene *result, struct reason *reason)
 {
     struct scene decoded;
     struct original original = {0};
-    uint32_t bits = check->options.bits ? (uint32_t)check->options.bits : QUANTISE_BITS_DEFAULT;
-    enum status status = scene_quantise(scene, bits, &decoded, &result->quantised, reason);
+    uint32_t bits = check->options.bits ? (uint32_t)check->options.bits : lossy->bits_default;
+    enum status status = lossy->move(scene, bits, &decoded, &result->quantised, reason);
     if (status)
         return status;
+    result->lossy = lossy;
+    result->flat = original_flat(&decoded);
     status = original_make(scene, &result->quantised, rays, result->ray_count, &original, reason);
     check->original = &original;
     if (status == STATUS_OK)
@@ -184,15 +186,28 @@ static enum status play_both(struct check_run *check, const struct scene *scene,
                              struct check_scene *result, struct reason *reason)
 {
     const struct check_options *o = &check->options;
-    size_t grids = 0;
-    for (size_t i = 0; i < o->store.count; i++)
-        grids += store_is_of_grids(o, i);
-    if (grids && (o->bvh || o->layout_auto || o->move > 0 || o->step_count > 0))
+    const struct lossy *lossy = NULL;
+    const char *name = NULL;
+    bool plain = false;
+    for (size_t i = 0; i < o->store.count; i++) {
+        if (!store_lossy(o, i)) {
+            plain = true;
+            continue;
+        }
+        if (lossy && lossy != store_lossy(o, i))
+            return fail(reason, STATUS_INPUT, "--store: one lossy storage at a time, not %s and %s",
+                        name, tri_stores[o->store.index[i]]->name);
+        lossy = store_lossy(o, i);
+        name = tri_stores[o->store.index[i]]->name;
+    }
+    if (lossy && (o->bvh || o->layout_auto || o->move > 0 || o->step_count > 0))
         return fail(reason, STATUS_INPUT,
-                    "--store quantised: not with --bvh, --move, --steps, --layout auto");
-    enum status status =
-        grids < o->store.count ? play_scene(check, scene, rest, rays, result, reason) : STATUS_OK;
-    return status || !grids ? status : play_decoded(check, scene, rays, result, reason);
+                    "--store %s: not with --bvh, --move, --steps, --layout auto", name);
+    if (lossy && o->bits && (o->bits < lossy->bits_least || o->bits > lossy->bits_most))
+        return fail(reason, STATUS_INPUT, "--bits %llu: storage %s takes %u to %u",
+                    (unsigned long long)o->bits, name, lossy->bits_least, lossy->bits_most);
+    enum status status = plain ? play_scene(check, scene, rest, rays, result, reason) : STATUS_OK;
+    return status || !lossy ? status : play_decoded(check, lossy, scene, rays, result, reason);
 }
 
 /* `step`: after how many of the steps. */

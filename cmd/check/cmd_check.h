@@ -23,8 +23,10 @@ struct check_scene {
     const char *rays;
     size_t ray_count;
     uint64_t seed;
-    const char *driver;         /* from --driver, or NULL */
-    struct quantised quantised; /* for rows with original.judged */
+    const char *driver;        /* from --driver, or NULL */
+    const struct lossy *lossy; /* for rows with original.judged, as is the next */
+    struct quantised quantised;
+    uint32_t flat; /* triangles of the decoded scene without area */
     struct row *row;
     size_t row_count;
     char refused[1024]; /* why --layout auto passed over layouts, one per line */

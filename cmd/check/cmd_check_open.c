@@ -76,7 +76,7 @@ static enum status check_use_of(const struct check_options *o, const char *spec,
     if (is_world && o->bvh)
         return fail(reason, STATUS_INPUT, "--bvh: %s is a world; a tree file is of a scene", spec);
     for (size_t i = 0; i < o->store.count && is_world; i++)
-        if (tri_stores[o->store.index[i]]->head)
+        if (tri_stores[o->store.index[i]]->lossy)
             return fail(reason, STATUS_INPUT, "--store %s: %s is a world; only scenes are decoded",
                         tri_stores[o->store.index[i]]->name, spec);
     return STATUS_OK;

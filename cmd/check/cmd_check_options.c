@@ -42,8 +42,10 @@ static const struct option_row rows[] = {
      OF_LIST(engine, TABLE_ENGINES), .shown = "every engine that can run here"},
     {"store", "S,..", "triangle storages, see raydiff list storages", OF_LIST(store, TABLE_STORES),
      .value = "indexed"},
-    {"bits", "N", "store quantised: bits an axis of the grid",
-     OF_COUNT(bits, QUANTISE_BITS_LEAST, QUANTISE_BITS_MOST), .standard = QUANTISE_BITS_DEFAULT},
+    {"bits", "N",
+     "stores quantised, dgf1: bits an axis of the grid, 8 to 21, else 16; truncated: low bits "
+     "of the fraction that are dropped, 1 to 23, else 8",
+     OF_COUNT(bits, 1, TRUNCATE_BITS_MOST), .shown = "the storage's"},
     {"builder", "B,..", "builders", OF_LIST(builder, TABLE_BUILDERS), .value = "median"},
     {"move", "AMOUNT",
      "after packing, moves vertices by up to so many extents of the scene, from the seed, and "

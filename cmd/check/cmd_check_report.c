@@ -86,12 +86,11 @@ static void print_originals(const struct check_scene *scene, const struct screen
         if (row->status != ROW_OK || judged == 0)
             continue;
         if (first)
-            screen_text(
-                screen,
-                "  decoded from %u bits an axis: vertices moved by %s at most, certified; %u "
-                "triangles without area\n",
-                scene->quantised.grid.bits, BOUND(scene->quantised.distance),
-                scene->quantised.flat);
+            screen_text(screen,
+                        "  decoded from %u %s: vertices moved by %s at most, certified; %u "
+                        "triangles without area\n",
+                        scene->quantised.grid.bits, scene->lossy->told,
+                        BOUND(scene->quantised.distance), scene->flat);
         first = false;
         screen_text(
             screen,

@@ -112,12 +112,12 @@ static bool by_builder(const struct option_use *use, const char *option)
     return any;
 }
 
-static bool of_grids(const struct option_use *use, const char *option)
+static bool of_lossy(const struct option_use *use, const char *option)
 {
     (void)option;
     bool any = !use->store;
     for (size_t i = 0; use->store && i < use->store->count; i++)
-        any = any || tri_stores[use->store->index[i]]->head != NULL;
+        any = any || tri_stores[use->store->index[i]]->lossy != NULL;
     return any;
 }
 
@@ -164,7 +164,7 @@ static const struct {
     {"threads", "an engine of the processor", is_of_processor, NULL},
     {"peer-time peer-memory", "pipe:COMMAND, --engine webgpu or FILE.so, or --layout FILE.so", NULL,
      from_outside},
-    {"bits", "--store quantised", NULL, of_grids},
+    {"bits", "--store quantised, truncated or dgf1", NULL, of_lossy},
     {"seed", "a scene or rays that are drawn by chance", NULL, by_chance},
 };
 

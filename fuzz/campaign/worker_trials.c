@@ -67,15 +67,14 @@ enum status work_trial_make(const struct work_rules *rules, enum work_stream str
     return status;
 }
 
-/* Moves the vertices to a grid, so that the lossless storage can hold them. A scene that is too
- * large for any grid stays. */
-static enum status put_on_grid(struct rng *rng, struct fuzz_trial *trial, struct reason *reason)
+/* Moves the vertices to what a lossy storage can hold. A scene that is too large for it stays. */
+static enum status lose_precision(const struct lossy *lossy, struct rng *rng,
+                                  struct fuzz_trial *trial, struct reason *reason)
 {
-    uint32_t bits =
-        QUANTISE_BITS_LEAST + rng_below(rng, QUANTISE_BITS_MOST - QUANTISE_BITS_LEAST + 1);
+    uint32_t bits = lossy->bits_least + rng_below(rng, lossy->bits_most - lossy->bits_least + 1);
     struct scene scene;
     struct quantised quantised;
-    enum status status = scene_quantise(&trial->scene, bits, &scene, &quantised, reason);
+    enum status status = lossy->move(&trial->scene, bits, &scene, &quantised, reason);
     if (status)
         return status == STATUS_LIMIT ? STATUS_OK : status;
     scene_free(&trial->scene);
@@ -84,7 +83,7 @@ static enum status put_on_grid(struct rng *rng, struct fuzz_trial *trial, struct
 }
 
 /* Gives a trial of stream gen the members drawn, and what they need: passes of optimization, a
- * motion, a grid for storage `quantised`. A pure function of rules, index and draw.
+ * motion, what a lossy storage can hold. A pure function of rules, index and draw.
  * Errors: STATUS_MEMORY. */
 static enum status draw_members(const struct work_rules *rules, uint64_t index,
                                 const struct work_draw *draw, struct fuzz_trial *trial,
@@ -110,7 +109,8 @@ static enum status draw_members(const struct work_rules *rules, uint64_t index,
         trial->move = gen_move(&rng);
         trial->move_seed = rng_below(&rng, 1000);
     }
-    return draw->store->id == ABI_STORE_QUANTISED ? put_on_grid(&rng, trial, reason) : STATUS_OK;
+    const struct lossy *lossy = draw->store->lossy;
+    return lossy ? lose_precision(lossy, &rng, trial, reason) : STATUS_OK;
 }
 
 size_t work_contestant(const struct fuzz_field *field, const struct fuzz_signature *signature)

@@ -8,7 +8,7 @@
 #define COVERAGE_BUILDERS  16u
 #define COVERAGE_BOX_TESTS 3u
 #define COVERAGE_TRI_TESTS 5u
-#define COVERAGE_STORES    6u
+#define COVERAGE_STORES    8u
 #define COVERAGE_LAYOUTS   6u  /* that refused; those of products */
 #define COVERAGE_FORMS     72u /* layouts, of all */
 

@@ -8,7 +8,7 @@
 
 extern const struct layout layout_f32, layout_rf16;
 extern const struct layout layout_rtrs_direct, layout_rtrs_rf, layout_rtrs_rf_paper;
-extern const struct layout layout_cwbvh80, layout_half4, layout_hpb64;
+extern const struct layout layout_cwbvh80, layout_half4, layout_hpb64, layout_obb8;
 extern const struct layout layouts_amd64[5], layouts_tiny8[3], layouts_gfx12[2];
 #define DECLARE(width, format, FORMAT, frame, FRAME)                                               \
     extern const struct layout GRID_SYMBOL(width, format, frame);
@@ -25,7 +25,8 @@ GRID_MEMBERS(DECLARE)
 #define POINT(width, format, FORMAT, frame, FRAME) &GRID_SYMBOL(width, format, frame),
 
 #define OWN                                                                                        \
-    CORE, &layout_cwbvh80, &layout_half4, AMD64, TINY8, GFX12, &layout_hpb64, GRID_MEMBERS(POINT)
+    CORE, &layout_cwbvh80, &layout_half4, AMD64, TINY8, GFX12, &layout_hpb64, &layout_obb8,        \
+        GRID_MEMBERS(POINT)
 
 /* Layouts without a file layout_NAME of their own: the grid family, with one shader per width, and
  * the members of other families besides the first. */

@@ -1,5 +1,6 @@
 #include "ref/match/original.h"
 
+#include "ref/oracle/exact.h"
 #include "ref/trace/trace.h"
 
 #include <float.h>
@@ -25,6 +26,17 @@ enum status original_make(const struct scene *scene, const struct quantised *qua
     if (status)
         original_free(out);
     return status;
+}
+
+uint32_t original_flat(const struct scene *decoded)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < decoded->tri_count; i++) {
+        float v[3][3];
+        scene_tri(decoded, i, v);
+        count += exact_no_area(v);
+    }
+    return count;
 }
 
 void original_free(struct original *original)

@@ -27,6 +27,9 @@ enum status original_make(const struct scene *scene, const struct quantised *qua
 enum status original_judge(const struct original *original, const struct match *match,
                            struct row *row) MUST_USE;
 
+/* Counts the triangles of a decoded scene whose vertices are collinear. */
+uint32_t original_flat(const struct scene *decoded);
+
 void original_free(struct original *original);
 
 #endif

@@ -34,6 +34,7 @@ struct slab_ray {
     int main;     /* the largest axis of |d|, the first of equal ones: the axis of woop's shear */
     float behind; /* for slab_watertight: SLAB_BEHIND times the scene's extent behind the origin */
     float tmin;
+    float by; /* of slab_ray_widen, else 0 */
 };
 
 static inline struct slab_ray slab_ray_make(const struct ray *ray)
@@ -62,6 +63,7 @@ static inline struct slab_ray slab_ray_make(const struct ray *ray)
  * changes nothing, bit for bit. slab_rtrs stays as published. */
 static inline void slab_ray_widen(struct slab_ray *r, float by)
 {
+    r->by = by > 0.0f ? by : 0.0f;
     for (int k = 0; k < 3 && by > 0.0f; k++) {
         bool down = r->d[k] < 0.0f && !r->parallel[k]; /* the upper plane is met first */
         float more = r->o[k] + by, less = r->o[k] - by;

@@ -39,12 +39,12 @@ static double nearest(double x, double step)
     return floor(x / step + 0.5);
 }
 
-static double step_of(double least, double most, uint32_t bits)
+static double step_of(double least, double most, uint32_t bits, double number_most)
 {
     const double codes = (double)((1u << bits) - 1);
     double step = (double)FLT_MIN;
     while (nearest(most, step) - nearest(least, step) > codes ||
-           nearest(most, step) > (double)GRID_MOST || nearest(least, step) < -(double)GRID_MOST)
+           nearest(most, step) > number_most || nearest(least, step) < -number_most)
         step *= 2.0;
     return step;
 }
@@ -66,18 +66,16 @@ static bool is_flat(const struct scene *scene, const struct grid *grid, uint32_t
     return true;
 }
 
-static void move_vertices(const struct scene *scene, struct scene *out, struct quantised *q)
+/* Computes how far the vertices moved. A difference is exact: on a grid it is x itself, or a
+ * multiple of 2^-25 step that is at most half a step; else the low bits of x. */
+static void certify(const struct scene *scene, const struct scene *out, struct quantised *q)
 {
     double farthest = 0.0;
     for (uint32_t i = 0; i < scene->vertex_count; i++) {
         double square = 0.0;
         for (int k = 0; k < 3; k++) {
             size_t at = 3 * (size_t)i + (size_t)k;
-            double x = (double)scene->vertex[at], step = (double)q->grid.step[k];
-            double to = nearest(x, step) * step;
-            out->vertex[at] = (float)to + 0.0f; /* no negative zero */
-            /* Exact: x itself, or a multiple of 2^-25 step that is at most half a step. */
-            double moved = fabs(to - x);
+            double moved = fabs((double)out->vertex[at] - (double)scene->vertex[at]);
             q->moved[k] = fmax(q->moved[k], moved);
             square += moved * moved;
         }
@@ -85,6 +83,16 @@ static void move_vertices(const struct scene *scene, struct scene *out, struct q
     }
     /* The rounding errors of two sums, three squares and the root are below 2^-51 of it. */
     q->distance = sqrt(farthest) * (1.0 + 4.0 * DBL_EPSILON);
+}
+
+static void move_vertices(const struct scene *scene, struct scene *out, struct quantised *q)
+{
+    for (size_t at = 0; at < 3 * (size_t)scene->vertex_count; at++) {
+        double step = (double)q->grid.step[at % 3];
+        double to = nearest((double)scene->vertex[at], step) * step;
+        out->vertex[at] = (float)to + 0.0f; /* no negative zero */
+    }
+    certify(scene, out, q);
 }
 
 static enum status copy_scene(const struct scene *scene, struct scene *out)
@@ -109,8 +117,25 @@ static enum status copy_scene(const struct scene *scene, struct scene *out)
     return lost ? STATUS_MEMORY : STATUS_OK;
 }
 
-enum status scene_quantise(const struct scene *scene, uint32_t bits, struct scene *out,
-                           struct quantised *quantised, struct reason *reason)
+/* Steps and least numbers of a grid that holds the scene. */
+static void make_grid(const struct scene *scene, bool even, struct grid *grid)
+{
+    double least[3], most[3], step[3];
+    for (int k = 0; k < 3; k++) {
+        extents(scene, k, &least[k], &most[k]);
+        step[k] =
+            step_of(least[k], most[k], grid->bits, even ? (double)EVEN_MOST : (double)GRID_MOST);
+    }
+    const double largest = fmax(step[0], fmax(step[1], step[2]));
+    for (int k = 0; k < 3; k++) {
+        step[k] = even ? largest : step[k];
+        grid->step[k] = (float)step[k];
+        grid->lo[k] = (int32_t)nearest(least[k], step[k]);
+    }
+}
+
+static enum status quantise(const struct scene *scene, uint32_t bits, bool even, struct scene *out,
+                            struct quantised *quantised, struct reason *reason)
 {
     *out = (struct scene){0};
     *quantised = (struct quantised){.grid.bits = bits};
@@ -125,18 +150,61 @@ enum status scene_quantise(const struct scene *scene, uint32_t bits, struct scen
         return fail(reason, STATUS_MEMORY, "quantise: no memory for %u vertices",
                     scene->vertex_count);
     }
-    for (int k = 0; k < 3; k++) {
-        double least, most;
-        extents(scene, k, &least, &most);
-        double step = step_of(least, most, bits);
-        quantised->grid.step[k] = (float)step;
-        quantised->grid.lo[k] = (int32_t)nearest(least, step);
-    }
+    make_grid(scene, even, &quantised->grid);
     move_vertices(scene, out, quantised);
     for (uint32_t i = 0; i < scene->tri_count; i++)
         quantised->flat += is_flat(out, &quantised->grid, i);
     return STATUS_OK;
 }
+
+enum status scene_quantise(const struct scene *scene, uint32_t bits, struct scene *out,
+                           struct quantised *quantised, struct reason *reason)
+{
+    return quantise(scene, bits, false, out, quantised, reason);
+}
+
+enum status scene_quantise_even(const struct scene *scene, uint32_t bits, struct scene *out,
+                                struct quantised *quantised, struct reason *reason)
+{
+    return quantise(scene, bits, true, out, quantised, reason);
+}
+
+/* --- truncation ------------------------------------------------------------------------------- */
+
+/* Subnormals too: they have no implicit bit, but the same low ones. */
+static float without_low_bits(float x, uint32_t bits)
+{
+    return float_from_bits(float_bits(x) >> bits << bits);
+}
+
+enum status scene_truncate(const struct scene *scene, uint32_t bits, struct scene *out,
+                           struct quantised *quantised, struct reason *reason)
+{
+    *out = (struct scene){0};
+    *quantised = (struct quantised){.grid.bits = bits};
+    if (bits < 1 || bits > TRUNCATE_BITS_MOST)
+        return fail(reason, STATUS_INPUT, "truncate: %u bits; 1 to %u are possible", bits,
+                    TRUNCATE_BITS_MOST);
+    for (size_t i = 0; i < 3 * (size_t)scene->vertex_count; i++)
+        if (!float_is_finite(scene->vertex[i]))
+            return fail(reason, STATUS_INPUT, "truncate: vertex %zu is not finite", i / 3);
+    if (copy_scene(scene, out)) {
+        scene_free(out);
+        return fail(reason, STATUS_MEMORY, "truncate: no memory for %u vertices",
+                    scene->vertex_count);
+    }
+    for (size_t i = 0; i < 3 * (size_t)scene->vertex_count; i++)
+        out->vertex[i] = without_low_bits(scene->vertex[i], bits);
+    certify(scene, out, quantised);
+    return STATUS_OK;
+}
+
+const struct lossy lossy_truncated = {1, TRUNCATE_BITS_MOST, TRUNCATE_BITS_DEFAULT,
+                                      "low bits dropped", scene_truncate};
+const struct lossy lossy_quantised = {QUANTISE_BITS_LEAST, QUANTISE_BITS_MOST,
+                                      QUANTISE_BITS_DEFAULT, "bits an axis", scene_quantise};
+const struct lossy lossy_even = {QUANTISE_BITS_LEAST, QUANTISE_BITS_MOST, QUANTISE_BITS_DEFAULT,
+                                 "bits an axis, with one step", scene_quantise_even};
 
 /* The largest power of two that divides all coordinates; 1 if all are 0. */
 static float step_of_axis(const struct scene *scene, int k)
@@ -175,5 +243,33 @@ enum status grid_of_scene(const struct scene *scene, struct grid *out, struct re
         while ((double)((1u << out->bits) - 1) < high - low)
             out->bits++;
     }
+    return STATUS_OK;
+}
+
+static bool is_even(const struct scene *scene, float step)
+{
+    bool fits = step >= FLT_MIN && step <= EVEN_STEP_MOST;
+    for (size_t i = 0; i < 3 * (size_t)scene->vertex_count && fits; i++) {
+        float x = scene->vertex[i];
+        fits = fabs((double)x / (double)step) <= (double)EVEN_MOST &&
+               float_bits(x) != float_bits(-0.0f);
+    }
+    return fits;
+}
+
+enum status grid_even_of_scene(const struct scene *scene, struct grid *out, struct reason *reason)
+{
+    float step = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        double least, most;
+        extents(scene, k, &least, &most);
+        if (least != 0.0 || most != 0.0)
+            step = fminf(step, step_of_axis(scene, k));
+    }
+    step = step == INFINITY ? 1.0f : fminf(step, EVEN_STEP_MOST);
+    *out = (struct grid){.step = {step, step, step}};
+    if (!is_even(scene, step))
+        return fail(reason, STATUS_LIMIT,
+                    "the scene's coordinates lie on no grid of one step and numbers of 24 bits");
     return STATUS_OK;
 }

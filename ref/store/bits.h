@@ -1,4 +1,4 @@
-/* Numbers of any width below 32 in words, the lowest bit first. */
+/* Numbers of any width up to 32 in words, the lowest bit first. */
 #ifndef BITS_H
 #define BITS_H
 
@@ -14,7 +14,7 @@ static inline uint32_t bits_get(const uint32_t *word, uint32_t at, uint32_t widt
     uint32_t value = from[0] >> shift;
     if (shift + width > 32)
         value |= from[1] << (32 - shift);
-    return value & ((1u << width) - 1);
+    return value & (0xFFFFFFFFu >> (32 - width));
 }
 
 /* Writes bits that were 0; as above. */

@@ -203,6 +203,7 @@ const struct tri_store tri_store_quantised = {
     .name = "quantised",
     .summary = "leaves as in compact, of vertices on a grid of up to 21 bits an axis, in bits",
     .id = ABI_STORE_QUANTISED,
+    .lossy = &lossy_quantised,
     .head_words = HEAD,
     .head = head,
     .measure = measure,

@@ -6,16 +6,13 @@
 #include <string.h>
 
 extern const struct tri_store tri_store_indexed, tri_store_gathered, tri_store_edges,
-    tri_store_baldwin_webber, tri_store_compact, tri_store_quantised;
+    tri_store_baldwin_webber, tri_store_compact, tri_store_quantised, tri_store_truncated,
+    tri_store_dgf1;
 
 const struct tri_store *const tri_stores[] = {
-    &tri_store_indexed,
-    &tri_store_gathered,
-    &tri_store_edges,
-    &tri_store_baldwin_webber,
-    &tri_store_compact,
-    &tri_store_quantised,
-    NULL,
+    &tri_store_indexed,        &tri_store_gathered, &tri_store_edges,
+    &tri_store_baldwin_webber, &tri_store_compact,  &tri_store_quantised,
+    &tri_store_truncated,      &tri_store_dgf1,     NULL,
 };
 _Static_assert(ARRAY_COUNT(tri_stores) - 1 == STORE_FILES, "a ref/store/store_*.c has no entry");
 

@@ -206,15 +206,31 @@ static inline bool walk_inner(struct walk *w, uint32_t box_id, const struct wide
     return true;
 }
 
+/* True if the node `ref` stores that the ray meets nothing below a child whose box it meets. The
+ * allowance on the near side is that of slab_watertight. */
+static inline bool walk_misses(struct walk *w, uint32_t ref, uint32_t child)
+{
+    const struct slab_ray *s = &w->slab;
+    if (!w->packed->layout->misses)
+        return false;
+    const struct oblique_ray ray = {.org = {s->o[0], s->o[1], s->o[2]},
+                                    .dir = {s->d[0], s->d[1], s->d[2]},
+                                    .by = s->by,
+                                    .least = s->tmin * SLAB_NEAR - s->behind};
+    w->counts.boxes++;
+    return w->packed->layout->misses(w->packed, ref, child, &ray, w->tbest);
+}
+
 /* Pushes the children of a wide node that are hit, the nearest last; of equal ones the first child
  * counts as nearer. Returns false if the stack is full. */
-static inline bool walk_wide(struct walk *w, uint32_t box_id, const struct wide *node)
+static inline bool walk_wide(struct walk *w, uint32_t box_id, uint32_t ref, const struct wide *node)
 {
     uint32_t base = w->depth;
     for (uint32_t i = 0; i < node->child_count; i++) {
         float entry;
         w->counts.boxes++;
-        if (!box_test_run(box_id, &w->slab, &node->box[i], w->tbest, &entry))
+        if (!box_test_run(box_id, &w->slab, &node->box[i], w->tbest, &entry) ||
+            walk_misses(w, ref, node->child[i]))
             continue;
         if (w->depth >= w->packed->stack_need || w->depth >= ABI_STACK_WIDE)
             return false;
@@ -267,7 +283,7 @@ WALK_INLINE enum status walk_tree(struct walk *w, enum walk_level level, uint32_
         if (node->child_count == 0) {
             if (walk_leaf(w, level, tri_id, node))
                 return STATUS_OK;
-        } else if (layout_is_wide(packed->layout) ? !walk_wide(w, box_id, node)
+        } else if (layout_is_wide(packed->layout) ? !walk_wide(w, box_id, ref, node)
                                                   : !walk_inner(w, box_id, node, &next, &descend)) {
             return STATUS_LIMIT;
         }

@@ -129,7 +129,7 @@ static void check_leaf(const struct tri_store *store, const struct leaf *leaf)
     if (store->id == ABI_STORE_COMPACT || store->id == ABI_STORE_QUANTISED)
         for (uint32_t slot = BLOCK_TRIS; slot < BLOCK_TRIS + 3; slot++)
             assert_int_equal(read_item(&w, slot, v), ABI_NO_PRIM);
-    if (store->id == ABI_STORE_QUANTISED) /* which has its number of items */
+    if (store->lossy) /* these have their number of items */
         assert_int_equal(read_item(&w, count, v), ABI_NO_PRIM);
     free(w.word);
 }
@@ -144,6 +144,8 @@ static void leaves_are_read_where_all_of_them_is_there(void **state)
                  vertices++)
                 for (size_t i = 0; i < ARRAY_COUNT(most); i++) {
                     struct leaf leaf;
+                    if (tri_stores[s]->id == ABI_STORE_DGF1 && most[i] > 4097)
+                        continue; /* a block of 128 bytes does not hold all of these */
                     leaf_make(&leaf, count, vertices, most[i]);
                     check_leaf(tri_stores[s], &leaf);
                 }
@@ -154,9 +156,10 @@ static void bits_are_where_they_are_put(void **state)
 {
     (void)state;
     for (uint32_t at = 0; at < 70; at++)
-        for (uint32_t width = 0; width < 32; width++)
+        for (uint32_t width = 0; width <= 32; width++)
             for (uint32_t value = 0; value < 4; value++) {
-                uint32_t word[4] = {0}, is = value * 0x9E3779B9u & ((1u << width) - 1);
+                uint32_t word[4] = {0}, most = width ? 0xFFFFFFFFu >> (32 - width) : 0;
+                uint32_t is = value * 0x9E3779B9u & most;
                 struct fence fence = fence_make(word, (at + width + 31) / 32);
                 bits_put(fence.word, at, width, is);
                 assert_int_equal(bits_get(fence.word, at, width), is);
@@ -165,7 +168,7 @@ static void bits_are_where_they_are_put(void **state)
                                      bit < at ? 0 : is >> (bit - at) & 1u);
                 for (uint32_t i = 0; i < (at + width + 31) / 32; i++)
                     fence.word[i] = ~fence.word[i];
-                assert_int_equal(bits_get(fence.word, at, width), ~is & ((1u << width) - 1));
+                assert_int_equal(bits_get(fence.word, at, width), ~is & most);
                 fence_free(&fence);
             }
     for (uint32_t width = 0; width < 31; width++) {

@@ -12,7 +12,7 @@
 static const char *const played[] = {
     "f32",          "rf16",      "cwbvh80",         "half4",          "amd64_f16",
     "amd64_f32",    "tiny8_l14", "bvh2_f16_node",   "bvh4_u10_scene", "bvh4_f32_world",
-    "bvh8_u8_node", "gfx12",     "bvh8_bf16_world", "hpb64",
+    "bvh8_u8_node", "gfx12",     "bvh8_bf16_world", "hpb64",          "obb8",
 };
 
 struct slot_tree {

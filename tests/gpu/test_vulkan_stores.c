@@ -26,7 +26,7 @@ static void stage_make(const char *spec, uint32_t bits, struct stores_stage *s)
     struct quantised moved;
     gpu_must(scene_open(spec, 3, &scene, &reason), &reason);
     if (bits) /* on a grid, which one storage needs */
-        gpu_must(scene_quantise(&scene, bits, &s->scene, &moved, &reason), &reason);
+        gpu_must(scene_quantise_even(&scene, bits, &s->scene, &moved, &reason), &reason);
     else
         s->scene = scene;
     if (bits)

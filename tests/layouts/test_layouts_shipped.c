@@ -24,7 +24,7 @@ static const struct shipped {
 } shipped[] = {
     {"cwbvh80", 0x1p100f},   {"half4", 65504},    {"tiny8", 0x1p100f}, {"tiny8_l8", 0x1p100f},
     {"tiny8_l14", 0x1p100f}, {"amd64", 0},        {"amd64_f32", 0},    {"amd64_f16", 65504},
-    {"amd64_g1", 65504},     {"gfx12", 0x1p100f}, {"hpb64", 0x1p126f},
+    {"amd64_g1", 65504},     {"gfx12", 0x1p100f}, {"hpb64", 0x1p126f}, {"obb8", 0x1p96f},
 };
 
 static struct packed pack(const char *layout, const struct bvh *bvh, const struct scene *scene)

@@ -166,7 +166,7 @@ static void slots_that_refer_to_no_node_are_no_children(void **state)
 static void empty_slots_hold_nothing(void **state)
 {
     (void)state;
-    static const char *const names[] = {"half4", "tiny8", "cwbvh80", "gfx12", "hpb64"};
+    static const char *const names[] = {"half4", "tiny8", "cwbvh80", "gfx12", "hpb64", "obb8"};
     for (uint32_t i = 0; i < ARRAY_COUNT(names); i++) {
         const struct layout *layout = layout_find(names[i]);
         struct scene scene = built_soup(1, 3);

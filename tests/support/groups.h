@@ -23,7 +23,7 @@ static inline uint32_t groups_leaf_most(const struct layout *layout)
                 {"half4", 8},        {"tiny8", 4},     {"tiny8_l8", 8},
                 {"amd64", 4},        {"amd64_f16", 4}, {"tiny8_l14", ITEMS_MOST},
                 {"amd64_f32", 4},    {"amd64_g1", 4},  {"gfx12", 8},
-                {"hpb64", 4}};
+                {"hpb64", 4},        {"obb8", 3}};
     for (size_t i = 0; i < ARRAY_COUNT(most); i++)
         if (strcmp(layout->name, most[i].name) == 0)
             return most[i].items;

@@ -64,6 +64,8 @@ static float taken(const struct layout *layout)
         return 0x1p100f;
     if (named(layout, "hpb64"))
         return 0x1p126f;
+    if (named(layout, "obb8"))
+        return 0x1p96f;
     return strcmp(layout->name, "amd64_g1") == 0 ? 65000.0f : HALF_MAX;
 }
 

@@ -187,7 +187,7 @@ struct written_as {
 static const struct written_as written[] = {
     {"cwbvh80", 255, .half = false},  {"tiny8", 63, .half = false}, {"tiny8_l8", 63, .half = false},
     {"tiny8_l14", 63, .half = false}, {"half4", 0, .half = true},   {"f32", 0, .half = false},
-    {"gfx12", 4096, .apart = true},
+    {"gfx12", 4096, .apart = true},   {"obb8", 255, .half = false},
 };
 
 /* The numbers of float16 that are no subnormals, from the least on. */

@@ -54,7 +54,8 @@ static struct scene on_grid(struct scene scene)
 {
     struct scene out;
     struct quantised moved;
-    assert_int_equal(scene_quantise(&scene, QUANTISE_BITS_DEFAULT, &out, &moved, NULL), STATUS_OK);
+    assert_int_equal(scene_quantise_even(&scene, QUANTISE_BITS_DEFAULT, &out, &moved, NULL),
+                     STATUS_OK);
     scene_free(&scene);
     return out;
 }
