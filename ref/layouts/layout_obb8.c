@@ -13,6 +13,7 @@
  *   words 24-35  the same along axes 0, 1, 2
  * A point's place along an axis is its product with it, not divided by its length. Bounds are those
  * of triangles, not of boxes, so a tree is built anew, not refitted. */
+#include "ref/layouts/oblique.h"
 #include "ref/layouts/wide_nodes.h"
 
 #include <math.h>
@@ -33,32 +34,6 @@
 #define BESIDE_LEAST 0x1p-99f
 #define SLACK        0x1p-18f /* of distances */
 #define PARALLEL     0x1p-100f
-
-/* Three axes at right angles, of whole numbers. */
-typedef int8_t tilt_axes[3][3];
-
-#define TILTS 17
-static const tilt_axes tilts[TILTS] = {
-    /* 45 degrees about an axis, then 37 both ways */
-    {{1, 0, 0}, {0, 1, 1}, {0, -1, 1}},
-    {{1, 0, 1}, {0, 1, 0}, {-1, 0, 1}},
-    {{1, 1, 0}, {-1, 1, 0}, {0, 0, 1}},
-    {{1, 0, 0}, {0, 4, 3}, {0, -3, 4}},
-    {{1, 0, 0}, {0, 4, -3}, {0, 3, 4}},
-    {{4, 0, 3}, {0, 1, 0}, {-3, 0, 4}},
-    {{4, 0, -3}, {0, 1, 0}, {3, 0, 4}},
-    {{4, 3, 0}, {-3, 4, 0}, {0, 0, 1}},
-    {{4, -3, 0}, {3, 4, 0}, {0, 0, 1}},
-    /* about the four diagonals of a cube */
-    {{2, -1, 2}, {2, 2, -1}, {-1, 2, 2}},
-    {{2, 1, -2}, {-2, 2, -1}, {1, 2, 2}},
-    {{2, 1, 2}, {1, 2, -2}, {-2, 2, 1}},
-    {{2, -1, -2}, {-1, 2, -2}, {2, 2, 1}},
-    {{6, -2, 3}, {3, 6, -2}, {-2, 3, 6}},
-    {{6, 2, -3}, {-3, 6, -2}, {2, 3, 6}},
-    {{6, 2, 3}, {-3, 6, 2}, {-2, -3, 6}},
-    {{6, -2, -3}, {3, 6, -2}, {2, -3, 6}},
-};
 
 /* --- words ------------------------------------------------------------------------------------ */
 
@@ -148,81 +123,6 @@ static void put_axes(const tilt_axes axes, uint32_t *word)
 
 /* --- bounds along axes ------------------------------------------------------------------------ */
 
-/* Bounds along the axes of every rotation. */
-struct spans {
-    float lo[TILTS][3], hi[TILTS][3];
-};
-
-static float down(double x)
-{
-    float f = (float)x;
-    return (double)f > x ? nextafterf(f, -INFINITY) : f;
-}
-
-static float up(double x)
-{
-    float f = (float)x;
-    return (double)f < x ? nextafterf(f, INFINITY) : f;
-}
-
-static void extend(struct spans *s, uint32_t t, uint32_t j, float lo, float hi)
-{
-    s->lo[t][j] = lo < s->lo[t][j] ? lo : s->lo[t][j];
-    s->hi[t][j] = hi > s->hi[t][j] ? hi : s->hi[t][j];
-}
-
-/* Extends the bounds by a point. Products are exact in double: 24 bits by 4. Two sums round by
- * 2^-53 of what they sum up each, so 2^-51 of it is more than both and its own rounding. */
-static void add_point(struct spans *s, const float v[3])
-{
-    for (uint32_t t = 0; t < TILTS; t++)
-        for (uint32_t j = 0; j < 3; j++) {
-            const int8_t *a = tilts[t][j];
-            double x = a[0] * (double)v[0], y = a[1] * (double)v[1], z = a[2] * (double)v[2];
-            double at = x + y + z, off = (fabs(x) + fabs(y) + fabs(z)) * 0x1p-51;
-            extend(s, t, j, down(at - off), up(at + off));
-        }
-}
-
-static void add_spans(struct spans *s, const struct spans *other)
-{
-    for (uint32_t t = 0; t < TILTS; t++)
-        for (uint32_t j = 0; j < 3; j++)
-            extend(s, t, j, other->lo[t][j], other->hi[t][j]);
-}
-
-static void clear(struct spans *s)
-{
-    for (uint32_t t = 0; t < TILTS; t++)
-        for (uint32_t j = 0; j < 3; j++) {
-            s->lo[t][j] = INFINITY;
-            s->hi[t][j] = -INFINITY;
-        }
-}
-
-static double area(const double e[3])
-{
-    return e[0] * e[1] + e[1] * e[2] + e[2] * e[0];
-}
-
-static double box_area(const struct box *b)
-{
-    return area((const double[3]){(double)b->hi[0] - (double)b->lo[0],
-                                  (double)b->hi[1] - (double)b->lo[1],
-                                  (double)b->hi[2] - (double)b->lo[2]});
-}
-
-static double span_area(const struct spans *s, uint32_t t)
-{
-    double extent[3];
-    for (uint32_t j = 0; j < 3; j++) {
-        const int8_t *a = tilts[t][j];
-        extent[j] = ((double)s->hi[t][j] - (double)s->lo[t][j]) /
-                    sqrt((double)(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]));
-    }
-    return area(extent);
-}
-
 /* Returns the rotation whose boxes, where they are smaller, save most; TILTS if none is smaller. */
 static uint32_t best_tilt(const struct wide_slot *slot, const struct spans *span)
 {
@@ -232,7 +132,7 @@ static uint32_t best_tilt(const struct wide_slot *slot, const struct spans *span
         double saved = 0;
         for (uint32_t s = 0; s < WIDTH; s++)
             if (slot[s].there)
-                saved += fmax(0, box_area(&slot[s].box) - span_area(&span[s], t));
+                saved += fmax(0, box_half_area(&slot[s].box) - spans_area(&span[s], t));
         if (saved > most) {
             most = saved;
             best = t;
@@ -274,19 +174,16 @@ static enum status tilt(const struct scene *scene, struct packed *out, struct re
         struct spans span[WIDTH];
         uint32_t *word = out->word + (size_t)WORDS * r;
         decode(out, r, slot);
-        clear(&all[r]);
+        spans_clear(&all[r]);
         for (uint32_t s = 0; s < WIDTH; s++) {
             if (!slot[s].there)
                 continue;
-            clear(&span[s]);
+            spans_clear(&span[s]);
             if (slot[s].count == 0)
                 span[s] = all[slot[s].first];
-            for (uint32_t i = 0; i < 3 * slot[s].count; i++) {
-                float v[3][3];
-                scene_tri(scene, out->item[slot[s].first + i / 3], v);
-                add_point(&span[s], v[i % 3]);
-            }
-            add_spans(&all[r], &span[s]);
+            for (uint32_t i = 0; i < slot[s].count; i++)
+                spans_add_triangle(&span[s], scene, out->item[slot[s].first + i]);
+            spans_add(&all[r], &span[s]);
         }
         put_tilt(slot, span, best_tilt(slot, span), word);
     }
@@ -350,10 +247,10 @@ static bool misses(const struct packed *packed, uint32_t ref, uint32_t child,
         return false;
     const uint32_t *word = packed->word + (size_t)WORDS * ref;
     const uint32_t s = slot_of(packed, ref, word, child);
-    float near = ray->least, far = tmax, reach[3];
+    float near = ray->least, far = tmax, reach[3]; /* of points of the node and the origin from 0 */
     if (!(word[3] >> 24 & 1) || s >= WIDTH)
         return false;
-    for (uint32_t k = 0; k < 3; k++) { /* how far points of the node and the origin lie from 0 */
+    for (uint32_t k = 0; k < 3; k++) {
         const struct node_axis frame = axis_at(word, word + 3, k);
         reach[k] = (fabsf(frame.origin) +
                     node_axis_plane(&(struct node_axis){0, frame.exponent}, PLANES)) +
