@@ -2,7 +2,7 @@
 #ifndef OBLIQUE_H
 #define OBLIQUE_H
 
-#include "ref/scene/scene.h"
+#include "ref/layout.h"
 
 /* Three axes at right angles, of whole numbers of -8 to 7. */
 typedef int8_t tilt_axes[3][3];
