@@ -105,7 +105,7 @@ static enum status can_meet(const struct pair_tables *t, enum pair_factor a, uin
     } else if (a == MEET_STORE && b == MEET_TRI) {
         *can = tri_store_answers(x, ((const struct tri_test *)y)->id);
     } else if (a == MEET_STORE && b == MEET_MOTION) { /* what moved is on no grid */
-        *can = j == 0 || !((const struct tri_store *)x)->head;
+        *can = j == 0 || !((const struct tri_store *)x)->lossy;
     }
     return STATUS_OK;
 }

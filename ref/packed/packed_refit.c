@@ -240,9 +240,9 @@ static enum status may_refit(const struct packed *packed, const struct scene *sc
                     packed->tri_count, scene->tri_count);
     if (!packed->layout->rebound)
         return fail(reason, STATUS_LIMIT, "rebuild: layout %s is not refitted", name);
-    if (packed->store->head)
-        return fail(reason, STATUS_LIMIT, "rebuild: storage %s is of one scene's grid",
-                    packed->store->name);
+    if (packed->store->lossy)
+        return fail(reason, STATUS_LIMIT, "rebuild: storage %s is of one scene's %s",
+                    packed->store->name, packed->store->head ? "grid" : "bits");
     if (packed->split)
         return fail(reason, STATUS_LIMIT,
                     "rebuild: the tree is split, its boxes of parts of triangles cannot be "

@@ -76,6 +76,8 @@ static void every_storage_has_the_bits_of_c(void **state)
             size_t asked = 0;
             if (tri_stores[i]->head ? !bits[w] : w >= 2)
                 continue;
+            if (tri_stores[i]->id == ABI_STORE_DGF1 && bits[w] > 16)
+                continue; /* its blocks are not as wide */
             gpu_must(
                 packed_make_stored(layouts[0], tri_stores[i], &s.bvh, &s.scene, &packed, &reason),
                 &reason);
@@ -157,7 +159,7 @@ static void hostile_words_are_answered_as_in_c(void **state)
     struct tracer *tracer = gpu_tracer(&options, 0);
     struct rng rng = rng_make(4, 1);
     static struct stores_stage s;
-    stage_make("soup:n=150", QUANTISE_BITS_MOST, &s);
+    stage_make("soup:n=150", QUANTISE_BITS_DEFAULT, &s); /* all that a block of dgf1 spans */
     for (size_t i = 0; tri_stores[i]; i++) {
         struct packed packed;
         struct reason reason = {""};

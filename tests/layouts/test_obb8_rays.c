@@ -68,6 +68,37 @@ static void no_ray_misses_what_it_meets(void **state)
     }
 }
 
+/* Rays along a face of an oriented box, through its vertices, so far from 0 that places along axes
+ * are rounded by as much as the steps of their planes. */
+static void rays_along_faces_meet_them(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(11, 7);
+    for (uint32_t round = 0; round < 60; round++) {
+        struct scene scene = slivers(&rng, 8, 0, 60, 60);
+        for (uint32_t i = 0; i < 9 * scene.tri_count; i++)
+            scene.vertex[i] = rintf(scene.vertex[i]) + (float)((5 + round % 3) << 20);
+        struct packed packed;
+        pack(&packed, "obb8", &scene, 1);
+        const uint32_t *word = packed.word + WORDS * (size_t)packed.root;
+        for (uint32_t n = 0; n < 8 * 3 * 3 * 8 && bits(word, 120, 8); n++) {
+            const uint32_t prim = n % 8, c = n / 8 % 3, j = n / 24 % 3, far = 1u << n / 72;
+            struct oblique_ray ray = {.by = 0};
+            float v[3][3];
+            bool found = false;
+            scene_tri(&scene, prim, v);
+            for (uint32_t k = 0; k < 3; k++) {
+                ray.dir[k] = (float)axis_of(word, j, k);
+                ray.org[k] = v[c][k] - (float)far * ray.dir[k];
+            }
+            assert_false(misses_above(&packed, packed.root, prim, &ray, (float)far, &found));
+            assert_true(found);
+        }
+        packed_free(&packed);
+        scene_free(&scene);
+    }
+}
+
 /* By how far, of the sizes that meet there, the ray passes an oriented box. In long double. */
 static long double apart(const uint32_t *word, uint32_t s, const struct oblique_ray *ray,
                          long double tmax)
@@ -169,6 +200,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_ray_misses_what_it_meets),
+        cmocka_unit_test(rays_along_faces_meet_them),
         cmocka_unit_test(what_passes_well_beside_is_missed),
         cmocka_unit_test(what_is_beside_counts_as_met),
     };

@@ -80,6 +80,17 @@ static inline bool called_box(struct called *w, const struct box *box, float *en
     return box_test_run(w->job->box->id, &w->slab, box, w->tbest, entry);
 }
 
+/* As walk_misses: what else a node stores of its child. */
+static inline bool called_misses(struct called *w, uint32_t ref, uint32_t child)
+{
+    const struct packed *packed = w->job->packed;
+    struct oblique_ray ray = {.by = w->slab.by, .least = w->slab.tmin * SLAB_NEAR - w->slab.behind};
+    memcpy(ray.org, w->slab.o, sizeof ray.org);
+    memcpy(ray.dir, w->slab.d, sizeof ray.dir);
+    w->counts.boxes += packed->layout->misses != NULL;
+    return packed->layout->misses && packed->layout->misses(packed, ref, child, &ray, w->tbest);
+}
+
 /* A node whose box was entered at `entry`, unless there is something nearer by now. */
 static inline void called_node(struct called *w, uint32_t ref);
 
@@ -104,7 +115,7 @@ static inline void called_node(struct called *w, uint32_t ref)
         return;
     }
     for (uint32_t i = 0; i < node.child_count; i++)
-        if (called_box(w, &node.box[i], &entry[i]))
+        if (called_box(w, &node.box[i], &entry[i]) && !called_misses(w, ref, node.child[i]))
             order[hit++] = i;
     const bool near = layout_is_wide(packed->layout) || packed->layout->order == VISIT_NEAR;
     for (uint32_t i = 0; i < hit; i++) /* those of equal distance stay in order */

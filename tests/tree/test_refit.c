@@ -143,7 +143,8 @@ static void every_layout_holds_what_has_moved_or_says_rebuild(void **state)
                 assert_int_equal(packed_refit(&packed, &moved, &reason), STATUS_LIMIT);
                 assert_int_equal(strncmp(reason.text, "rebuild: layout ", 16), 0);
                 assert_true(same_as(&packed, &before));
-                assert_true(layouts_all[l]->faithful || layouts_all[l]->outside);
+                assert_true(layouts_all[l]->faithful || layouts_all[l]->outside ||
+                            layouts_all[l]->misses);
                 drop(&before);
             }
             packed_free(&packed);
@@ -255,7 +256,8 @@ static void storages_have_the_moved_vertices(void **state)
         for (size_t l = 0; layouts_all[l]; l++) {
             struct packed packed, anew;
             struct reason reason = {""};
-            if (!layouts_all[l]->rebound || strstr(layouts_all[l]->name, "_scene") ||
+            if (!layouts_all[l]->rebound || tri_stores[s]->lossy ||
+                strstr(layouts_all[l]->name, "_scene") ||
                 packed_make_stored(layouts_all[l], tri_stores[s], &bvh, &scene, &packed, &reason))
                 continue;
             struct snapshot before = snapshot(&packed);

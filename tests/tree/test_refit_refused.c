@@ -89,6 +89,12 @@ static void refusals_give_numbers_of_the_scene(void **state)
         if (layout->faithful)
             continue;
         assert_int_equal(packed_make(layout, &bvh, &scene, &packed, &reason), STATUS_OK);
+        if (!layout->rebound) {
+            must_say(&packed, &scene, STATUS_LIMIT, "rebuild: layout %s is not refitted",
+                     layout->name);
+            packed_free(&packed);
+            continue;
+        }
         must_say(&packed, &fewer, STATUS_INPUT, "%s: the tree holds 20 triangles, the scene has 17",
                  layout->name);
         for (uint32_t i = 0; i < 9 * 20; i += 7) {
