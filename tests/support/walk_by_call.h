@@ -8,6 +8,8 @@
 #include "ref/trace/trace.h"
 #include "ref/world/candidate.h"
 
+#include <string.h>
+
 #define CALLED_ROOM 256 /* of a list */
 
 struct called {
