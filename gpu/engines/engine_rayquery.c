@@ -187,7 +187,7 @@ static enum status upload_meshes(struct rayquery *r, const struct world *world, 
         to->geometry_count = from->geometry_count;
         for (uint32_t g = 0; g < from->geometry_count; g++)
             *next++ = (struct vk_accel_geometry){from->geometry[g].first, from->geometry[g].count,
-                                                 from->geometry[g].opaque};
+                                                 from->geometry[g].opaque, NULL};
         status = vk_buffer_make_of(r->base.vk, from->scene->vertex, 12ull * to->vertex_count,
                                    &to->vertices, reason);
         if (!status)
@@ -213,7 +213,7 @@ static enum status build_world(struct rayquery *r, const struct world *world, st
         to->flags = from->flags;
     }
     const struct vk_accel_world built = {meshes.mesh, meshes.instance, world->mesh_count,
-                                         world->instance_count};
+                                         world->instance_count, NULL};
     if (!status)
         status = vk_accel_make_world(r->base.vk, &built, &r->accel, reason);
     free_meshes(r->base.vk, &meshes);

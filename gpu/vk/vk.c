@@ -62,8 +62,11 @@ static enum status make_device(struct vk *vk, struct reason *reason)
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES,
         .bufferDeviceAddress = VK_TRUE};
     void *more = vk_has_addresses(vk) ? &address : NULL;
-    if (vk->options.ray_query)
+    if (vk->options.ray_query) {
         more = vk_ray_chain(&ray, true);
+        ray.accel.accelerationStructureIndirectBuild = vk->options.ray_more.indirect;
+        ray.accel.accelerationStructureHostCommands = vk->options.ray_more.host;
+    }
     VkDeviceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
         .pNext = more,
@@ -141,6 +144,8 @@ enum status vk_open(const struct vk_options *options, struct vk **out, struct re
     enum status status = open_instance(options, out, reason);
     if (!status)
         status = vk_choose(*out, reason);
+    if (!status)
+        status = vk_check_ray_more(*out, reason);
     if (!status)
         status = make_device(*out, reason);
     if (!status)

@@ -30,6 +30,13 @@ struct vk_compiler {
     struct vk_ways ways; /* of all its modules */
 };
 
+/* What is needed of a device with ray queries beyond these. */
+struct vk_ray_more {
+    bool lives;    /* copies of acceleration structures, and what they are asked */
+    bool indirect; /* feature accelerationStructureIndirectBuild */
+    bool host;     /* feature accelerationStructureHostCommands */
+};
+
 struct vk_options {
     const char *library; /* the loader to open, NULL: libvulkan.so.1 */
     const char *driver;  /* argument of driver_find (gpu/vk/vk_driver.h), NULL: any */
@@ -39,6 +46,7 @@ struct vk_options {
                     * makes invalid accesses harmless */
     bool staging;  /* copy through a staging buffer even if memory is shared */
     bool ray_query;                     /* require ray queries, see gpu/vk/vk_accel.h */
+    struct vk_ray_more ray_more;        /* with ray_query; zeros: nothing more */
     const struct vk_compiler *compiler; /* for vk_compile; borrowed; NULL: none */
     uint64_t wait_ns;                   /* longest wait for one dispatch, 0: VK_WAIT_NS */
 };
@@ -69,7 +77,8 @@ struct vk_buffer;   /* a storage buffer */
 
 /* Opens the loader, an instance and one device. *out is NULL on error.
  * Errors: STATUS_UNSUPPORTED no loader, driver not found, no device, no match (the reason lists the
- * devices), no compute queue, no validation layer; STATUS_DEVICE a call failed; STATUS_MEMORY. */
+ * devices), no compute queue, no
+ * validation layer, a feature of ray_more (with its name); STATUS_DEVICE a call failed; STATUS_MEMORY. */
 enum status vk_open(const struct vk_options *options, struct vk **out,
                     struct reason *reason) MUST_USE;
 

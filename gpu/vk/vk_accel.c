@@ -1,6 +1,4 @@
-#include "gpu/vk/vk_accel.h"
-
-#include "gpu/vk/vk_private.h"
+#include "gpu/vk/vk_accel_inner.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -11,9 +9,11 @@ const char *const vk_ray_extensions[VK_RAY_EXTENSIONS] = {
     VK_KHR_RAY_QUERY_EXTENSION_NAME,
 };
 
-struct level {
-    struct vk_buffer *memory;
-    VkAccelerationStructureKHR structure;
+/* Serialised levels: the top one, then the bottom ones, whose addresses are known. */
+struct vk_accel_bytes {
+    struct level_bytes *level;
+    uint64_t *address;
+    uint32_t bottom_count;
 };
 
 struct vk_accel {
@@ -52,129 +52,53 @@ bool vk_can_query_rays(struct vk *vk, VkPhysicalDevice device, uint32_t version)
            features.query.rayQuery;
 }
 
-static VkPhysicalDeviceAccelerationStructurePropertiesKHR limits_of(struct vk *vk)
+enum status vk_check_ray_more(struct vk *vk, struct reason *reason)
 {
-    VkPhysicalDeviceAccelerationStructurePropertiesKHR limits = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
-    VkPhysicalDeviceProperties2 asked = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
-                                         .pNext = &limits};
-    vk->fn.GetPhysicalDeviceProperties2(vk->physical, &asked);
-    return limits;
+    const struct vk_ray_more *more = &vk->options.ray_more;
+    if (!more->indirect && !more->host)
+        return STATUS_OK;
+    struct vk_ray_features features;
+    VkPhysicalDeviceFeatures2 asked = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+                                       .pNext = vk_ray_chain(&features, false)};
+    vk->fn.GetPhysicalDeviceFeatures2(vk->physical, &asked);
+    const bool indirect = !more->indirect || features.accel.accelerationStructureIndirectBuild;
+    const bool host = !more->host || features.accel.accelerationStructureHostCommands;
+    if (indirect && host)
+        return STATUS_OK;
+    return fail(reason, STATUS_UNSUPPORTED, "vulkan: %s lacks the feature %s", vk->limits.device,
+                indirect ? "accelerationStructureHostCommands"
+                         : "accelerationStructureIndirectBuild");
 }
 
-/* Makes memory and handle of one level. */
-static enum status make_level(struct vk *vk, VkAccelerationStructureTypeKHR type, uint64_t bytes,
-                              struct level *out, struct reason *reason)
+struct vk_ray_more vk_accel_needs(const struct vk_accel_how *how)
 {
-    enum status status = vk_buffer_make_unbound(vk, bytes, &out->memory, reason);
-    if (status)
-        return status;
-    const VkAccelerationStructureCreateInfoKHR info = {
-        .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_CREATE_INFO_KHR,
-        .buffer = out->memory->buffer,
-        .size = bytes,
-        .type = type,
-    };
-    return vk_check(vk,
-                    vk->fn.CreateAccelerationStructureKHR(vk->device, &info, NULL, &out->structure),
-                    "vkCreateAccelerationStructureKHR", reason);
+    return (struct vk_ray_more){.lives = true,
+                                .indirect = how->where == VK_ACCEL_INDIRECT,
+                                .host = how->where == VK_ACCEL_BY_HOST};
 }
 
-/* The geometries of one level: `count` of them, and how many primitives each has. */
-struct level_input {
-    const VkAccelerationStructureGeometryKHR *geometry;
-    const VkAccelerationStructureBuildRangeInfoKHR *range;
-    uint32_t *most; /* of range, for the sizes */
-    uint32_t count;
-};
-
-static enum status build_level(struct vk *vk, VkAccelerationStructureTypeKHR type,
-                               const struct level_input *input, struct level *out,
-                               struct reason *reason)
+bool vk_accel_takes_format(struct vk *vk, uint32_t format)
 {
-    VkAccelerationStructureBuildGeometryInfoKHR info = {
-        .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR,
-        .type = type,
-        .mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR,
-        .geometryCount = input->count,
-        .pGeometries = input->geometry,
-    };
-    VkAccelerationStructureBuildSizesInfoKHR sizes = {
-        .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_SIZES_INFO_KHR};
-    vk->fn.GetAccelerationStructureBuildSizesKHR(
-        vk->device, VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR, &info, input->most, &sizes);
-    uint64_t align = limits_of(vk).minAccelerationStructureScratchOffsetAlignment;
-    align = align ? align : 1;
-    struct vk_buffer *scratch = NULL;
-    enum status status = make_level(vk, type, sizes.accelerationStructureSize, out, reason);
-    if (!status)
-        status = vk_buffer_make_unbound(vk, sizes.buildScratchSize + align, &scratch, reason);
-    if (!status)
-        status = vk_begin(vk, reason);
-    if (!status) {
-        info.dstAccelerationStructure = out->structure;
-        info.scratchData.deviceAddress = (vk_address(vk, scratch) + align - 1) / align * align;
-        vk->fn.CmdBuildAccelerationStructuresKHR(vk->command, 1, &info, &input->range);
-        /* It is read by the next build and by shaders. Both are later submissions, which wait for
-         * this one's fence. */
-        vk_barrier(vk, VK_PIPELINE_STAGE_ACCELERATION_STRUCTURE_BUILD_BIT_KHR,
-                   VK_ACCESS_ACCELERATION_STRUCTURE_WRITE_BIT_KHR,
-                   VK_PIPELINE_STAGE_ACCELERATION_STRUCTURE_BUILD_BIT_KHR |
-                       VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                   VK_ACCESS_ACCELERATION_STRUCTURE_READ_BIT_KHR);
-        status = vk_submit(vk, "building an acceleration structure", reason);
-    }
-    vk_buffer_free(vk, scratch);
-    return status;
+    VkFormatProperties properties;
+    vk->fn.GetPhysicalDeviceFormatProperties(vk->physical, (VkFormat)format, &properties);
+    return properties.bufferFeatures &
+           VK_FORMAT_FEATURE_ACCELERATION_STRUCTURE_VERTEX_BUFFER_BIT_KHR;
 }
 
-static VkAccelerationStructureGeometryKHR
-triangles_of(struct vk *vk, const struct vk_accel_mesh *mesh, bool opaque)
-{
-    return (VkAccelerationStructureGeometryKHR){
-        .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR,
-        .geometryType = VK_GEOMETRY_TYPE_TRIANGLES_KHR,
-        .geometry.triangles =
-            {
-                .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_TRIANGLES_DATA_KHR,
-                .vertexFormat = VK_FORMAT_R32G32B32_SFLOAT,
-                .vertexData.deviceAddress = vk_address(vk, mesh->vertices),
-                .vertexStride = 3 * sizeof(float),
-                .maxVertex = mesh->vertex_count ? mesh->vertex_count - 1 : 0,
-                .indexType = VK_INDEX_TYPE_UINT32,
-                .indexData.deviceAddress = vk_address(vk, mesh->indices),
-            },
-        /* So that queries which list candidates get each triangle once. */
-        .flags = VK_GEOMETRY_NO_DUPLICATE_ANY_HIT_INVOCATION_BIT_KHR |
-                 (opaque ? VK_GEOMETRY_OPAQUE_BIT_KHR : 0u),
-    };
-}
+/* --- top levels ------------------------------------------------------------------------------- */
 
-static enum status build_bottom(struct vk *vk, const struct vk_accel_mesh *mesh, struct level *out,
-                                struct reason *reason)
+/* Where an instance stands before an update: elsewhere, and smaller. */
+static void move_instance(VkAccelerationStructureInstanceKHR *instance)
 {
-    const uint32_t count = mesh->geometry_count;
-    VkAccelerationStructureGeometryKHR *geometry = alloc_zeroed(count, sizeof *geometry);
-    VkAccelerationStructureBuildRangeInfoKHR *range = alloc_zeroed(count, sizeof *range);
-    uint32_t *most = alloc_zeroed(count, sizeof *most);
-    enum status status = STATUS_OK;
-    if (!geometry || !range || !most)
-        status = fail(reason, STATUS_MEMORY, "vulkan: no memory for %u geometries", count);
-    for (uint32_t i = 0; i < count && !status; i++) {
-        geometry[i] = triangles_of(vk, mesh, mesh->geometry[i].opaque);
-        range[i].primitiveCount = most[i] = mesh->geometry[i].count;
-        range[i].primitiveOffset = mesh->geometry[i].first * 3 * (uint32_t)sizeof(uint32_t);
-    }
-    if (!status)
-        status = build_level(vk, VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR,
-                             &(struct level_input){geometry, range, most, count}, out, reason);
-    free(geometry);
-    free(range);
-    free(most);
-    return status;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 4; k++)
+            instance->transform.matrix[i][k] *= 0.5f;
+    instance->transform.matrix[0][3] += 3.0f;
+    instance->transform.matrix[1][3] -= 5.0f;
 }
 
 static VkAccelerationStructureInstanceKHR instance_of(struct vk *vk, const struct vk_accel *accel,
+                                                      const struct vk_accel_how *how,
                                                       const struct vk_accel_instance *from)
 {
     VkAccelerationStructureInstanceKHR instance = {
@@ -183,47 +107,70 @@ static VkAccelerationStructureInstanceKHR instance_of(struct vk *vk, const struc
         .flags = from->flags & 0xFFu,
     };
     memcpy(instance.transform.matrix, from->transform, sizeof from->transform);
-    if (from->mesh != VK_ACCEL_NO_MESH) {
-        const VkAccelerationStructureDeviceAddressInfoKHR where = {
-            .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR,
-            .accelerationStructure = accel->bottom[from->mesh].structure,
-        };
-        instance.accelerationStructureReference =
-            vk->fn.GetAccelerationStructureDeviceAddressKHR(vk->device, &where);
-    }
+    if (from->mesh != VK_ACCEL_NO_MESH && how->where == VK_ACCEL_BY_HOST)
+        memcpy(&instance.accelerationStructureReference, &accel->bottom[from->mesh].structure,
+               sizeof accel->bottom[from->mesh].structure);
+    else if (from->mesh != VK_ACCEL_NO_MESH)
+        instance.accelerationStructureReference = vk_level_address(vk, &accel->bottom[from->mesh]);
     return instance;
 }
 
-static enum status build_top(struct vk *vk, const struct vk_accel_world *world,
-                             struct vk_accel *accel, struct reason *reason)
+/* The instances in a buffer: where they are before an update, then where they are. */
+static enum status upload_instances(struct vk *vk, const struct vk_accel_world *world,
+                                    const struct vk_accel_how *how, const struct vk_accel *accel,
+                                    struct vk_buffer **out, struct reason *reason)
 {
-    uint32_t count = world->instance_count;
-    VkAccelerationStructureInstanceKHR *instance = alloc_zeroed(count, sizeof *instance);
-    struct vk_buffer *buffer = NULL;
+    const uint32_t count = world->instance_count;
+    const size_t bytes = 2 * (size_t)count * sizeof(VkAccelerationStructureInstanceKHR);
+    VkAccelerationStructureInstanceKHR *instance =
+        alloc_zeroed(2 * (size_t)count, sizeof *instance);
     if (!instance)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for %u instances", count);
-    for (uint32_t i = 0; i < count; i++)
-        instance[i] = instance_of(vk, accel, &world->instance[i]);
-    enum status status = vk_buffer_make_of(vk, instance, count * sizeof *instance, &buffer, reason);
+    for (uint32_t i = 0; i < count; i++) {
+        instance[i] = instance[count + i] = instance_of(vk, accel, how, &world->instance[i]);
+        move_instance(&instance[i]);
+    }
+    enum status status = vk_buffer_make_of(vk, instance, bytes, out, reason);
     free(instance);
+    return status ? status : vk_accel_check_reach(vk, how, *out, reason);
+}
+
+static VkAccelerationStructureGeometryKHR instances_at(VkDeviceOrHostAddressConstKHR place)
+{
+    return (VkAccelerationStructureGeometryKHR){
+        .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR,
+        .geometryType = VK_GEOMETRY_TYPE_INSTANCES_KHR,
+        .geometry.instances =
+            {
+                .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_INSTANCES_DATA_KHR,
+                .data = place,
+            },
+    };
+}
+
+static enum status build_top(struct vk *vk, const struct vk_accel_world *world,
+                             const struct vk_accel_how *how, struct vk_accel *accel,
+                             struct reason *reason)
+{
+    uint32_t count = world->instance_count;
+    struct vk_buffer *buffer = NULL;
+    enum status status = upload_instances(vk, world, how, accel, &buffer, reason);
     if (!status) {
-        const VkAccelerationStructureGeometryKHR geometry = {
-            .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR,
-            .geometryType = VK_GEOMETRY_TYPE_INSTANCES_KHR,
-            .geometry.instances =
-                {
-                    .sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_INSTANCES_DATA_KHR,
-                    .data.deviceAddress = vk_address(vk, buffer),
-                },
-        };
+        const uint64_t at = count * sizeof(VkAccelerationStructureInstanceKHR);
+        const VkAccelerationStructureGeometryKHR before = instances_at(
+                                                     vk_accel_place(vk, how, buffer, 0)),
+                                                 geometry = instances_at(
+                                                     vk_accel_place(vk, how, buffer, at));
         const VkAccelerationStructureBuildRangeInfoKHR range = {.primitiveCount = count};
-        status =
-            build_level(vk, VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR,
-                        &(struct level_input){&geometry, &range, &count, 1}, &accel->top, reason);
+        status = vk_level_build(vk, VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, how,
+                                &(struct level_input){&geometry, &range, &count, 1, &before},
+                                &accel->top, reason);
     }
     vk_buffer_free(vk, buffer);
     return status;
 }
+
+/* --- both ------------------------------------------------------------------------------------- */
 
 /* A number of `what`, and what the device allows. */
 static enum status check_limit(struct vk *vk, uint64_t number, uint64_t most, const char *what,
@@ -238,7 +185,7 @@ static enum status check_limit(struct vk *vk, uint64_t number, uint64_t most, co
 static enum status check_limits(struct vk *vk, const struct vk_accel_world *world,
                                 struct reason *reason)
 {
-    const VkPhysicalDeviceAccelerationStructurePropertiesKHR limits = limits_of(vk);
+    const VkPhysicalDeviceAccelerationStructurePropertiesKHR limits = vk_accel_limits(vk);
     enum status status = check_limit(vk, world->instance_count, limits.maxInstanceCount,
                                      "instances in an acceleration structure", reason);
     for (uint32_t i = 0; i < world->mesh_count && !status; i++) {
@@ -254,26 +201,119 @@ static enum status check_limits(struct vk *vk, const struct vk_accel_world *worl
     return status;
 }
 
+static bool copies_levels(const struct vk_accel_how *how)
+{
+    return how->copy == VK_ACCEL_COPY_COMPACT || how->copy == VK_ACCEL_COPY_CLONE;
+}
+
+/* Builds both levels on a device; the top level is over copies of the bottom ones if the way has
+ * them copied. */
+static enum status build_levels(struct vk *vk, const struct vk_accel_world *world,
+                                const struct vk_accel_how *how, struct vk_accel *accel,
+                                struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (uint32_t i = 0; i < world->mesh_count && !status; i++) {
+        status = vk_bottom_build(vk, how, &world->mesh[i], &accel->bottom[i], reason);
+        if (!status && copies_levels(how))
+            status = vk_level_copy(vk, VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, how->copy,
+                                   &accel->bottom[i], reason);
+    }
+    if (!status)
+        status = build_top(vk, world, how, accel, reason);
+    if (!status && copies_levels(how))
+        status = vk_level_copy(vk, VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, how->copy,
+                               &accel->top, reason);
+    return status;
+}
+
+static struct vk_accel *make_empty(uint32_t mesh_count)
+{
+    struct vk_accel *accel = alloc_zeroed(1, sizeof *accel);
+    if (accel)
+        accel->bottom = alloc_zeroed(mesh_count, sizeof *accel->bottom);
+    if (accel && accel->bottom) {
+        accel->bottom_count = mesh_count;
+        return accel;
+    }
+    free(accel);
+    return NULL;
+}
+
 enum status vk_accel_make_world(struct vk *vk, const struct vk_accel_world *world,
                                 struct vk_accel **out, struct reason *reason)
 {
+    static const struct vk_accel_how plain = {0};
+    const struct vk_accel_how *how = world->how ? world->how : &plain;
     *out = NULL;
     enum status status = check_limits(vk, world, reason);
     if (status)
         return status;
-    struct vk_accel *accel = alloc_zeroed(1, sizeof *accel);
-    if (accel)
-        accel->bottom = alloc_zeroed(world->mesh_count, sizeof *accel->bottom);
-    if (!accel || !accel->bottom) {
-        free(accel);
+    struct vk_accel *accel = make_empty(world->mesh_count);
+    if (!accel)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for an acceleration structure");
+    status = build_levels(vk, world, how, accel, reason);
+    if (status)
+        vk_accel_free(vk, accel);
+    else
+        *out = accel;
+    return status;
+}
+
+/* --- through bytes ---------------------------------------------------------------------------- */
+
+void vk_accel_bytes_free(struct vk_accel_bytes *bytes)
+{
+    for (uint32_t i = 0; bytes && bytes->level && i <= bytes->bottom_count; i++)
+        free(bytes->level[i].byte);
+    if (bytes) {
+        free(bytes->level);
+        free(bytes->address);
     }
-    for (uint32_t i = 0; i < world->mesh_count && !status; i++) {
-        accel->bottom_count = i + 1;
-        status = build_bottom(vk, &world->mesh[i], &accel->bottom[i], reason);
+    free(bytes);
+}
+
+enum status vk_accel_save(struct vk *vk, const struct vk_accel *accel, struct vk_accel_bytes **out,
+                          struct reason *reason)
+{
+    struct vk_accel_bytes *bytes = *out = alloc_zeroed(1, sizeof *bytes);
+    if (bytes) {
+        bytes->bottom_count = accel->bottom_count;
+        bytes->level = alloc_zeroed((size_t)accel->bottom_count + 1, sizeof *bytes->level);
+        bytes->address = alloc_zeroed(accel->bottom_count, sizeof *bytes->address);
+    }
+    if (!bytes || !bytes->level || !bytes->address)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for serialised structures");
+    enum status status = vk_level_save(vk, &accel->top, &bytes->level[0], reason);
+    for (uint32_t i = 0; i < accel->bottom_count && !status; i++) {
+        bytes->address[i] = vk_level_address(vk, &accel->bottom[i]);
+        status = vk_level_save(vk, &accel->bottom[i], &bytes->level[i + 1], reason);
+    }
+    return status;
+}
+
+enum status vk_accel_load(struct vk *vk, struct vk_accel_bytes *bytes, struct vk_accel **out,
+                          struct reason *reason)
+{
+    const uint32_t count = bytes->bottom_count;
+    uint64_t *address = alloc_zeroed(count, sizeof *address);
+    struct vk_accel *accel = make_empty(count);
+    enum status status = STATUS_OK;
+    *out = NULL;
+    if (!accel || !address)
+        status = fail(reason, STATUS_MEMORY, "vulkan: no memory for an acceleration structure");
+    for (uint32_t i = 0; i < count && !status; i++) {
+        status = vk_level_load(vk, VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR,
+                               &bytes->level[i + 1], &accel->bottom[i], reason);
+        if (!status)
+            address[i] = vk_level_address(vk, &accel->bottom[i]);
     }
     if (!status)
-        status = build_top(vk, world, accel, reason);
+        status = vk_level_relink(vk, &bytes->level[0], bytes->address, address, count, reason);
+    if (!status)
+        status = vk_level_load(vk, VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, &bytes->level[0],
+                               &accel->top, reason);
+    free(address);
     if (status)
         vk_accel_free(vk, accel);
     else
@@ -286,30 +326,27 @@ enum status vk_accel_make(struct vk *vk, struct vk_buffer *vertices, uint32_t ve
                           struct reason *reason)
 {
     const struct vk_accel_geometry geometry = {.count = tri_count};
-    const struct vk_accel_mesh mesh = {vertices, indices, vertex_count, &geometry, 1};
+    const struct vk_accel_mesh mesh = {.vertices = vertices,
+                                       .indices = indices,
+                                       .vertex_count = vertex_count,
+                                       .geometry = &geometry,
+                                       .geometry_count = 1};
     const struct vk_accel_instance instance = {
         .transform = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}},
         .mask = 0xFF,
         .flags = VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR,
     };
-    const struct vk_accel_world world = {&mesh, &instance, 1, 1};
+    const struct vk_accel_world world = {&mesh, &instance, 1, 1, NULL};
     return vk_accel_make_world(vk, &world, out, reason);
-}
-
-static void free_level(struct vk *vk, struct level *level)
-{
-    if (level->structure)
-        vk->fn.DestroyAccelerationStructureKHR(vk->device, level->structure, NULL);
-    vk_buffer_free(vk, level->memory);
 }
 
 void vk_accel_free(struct vk *vk, struct vk_accel *accel)
 {
     if (!accel || !vk_idle(vk))
         return;
-    free_level(vk, &accel->top);
+    vk_level_free(vk, &accel->top);
     for (uint32_t i = accel->bottom_count; i-- > 0;)
-        free_level(vk, &accel->bottom[i]);
+        vk_level_free(vk, &accel->bottom[i]);
     free(accel->bottom);
     free(accel);
 }

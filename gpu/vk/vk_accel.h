@@ -5,20 +5,69 @@
 
 #include "gpu/vk/vk.h"
 
-struct vk_accel; /* a top level over meshes */
+struct vk_accel;       /* a top level over meshes */
+struct vk_accel_bytes; /* the same, serialised */
+
+/* --- how a structure comes to be -------------------------------------------------------------- */
+
+enum vk_accel_update {
+    VK_ACCEL_UPDATE_NONE,
+    VK_ACCEL_UPDATE_IN_PLACE, /* built over other vertices and transforms, then updated */
+    VK_ACCEL_UPDATE_INTO,     /* the same, into another structure; the first is then freed */
+    VK_ACCEL_UPDATES
+};
+
+/* What the structure that is traced is a copy of; the first is freed before it is traced. */
+enum vk_accel_copy {
+    VK_ACCEL_COPY_NONE,
+    VK_ACCEL_COPY_COMPACT,
+    VK_ACCEL_COPY_CLONE,
+    VK_ACCEL_COPY_SERIALISE,     /* through the memory of the host */
+    VK_ACCEL_COPY_SERIALISE_NEW, /* built on a device of its own, which is closed before */
+    VK_ACCEL_COPIES
+};
+
+enum vk_accel_where { VK_ACCEL_BY_DEVICE, VK_ACCEL_INDIRECT, VK_ACCEL_BY_HOST, VK_ACCEL_WHERES };
+
+/* The way of both levels. Zeros: built once on the device, without flags. */
+struct vk_accel_how {
+    bool fast_trace, fast_build; /* not both */
+    bool low_memory, allow_update, allow_compaction;
+    enum vk_accel_update update;
+    enum vk_accel_copy copy;
+    enum vk_accel_where where;
+};
+
+/* --- what it is made of ----------------------------------------------------------------------- */
+
+#define VK_ACCEL_NO_TRANSFORM UINT64_MAX
+
+/* The numbers of one geometry's input, with the meaning that the standard gives them; `_at` are
+ * offsets in the buffers of the mesh, of the address that the driver is told. */
+struct vk_accel_form {
+    uint32_t format;      /* a VkFormat */
+    uint32_t index_bytes; /* 4, 2, or 0: no indices */
+    uint64_t vertices_at, stride, indices_at;
+    uint64_t transform_at; /* or VK_ACCEL_NO_TRANSFORM */
+    uint32_t max_vertex, first_vertex, primitive_offset, transform_offset;
+};
 
 /* Triangles first .. first + count - 1 of a mesh. */
 struct vk_accel_geometry {
     uint32_t first, count;
     bool opaque;
+    const struct vk_accel_form *form; /* NULL: three floats a vertex, uint32_t indices; else `first`
+                                       * is unused */
 };
 
 struct vk_accel_mesh {
-    struct vk_buffer *vertices; /* three floats each */
-    struct vk_buffer *indices;  /* three uint32_t per triangle */
+    struct vk_buffer *vertices; /* three floats each, or as the forms say */
+    struct vk_buffer *indices;  /* three uint32_t per triangle, or as the forms say */
     uint32_t vertex_count;      /* 0 only if no geometry has triangles */
     const struct vk_accel_geometry *geometry;
-    uint32_t geometry_count; /* at least 1 */
+    uint32_t geometry_count;      /* at least 1 */
+    struct vk_buffer *before;     /* vertices that an update finds; else unused */
+    struct vk_buffer *transforms; /* three rows of four floats each; NULL: no form has one */
 };
 
 #define VK_ACCEL_NO_MESH 0xFFFFFFFFu
@@ -34,12 +83,21 @@ struct vk_accel_world {
     const struct vk_accel_mesh *mesh;
     const struct vk_accel_instance *instance;
     uint32_t mesh_count;
-    uint32_t instance_count; /* 0 is allowed: nothing is hit */
+    uint32_t instance_count;        /* 0 is allowed: nothing is hit */
+    const struct vk_accel_how *how; /* NULL: built once, without flags */
 };
 
-/* Builds a structure for each mesh and the top level over them. The buffers may be freed
- * afterwards. *out is NULL on error. Errors: STATUS_LIMIT more triangles, geometries or instances
- * than the device allows (the number and what it allows), or too large a structure; STATUS_MEMORY;
+/* What vk_accel_make_world needs of the device beyond ray queries for a way other than NULL; to be
+ * put into vk_options.ray_more. */
+struct vk_ray_more vk_accel_needs(const struct vk_accel_how *how);
+
+/* True if the device takes vertices of a VkFormat. */
+bool vk_accel_takes_format(struct vk *vk, uint32_t format);
+
+/* Builds a structure for each mesh and the top level over them, in the way of the world. The
+ * buffers may be freed afterwards. *out is NULL on error. Errors: STATUS_LIMIT more triangles,
+ * geometries or instances than the device allows (the number and what it allows), or too large a
+ * structure; STATUS_UNSUPPORTED a build by the host of buffers that it cannot reach; STATUS_MEMORY;
  * STATUS_DEVICE. */
 enum status vk_accel_make_world(struct vk *vk, const struct vk_accel_world *world,
                                 struct vk_accel **out, struct reason *reason) MUST_USE;
@@ -50,6 +108,18 @@ enum status vk_accel_make_world(struct vk *vk, const struct vk_accel_world *worl
 enum status vk_accel_make(struct vk *vk, struct vk_buffer *vertices, uint32_t vertex_count,
                           struct vk_buffer *indices, uint32_t tri_count, struct vk_accel **out,
                           struct reason *reason) MUST_USE;
+
+/* Serialises both levels. *out is to be freed also on error. Needs vk_options.ray_more.lives.
+ * Errors: as vk_accel_make_world. */
+enum status vk_accel_save(struct vk *vk, const struct vk_accel *accel, struct vk_accel_bytes **out,
+                          struct reason *reason) MUST_USE;
+
+/* Deserialises both levels, once, on the same device or another; the handles in the bytes are
+ * replaced. Errors: as vk_accel_make_world; STATUS_DEVICE the device calls the bytes incompatible,
+ * or a handle is that of no structure. */
+enum status vk_accel_load(struct vk *vk, struct vk_accel_bytes *bytes, struct vk_accel **out,
+                          struct reason *reason) MUST_USE;
+void vk_accel_bytes_free(struct vk_accel_bytes *bytes); /* NULL is fine */
 
 void vk_accel_free(struct vk *vk, struct vk_accel *accel); /* NULL is fine */
 uint64_t vk_accel_bytes(const struct vk_accel *accel);     /* NULL: 0 */

@@ -107,6 +107,27 @@ static const struct entry ray_entry[] = {
     ENTRY(CmdBuildAccelerationStructuresKHR),
 };
 
+/* With vk_options.ray_more: of any way but the plain one, then of the instance, and of features. */
+static const struct entry life_entry[] = {
+    ENTRY(CmdCopyAccelerationStructureKHR),
+    ENTRY(CmdCopyAccelerationStructureToMemoryKHR),
+    ENTRY(CmdCopyMemoryToAccelerationStructureKHR),
+    ENTRY(CmdWriteAccelerationStructuresPropertiesKHR),
+    ENTRY(GetDeviceAccelerationStructureCompatibilityKHR),
+};
+
+static const struct entry format_entry[] = {
+    ENTRY(GetPhysicalDeviceFormatProperties),
+};
+
+static const struct entry indirect_entry[] = {
+    ENTRY(CmdBuildAccelerationStructuresIndirectKHR),
+};
+
+static const struct entry host_entry[] = {
+    ENTRY(BuildAccelerationStructuresKHR),
+};
+
 /* Stores one function. All function pointers have the same representation (POSIX). */
 static enum status store(struct vk *vk, const struct entry *entry, PFN_vkVoidFunction function,
                          struct reason *reason)
@@ -184,6 +205,8 @@ enum status vk_load_instance(struct vk *vk, struct reason *reason)
     enum status status = load(vk, instance_entry, ARRAY_COUNT(instance_entry), reason);
     if (!status && (vk->options.validate || vk->options.watch))
         status = load(vk, debug_entry, ARRAY_COUNT(debug_entry), reason);
+    if (!status && vk->options.ray_more.lives)
+        status = load(vk, format_entry, ARRAY_COUNT(format_entry), reason);
     return status;
 }
 
@@ -194,5 +217,11 @@ enum status vk_load_device(struct vk *vk, struct reason *reason)
         status = load(vk, address_entry, ARRAY_COUNT(address_entry), reason);
     if (!status && vk->options.ray_query)
         status = load(vk, ray_entry, ARRAY_COUNT(ray_entry), reason);
+    if (!status && vk->options.ray_more.lives)
+        status = load(vk, life_entry, ARRAY_COUNT(life_entry), reason);
+    if (!status && vk->options.ray_more.indirect)
+        status = load(vk, indirect_entry, ARRAY_COUNT(indirect_entry), reason);
+    if (!status && vk->options.ray_more.host)
+        status = load(vk, host_entry, ARRAY_COUNT(host_entry), reason);
     return status;
 }

@@ -87,6 +87,17 @@ struct vk_fn {
     PFN_vkGetAccelerationStructureBuildSizesKHR GetAccelerationStructureBuildSizesKHR;
     PFN_vkGetAccelerationStructureDeviceAddressKHR GetAccelerationStructureDeviceAddressKHR;
     PFN_vkCmdBuildAccelerationStructuresKHR CmdBuildAccelerationStructuresKHR;
+
+    /* With vk_options.ray_more: */
+    PFN_vkGetPhysicalDeviceFormatProperties GetPhysicalDeviceFormatProperties;
+    PFN_vkCmdCopyAccelerationStructureKHR CmdCopyAccelerationStructureKHR;
+    PFN_vkCmdCopyAccelerationStructureToMemoryKHR CmdCopyAccelerationStructureToMemoryKHR;
+    PFN_vkCmdCopyMemoryToAccelerationStructureKHR CmdCopyMemoryToAccelerationStructureKHR;
+    PFN_vkCmdWriteAccelerationStructuresPropertiesKHR CmdWriteAccelerationStructuresPropertiesKHR;
+    PFN_vkGetDeviceAccelerationStructureCompatibilityKHR
+        GetDeviceAccelerationStructureCompatibilityKHR;
+    PFN_vkCmdBuildAccelerationStructuresIndirectKHR CmdBuildAccelerationStructuresIndirectKHR;
+    PFN_vkBuildAccelerationStructuresKHR BuildAccelerationStructuresKHR;
 };
 
 /* Messages of the validation layer. The callback may run on any thread. */
@@ -210,6 +221,10 @@ struct vk_ray_features {
 extern const char *const vk_ray_extensions[VK_RAY_EXTENSIONS];
 /* Chains the features, enabled if `wanted`; returns the head of the chain. */
 void *vk_ray_chain(struct vk_ray_features *features, bool wanted);
+
+/* Checks that vk->physical has the features of vk->options.ray_more. Errors: STATUS_UNSUPPORTED with
+ * the name of the first that it lacks. */
+enum status vk_check_ray_more(struct vk *vk, struct reason *reason) MUST_USE;
 
 /* Makes a buffer that no shader binds, up to the largest memory allocation. */
 enum status vk_buffer_make_unbound(struct vk *vk, uint64_t bytes, struct vk_buffer **out,
