@@ -186,7 +186,8 @@ struct engine {
                           counted */
     const struct engine *plain; /* of a mode of a library: its engine of the same formula, whose
                                    bits are counted against: NULL: it is no such mode */
-    bool recorded;              /* its results are a recording: it cannot trace other rays */
+    bool plain_bits; /* its answers must have the bits of `plain`: it traces a copy of its tree */
+    bool recorded;   /* its results are a recording: it cannot trace other rays */
     /* Errors: STATUS_UNSUPPORTED cannot run here (with the reason); STATUS_DEVICE;
      * STATUS_MEMORY. */
     enum status (*open)(const struct engine_options *options, void **self, struct reason *reason);
@@ -279,13 +280,15 @@ static inline bool engine_takes(const struct engine *engine, const struct layout
 /* NULL-terminated: the program's own, then what engine_add added. */
 extern const struct engine *const *const engines;
 
-/* Of each of three kinds from outside, a recorded answer, engines with compiled shaders, and modes
- * of Embree. */
+/* Of each of three kinds from outside, a recorded answer, engines with compiled shaders, modes of
+ * Embree, and variants of rayquery. */
 #define ENGINES_OUTSIDE_MOST  4
 #define ENGINES_COMPILED_MOST 32
 #define ENGINES_EMBREE_MOST   240
+#define ENGINES_RAYQUERY_MOST 128
 #define ENGINES_ADDED_MOST                                                                         \
-    (3 * ENGINES_OUTSIDE_MOST + 1 + ENGINES_COMPILED_MOST + ENGINES_EMBREE_MOST)
+    (3 * ENGINES_OUTSIDE_MOST + 1 + ENGINES_COMPILED_MOST + ENGINES_EMBREE_MOST +                  \
+     ENGINES_RAYQUERY_MOST)
 
 /* Adds an engine at the end of the table; it is borrowed until the program ends. Call it only while
  * no other thread reads the table. Errors: STATUS_LIMIT more than ENGINES_ADDED_MOST. */

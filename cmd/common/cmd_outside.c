@@ -1,6 +1,7 @@
 #include "cmd/common/cmd_outside.h"
 
 #include "gpu/engines/compiled.h"
+#include "gpu/engines/rayquery_named.h"
 #include "gpu/engines/shader_tracer.h"
 #include "ref/engines/embree_named.h"
 #include "ref/guest/guest.h"
@@ -34,7 +35,7 @@ bool outside_is_engine(const char *name)
 
 bool outside_is_known(const char *name)
 {
-    return compiled_base(name) || embree_is_named(name);
+    return compiled_base(name) || embree_is_named(name) || accel_is_named(name);
 }
 
 enum status outside_engine(const char *name, const struct engine **out, struct reason *reason)
@@ -47,6 +48,8 @@ enum status outside_engine(const char *name, const struct engine **out, struct r
         return shader_tracer(name, out, reason);
     if (embree_is_named(name))
         return embree_named(name, out, reason);
+    if (accel_is_named(name))
+        return rayquery_named(name, out, reason);
     if (compiled_base(name))
         return compiled_engine(name, out, reason);
     enum status status = path ? guest_try(path, GUEST_TRY_MS, reason) : STATUS_OK;
@@ -55,16 +58,27 @@ enum status outside_engine(const char *name, const struct engine **out, struct r
     return path && path != name ? guest_engine(name, out, reason) : pipe_engine(name, out, reason);
 }
 
-/* Adds a mode of Embree, or all of a pattern, and replaces the name by the engine's, or the
+/* Engines whose modes are named by words. */
+static const struct family {
+    const char *prefix, *pattern; /* of all */
+    enum status (*one)(const char *name, const struct engine **out, struct reason *reason);
+    enum status (*all)(const char *pattern, struct reason *reason);
+} families[] = {
+    {EMBREE_PREFIX, EMBREE_PREFIX "*", embree_named, embree_named_all},
+    {ACCEL_PREFIX, ACCEL_PREFIX "*", rayquery_named, rayquery_named_all},
+};
+
+/* Adds a mode of a family, or all of a pattern, and replaces the name by the engine's, or the
  * pattern. */
 static enum status add_mode(const char *name, const char **text, size_t *length,
                             struct reason *reason)
 {
+    const struct family *family = &families[accel_is_named(name)];
     const struct engine *engine;
-    const bool all = strcmp(name, EMBREE_PREFIX "all") == 0;
+    const bool all = strcmp(name + strlen(family->prefix), "all") == 0;
     enum status status = STATUS_OK;
     if (!all && !strpbrk(name, "*?")) {
-        status = embree_named(name, &engine, reason);
+        status = family->one(name, &engine, reason);
         if (status)
             return status;
         *text = engine->name;
@@ -72,15 +86,15 @@ static enum status add_mode(const char *name, const char **text, size_t *length,
         return STATUS_OK;
     }
     if (all) {
-        *text = EMBREE_PREFIX "*";
+        *text = family->pattern;
         *length = strlen(*text);
         name = *text;
     }
-    return embree_named_all(name, reason);
+    return family->all(name, reason);
 }
 
 /* If the name is "pipe:COMMAND", "FILE.so", "inside:FILE.so", "shader:FILE", "ENGINE:COMPILER",
- * "embree:MODE" or "answer:...", adds that engine to the table. */
+ * "embree:MODE", "rayquery:VARIANT" or "answer:...", adds that engine to the table. */
 static enum status add_engine(enum table table, const char *flag, const char **text, size_t *length,
                               struct reason *reason)
 {
@@ -99,7 +113,7 @@ static enum status add_engine(enum table table, const char *flag, const char **t
                       "'%.100s': a pipe takes all that follows as its command: name it last, as "
                       "'%.60s,%.*s', or quote the comma of the command",
                       name, comma + 1, (int)(comma - name < 90 ? comma - name : 90), name);
-    else if (embree_is_named(name))
+    else if (embree_is_named(name) || accel_is_named(name))
         status = add_mode(name, text, length, &why);
     else if (outside_is_engine(name))
         status = outside_engine(name, &engine, &why);

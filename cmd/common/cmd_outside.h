@@ -27,7 +27,8 @@ bool outside_is_known(const char *name);
 
 /* Finds the engine "pipe:COMMAND", "FILE.so", "inside:FILE.so", "shader:FILE", "ENGINE:COMPILER"
  * or "embree:MODE" in the table, or adds it, once its file or its tools are looked at. Errors: as
- * guest_try, pipe_engine, guest_engine, shader_tracer, compiled_engine, embree_named. */
+ * guest_try, pipe_engine, guest_engine, shader_tracer, compiled_engine, embree_named,
+ * rayquery_named. */
 enum status outside_engine(const char *name, const struct engine **out,
                            struct reason *reason) MUST_USE;
 

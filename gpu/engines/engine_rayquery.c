@@ -1,6 +1,9 @@
 /* Engine `rayquery`: the driver's own tree and triangle test (VK_KHR_ray_query), where available.
  * Its formula is unknown, so the judge checks geometry only. The job's box and triangle test are
  * not used. */
+#include "gpu/accel/accel_format.h"
+#include "gpu/accel/accel_input.h"
+#include "gpu/engines/rayquery_build.h"
 #include "gpu/trace/batch.h"
 #include "gpu/trace/dispatch.h"
 #include "ref/base/text.h"
@@ -20,9 +23,23 @@ struct rayquery {
     struct vk_pipeline *pipeline[QUERIES];
     struct vk_accel *accel; /* of the scene or world; NULL: none, or a scene without triangles */
     struct world_runner *worlds; /* NULL until a world is prepared */
+    struct accel_variant variant;
+    struct vk_options options; /* of the device */
+    struct world alone;        /* the scene as a world, if a variant makes one of it */
+    bool runs;                 /* the scene is traced by the runner of worlds */
 };
 
 _Static_assert(ABI_QUERY_ALL < QUERIES, "a pipeline each");
+
+/* Frees what was prepared. */
+static void forget(struct rayquery *r)
+{
+    if (r->base.vk)
+        vk_accel_free(r->base.vk, r->accel);
+    r->accel = NULL;
+    r->runs = false;
+    world_free(&r->alone);
+}
 
 static void close(void *self)
 {
@@ -32,8 +49,7 @@ static void close(void *self)
     for (uint32_t q = 0; q < QUERIES && r->base.vk; q++)
         vk_pipeline_free(r->base.vk, r->pipeline[q]);
     world_runner_free(r->worlds);
-    if (r->base.vk)
-        vk_accel_free(r->base.vk, r->accel);
+    forget(r);
     (void)vk_close(r->base.vk, NULL);
     free(r);
 }
@@ -67,23 +83,50 @@ static enum status answer(struct batch_engine *engine, struct batch *batch, cons
                       to->found ? to->found + first : NULL, reason);
 }
 
-static enum status open(const struct engine_options *options, void **self, struct reason *reason)
+/* What a variant needs of the device. */
+static enum status check_variant(struct rayquery *r, struct reason *reason)
+{
+    const struct accel_format_facts *format = &accel_format[r->variant.format];
+    if (r->variant.index == ACCEL_U8)
+        return fail(reason, STATUS_UNSUPPORTED,
+                    "vulkan: acceleration structures have no 8-bit indices "
+                    "(VUID-VkAccelerationStructureGeometryTrianglesDataKHR-indexType-03798)");
+    if (r->variant.format == ACCEL_F32X3 || vk_accel_takes_format(r->base.vk, format->vk_format))
+        return STATUS_OK;
+    return fail(reason, STATUS_UNSUPPORTED,
+                "vulkan: %s takes no vertices of VK_FORMAT_%s in acceleration structures",
+                vk_limits(r->base.vk)->device, format->vulkan);
+}
+
+enum status rayquery_open(const struct engine_options *options, const struct accel_variant *variant,
+                          void **self, struct reason *reason)
 {
     struct rayquery *r = alloc_zeroed(1, sizeof *r);
     *self = NULL;
     if (!r)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for the engine");
-    struct vk_options vk_options = vulkan_options(options);
-    vk_options.ray_query = true;
+    r->variant = *variant;
+    r->options = vulkan_options(options);
+    r->options.ray_query = true;
+    if (!rayquery_is_plain(variant))
+        r->options.ray_more = vk_accel_needs(&variant->how);
     r->base.most = most;
     r->base.answer = answer;
     r->base.workgroup = options->workgroup ? options->workgroup : ABI_WORKGROUP;
-    enum status status = vk_open(&vk_options, &r->base.vk, reason);
+    enum status status = vk_open(&r->options, &r->base.vk, reason);
+    if (!status)
+        status = check_variant(r, reason);
     if (status)
         close(r);
     else
         *self = r;
     return status;
+}
+
+static enum status open(const struct engine_options *options, void **self, struct reason *reason)
+{
+    static const struct accel_variant plain = {.split = 0};
+    return rayquery_open(options, &plain, self, reason);
 }
 
 static enum status make_pipeline(struct rayquery *r, const struct job *job, struct reason *reason)
@@ -98,37 +141,59 @@ static enum status make_pipeline(struct rayquery *r, const struct job *job, stru
     return status;
 }
 
-static enum status upload(struct rayquery *r, const void *data, uint64_t bytes,
-                          struct vk_buffer **out, struct reason *reason)
+/* --- scenes ----------------------------------------------------------------------------------- */
+
+/* The world of the scene alone, with the geometries of the variant. */
+static enum status make_alone(struct rayquery *r, const struct scene *scene, struct reason *reason)
 {
-    enum status status = vk_buffer_make(r->base.vk, bytes, out, reason);
-    return status ? status : vk_buffer_write(r->base.vk, *out, 0, data, bytes, reason);
+    struct accel_part *part = NULL;
+    uint32_t count = 0;
+    enum status status = world_of_scene(scene, &r->alone, reason);
+    if (!status)
+        status = accel_split(scene, &r->variant, &part, &count, reason);
+    struct geometry *geometry = status ? NULL : alloc_zeroed(count, sizeof *geometry);
+    if (!status && !geometry)
+        status = fail(reason, STATUS_MEMORY, "vulkan: no memory for %u geometries", count);
+    for (uint32_t i = 0; i < count && !status; i++)
+        geometry[i] = (struct geometry){part[i].first, part[i].count, true};
+    free(part);
+    if (status)
+        return status;
+    free(r->alone.mesh[0].geometry);
+    r->alone.mesh[0].geometry = geometry;
+    r->alone.mesh[0].geometry_count = count;
+    return STATUS_OK;
 }
 
-static enum status build(struct rayquery *r, const struct scene *scene, struct reason *reason)
+/* Has the runner of worlds trace the scene if triangles are numbered in several geometries, or are
+ * there that the scene has not: it knows where each geometry begins and ends. */
+static enum status choose_runner(struct rayquery *r, const struct job *job, struct reason *reason)
 {
-    struct vk_buffer *vertices = NULL, *indices = NULL;
-    enum status status =
-        upload(r, scene->vertex, (uint64_t)scene->vertex_count * 12, &vertices, reason);
-    if (!status)
-        status = upload(r, scene->index, (uint64_t)scene->tri_count * 12, &indices, reason);
-    if (!status)
-        status = vk_accel_make(r->base.vk, vertices, scene->vertex_count, indices, scene->tri_count,
-                               &r->accel, reason);
-    vk_buffer_free(r->base.vk, vertices);
-    vk_buffer_free(r->base.vk, indices);
-    return status;
+    const bool added = r->variant.nan || r->variant.degenerate;
+    if (!r->accel || (r->alone.mesh[0].geometry_count == 1 && !added))
+        return STATUS_OK;
+    const struct world_job alone = {
+        .world = &r->alone, .box = job->box, .tri = job->tri, .query = job->query};
+    if (!r->worlds)
+        r->worlds = world_runner_make(r->base.vk, r->base.workgroup);
+    if (!r->worlds)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for the engine");
+    r->runs = true;
+    return world_runner_prepare_query(r->worlds, &alone, r->accel, reason);
 }
 
 static enum status prepare(void *self, const struct job *job, struct reason *reason)
 {
     struct rayquery *r = self;
-    vk_accel_free(r->base.vk, r->accel);
-    r->accel = NULL;
+    forget(r);
     r->base.lists = job->query == QUERY_ALL;
     enum status status = make_pipeline(r, job, reason);
     if (!status && job->scene->tri_count)
-        status = build(r, job->scene, reason);
+        status = make_alone(r, job->scene, reason);
+    if (!status && job->scene->tri_count)
+        status = rayquery_build(r->base.vk, &r->options, &r->alone, &r->variant, &r->accel, reason);
+    if (!status)
+        status = choose_runner(r, job, reason);
     r->base.empty = !r->accel;
     r->base.bytes = vk_accel_bytes(r->accel);
     if (!status && r->accel)
@@ -138,99 +203,51 @@ static enum status prepare(void *self, const struct job *job, struct reason *rea
     return status;
 }
 
+static enum status trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
+                         struct trace_report *report, struct reason *reason)
+{
+    struct rayquery *r = self;
+    if (!r->runs)
+        return batch_trace(self, ray, ray_count, hit, report, reason);
+    uint32_t *tag = alloc_zeroed(ray_count, sizeof *tag);
+    if (!tag)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for %zu rays", ray_count);
+    enum status status =
+        world_runner_trace(r->worlds, ray, NULL, ray_count, 1, hit, tag, NULL, report, reason);
+    report->memory_bytes += vk_accel_bytes(r->accel);
+    free(tag);
+    return status;
+}
+
+static enum status trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
+                             struct hit *hit, uint32_t *hit_count, struct reason *reason)
+{
+    struct rayquery *r = self;
+    struct trace_report unused;
+    if (!r->runs)
+        return batch_trace_all(self, ray, ray_count, capacity, hit, hit_count, reason);
+    uint32_t *tag = alloc_zeroed(ray_count * capacity, sizeof *tag);
+    if (!tag)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for %zu rays", ray_count);
+    enum status status = world_runner_trace(r->worlds, ray, NULL, ray_count, capacity, hit, tag,
+                                            hit_count, &unused, reason);
+    free(tag);
+    return status;
+}
+
 /* --- worlds ----------------------------------------------------------------------------------- */
-
-/* The meshes of a world as the device is given them; owns the buffers. */
-struct meshes {
-    struct vk_accel_mesh *mesh;
-    struct vk_accel_geometry *geometry; /* of all meshes, in order */
-    struct vk_accel_instance *instance;
-    uint32_t count;
-};
-
-static void free_meshes(struct vk *vk, struct meshes *meshes)
-{
-    for (uint32_t i = 0; i < meshes->count; i++) {
-        vk_buffer_free(vk, meshes->mesh[i].vertices);
-        vk_buffer_free(vk, meshes->mesh[i].indices);
-    }
-    free(meshes->mesh);
-    free(meshes->geometry);
-    free(meshes->instance);
-}
-
-static enum status make_room(const struct world *world, struct meshes *out, struct reason *reason)
-{
-    uint64_t geometries = 0;
-    for (uint32_t i = 0; i < world->mesh_count; i++)
-        geometries += world->mesh[i].geometry_count;
-    out->mesh = alloc_zeroed(world->mesh_count, sizeof *out->mesh);
-    out->geometry = alloc_zeroed(geometries, sizeof *out->geometry);
-    out->instance = alloc_zeroed(world->instance_count, sizeof *out->instance);
-    if (!out->mesh || !out->geometry || !out->instance)
-        return fail(reason, STATUS_MEMORY, "vulkan: no memory for %u instances",
-                    world->instance_count);
-    out->count = world->mesh_count;
-    return STATUS_OK;
-}
-
-static enum status upload_meshes(struct rayquery *r, const struct world *world, struct meshes *out,
-                                 struct reason *reason)
-{
-    enum status status = make_room(world, out, reason);
-    struct vk_accel_geometry *next = out->geometry;
-    for (uint32_t i = 0; i < world->mesh_count && !status; i++) {
-        const struct world_mesh *from = &world->mesh[i];
-        struct vk_accel_mesh *to = &out->mesh[i];
-        to->vertex_count = from->scene->vertex_count;
-        to->geometry = next;
-        to->geometry_count = from->geometry_count;
-        for (uint32_t g = 0; g < from->geometry_count; g++)
-            *next++ = (struct vk_accel_geometry){from->geometry[g].first, from->geometry[g].count,
-                                                 from->geometry[g].opaque, NULL};
-        status = vk_buffer_make_of(r->base.vk, from->scene->vertex, 12ull * to->vertex_count,
-                                   &to->vertices, reason);
-        if (!status)
-            status = vk_buffer_make_of(r->base.vk, from->scene->index,
-                                       12ull * from->scene->tri_count, &to->indices, reason);
-    }
-    return status;
-}
-
-_Static_assert(VK_ACCEL_NO_MESH == WORLD_NO_MESH, "a null reference");
-
-static enum status build_world(struct rayquery *r, const struct world *world, struct reason *reason)
-{
-    struct meshes meshes = {0};
-    enum status status = upload_meshes(r, world, &meshes, reason);
-    for (uint32_t i = 0; i < world->instance_count && !status; i++) {
-        const struct instance *from = &world->instance[i];
-        struct vk_accel_instance *to = &meshes.instance[i];
-        memcpy(to->transform, from->m, sizeof from->m);
-        to->mesh = from->mesh;
-        to->custom = from->custom;
-        to->mask = from->mask;
-        to->flags = from->flags;
-    }
-    const struct vk_accel_world built = {meshes.mesh, meshes.instance, world->mesh_count,
-                                         world->instance_count, NULL};
-    if (!status)
-        status = vk_accel_make_world(r->base.vk, &built, &r->accel, reason);
-    free_meshes(r->base.vk, &meshes);
-    return status;
-}
 
 static enum status prepare_world(void *self, const struct world_job *job, struct reason *reason)
 {
     struct rayquery *r = self;
-    vk_accel_free(r->base.vk, r->accel);
-    r->accel = NULL;
+    forget(r);
     r->base.chosen = NULL;
     if (!r->worlds)
         r->worlds = world_runner_make(r->base.vk, r->base.workgroup);
     if (!r->worlds)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for the engine");
-    enum status status = build_world(r, job->world, reason);
+    enum status status =
+        rayquery_build(r->base.vk, &r->options, job->world, &r->variant, &r->accel, reason);
     if (!status)
         return world_runner_prepare_query(r->worlds, job, r->accel, reason);
     world_runner_free(r->worlds); /* what it was prepared for is gone */
@@ -296,8 +313,8 @@ const struct engine engine_rayquery = {
     .own_tri = true,
     .open = open,
     .prepare = prepare,
-    .trace = batch_trace,
-    .trace_all = batch_trace_all,
+    .trace = trace,
+    .trace_all = trace_all,
     .worlds = &worlds,
     .model = model,
     .close = close,

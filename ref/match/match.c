@@ -317,6 +317,7 @@ static enum status play_row(struct match *match, const struct engine *engine, vo
         row->bits = engine->compiled->equal;
     } else if (engine->plain && match->options.query != QUERY_ALL) {
         row->against = engine->plain;
+        row->bits = engine->plain_bits;
     } else if (row->bits || (engine->foreign_bits && match->options.query != QUERY_ALL)) {
         row->against = engine_reference(true);
     }

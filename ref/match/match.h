@@ -9,7 +9,7 @@
 #include "ref/packed/tree_file.h"
 #include "ref/two_level/packed_world.h"
 
-#define POOL_MOST       299 /* every engine of the program, and all that may be added */
+#define POOL_MOST       427 /* every engine of the program, and all that may be added */
 #define FINDING_MOST    4   /* kept of a row: so many that are WRONG, and so many bit differences */
 #define REPEAT_MOST     32
 #define MATCH_EDGES     4 /* classes of hits beside edges */

@@ -1,0 +1,25 @@
+/* Engine `rayquery` and its variants: how a device is opened for one, and how its structures are
+ * made. */
+#ifndef RAYQUERY_BUILD_H
+#define RAYQUERY_BUILD_H
+
+#include "gpu/accel/accel_variant.h"
+#include "ref/engine.h"
+#include "ref/world/world.h"
+
+/* engine.open of a variant. Errors: as engine.open; STATUS_UNSUPPORTED also a feature, a vertex
+ * format or an index type that the device lacks, with its name. */
+enum status rayquery_open(const struct engine_options *options, const struct accel_variant *variant,
+                          void **self, struct reason *reason) MUST_USE;
+
+/* Whether a variant is engine rayquery itself. */
+bool rayquery_is_plain(const struct accel_variant *variant);
+
+/* Makes the structures of a world. `options`: those that the device was opened with, for a second
+ * one. Errors: as vk_accel_make_world; STATUS_LIMIT a vertex that the variant would round, or too
+ * many for its indices; as vk_open for the second device. */
+enum status rayquery_build(struct vk *vk, const struct vk_options *options,
+                           const struct world *world, const struct accel_variant *variant,
+                           struct vk_accel **out, struct reason *reason) MUST_USE;
+
+#endif
