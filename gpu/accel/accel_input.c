@@ -127,7 +127,7 @@ static enum status put_part(struct filling *f, const struct window *window, uint
     const struct accel_format_facts *format = &accel_format[variant->format];
     const bool indexed = variant->index != ACCEL_UNINDEXED, offset = variant->offset;
     const uint32_t base = base_of(f, window, number);
-    const size_t lead = offset ? 3 + number % 5 : 0;
+    const size_t lead = variant->first_vertex ? 3 + number % 5 : 0;
     if (indexed && variant->index == ACCEL_U16 && window->vertex_count > WINDOW_MOST)
         return fail(reason, STATUS_LIMIT,
                     "rayquery: geometry %u has %u vertices, 16-bit indices reach %u", number,

@@ -56,6 +56,7 @@ static const struct word {
     {"f64x3", OWN(format), ACCEL_F64X3, false, 'f'},
     {"stride", OWN(stride), 0, false, 'd'},
     {"offset", OWN(offset), 1, true, 'o'},
+    {"first_vertex", OWN(first_vertex), 1, true, 'v'},
     {"nan", OWN(nan), 1, true, 'n'},
     {"degenerate", OWN(degenerate), 1, true, 'g'},
 };
@@ -102,6 +103,7 @@ const char *const accel_names[] = {
     "rayquery:f64x3",
     "rayquery:stride20",
     "rayquery:offset",
+    "rayquery:first_vertex",
     "rayquery:nan",
     "rayquery:degenerate",
     "rayquery:fast_build:update:compact:u16:stride20",
@@ -116,7 +118,7 @@ const char *const accel_names[] = {
     "rayquery:serialise:split4:turned:u16:stride24:offset:nan:degenerate",
     "rayquery:serialise_new:unindexed:stride16:offset",
     "rayquery:split3:u16:f32x4:stride48:offset:nan",
-    "rayquery:split2:u16:f16x4:stride12:offset",
+    "rayquery:split2:u16:f16x4:stride12:offset:first_vertex",
     NULL,
 };
 
@@ -258,5 +260,6 @@ bool accel_original(const struct accel_variant *variant, struct accel_variant *o
 bool accel_has_form(const struct accel_variant *variant)
 {
     return variant->transform || variant->index || variant->format || variant->stride ||
-           variant->split || variant->offset || variant->nan || variant->degenerate;
+           variant->split || variant->offset || variant->first_vertex || variant->nan ||
+           variant->degenerate;
 }

@@ -11,7 +11,9 @@
  *   f32x2 f32x4 f16x2 f16x3 f16x4 s16x2 s16x4 u16x2 u16x4 s8x2 s8x4 u8x2 u8x4 u10x3 f64x3
  *                                              format of its vertices; else f32x3
  *   strideN                                    bytes from vertex to vertex
- *   offset                                     all offsets are used, with garbage before and between
+ *   offset                                     offsets of vertices, primitives, indices and
+ *                                              transforms, with garbage before and between
+ *   first_vertex                               the number that is added to indices
  *   nan, degenerate                            triangles that are never hit among the others */
 #ifndef ACCEL_VARIANT_H
 #define ACCEL_VARIANT_H
@@ -60,7 +62,7 @@ struct accel_variant {
     enum accel_format format;
     uint32_t stride; /* 0: the size of a vertex */
     uint32_t split;  /* 0: one geometry */
-    bool offset, nan, degenerate;
+    bool offset, first_vertex, nan, degenerate;
 };
 
 /* True for a name that begins with ACCEL_PREFIX and whose next word is no compiler's
