@@ -47,7 +47,7 @@ static bool bits_of(const struct accel_format_facts *format, float x, uint64_t *
     return true;
 }
 
-/* What nobody may read: a NaN, or all bits. */
+/* What no driver may read: a NaN, or all bits. */
 #define UNREAD UINT64_MAX
 
 static void put(const struct accel_format_facts *format, uint32_t component, uint64_t bits,

@@ -11,14 +11,14 @@
 /* --- buffers ---------------------------------------------------------------------------------- */
 
 /* A buffer that grows; `unread` is the byte of what no driver may read. */
-struct growing {
+struct accel_bytes {
     uint8_t *byte;
     size_t count, capacity;
     uint8_t unread;
 };
 
 /* Adds bytes that no driver may read, up to a multiple of `align`. */
-static enum status grow(struct growing *to, size_t bytes, size_t align, struct reason *reason)
+static enum status grow(struct accel_bytes *to, size_t bytes, size_t align, struct reason *reason)
 {
     const size_t end = (to->count + bytes + align - 1) / align * align;
     if (array_reserve(&to->byte, &to->capacity, end + 1, 1))
@@ -29,24 +29,24 @@ static enum status grow(struct growing *to, size_t bytes, size_t align, struct r
 }
 
 /* The buffers of an input while they are filled. */
-struct filling {
+struct accel_filling {
     const struct accel_variant *variant;
-    struct growing vertices, before, indices, transforms;
+    struct accel_bytes vertices, before, indices, transforms;
     uint32_t stride;
 };
 
 /* --- one part --------------------------------------------------------------------------------- */
 
 /* The number in a window of vertex `i` of those that are written. */
-static uint32_t written(const struct filling *f, const struct window *window, size_t i)
+static uint32_t written(const struct accel_filling *f, const struct accel_window *window, size_t i)
 {
     return f->variant->index == ACCEL_UNINDEXED ? window->corner[i] : (uint32_t)i;
 }
 
 /* Writes the vertices of a window behind `lead` others. Before an update each is where the next one
  * will be; what is NaN stays so. */
-static enum status put_vertices(struct filling *f, const struct window *window, uint32_t number,
-                                size_t lead, struct reason *reason)
+static enum status put_vertices(struct accel_filling *f, const struct accel_window *window,
+                                uint32_t number, size_t lead, struct reason *reason)
 {
     const enum accel_format format = f->variant->format;
     const bool unindexed = f->variant->index == ACCEL_UNINDEXED;
@@ -57,9 +57,9 @@ static enum status put_vertices(struct filling *f, const struct window *window, 
         status = grow(&f->before, (lead + count) * f->stride, 1, reason);
     for (size_t i = 0; i < count && !status; i++, at += f->stride) {
         const uint32_t own = written(f, window, i);
-        const struct window_vertex *vertex = &window->vertex[own];
+        const struct accel_vertex *vertex = &window->vertex[own];
         const uint32_t moved = vertex->nan ? own : (own + 1) % window->real_count;
-        const struct window_vertex *before = &window->vertex[moved];
+        const struct accel_vertex *before = &window->vertex[moved];
         float now[3], then[3];
         const bool exact = accel_untransform(f->variant, number, vertex->at, now);
         (void)accel_untransform(f->variant, number, before->at, then);
@@ -81,8 +81,9 @@ static enum status put_vertices(struct filling *f, const struct window *window, 
 }
 
 /* Writes the indices of a window, each with `base` added. */
-static enum status put_indices(struct filling *f, const struct window *window, uint32_t base,
-                               const struct vk_accel_form *form, struct reason *reason)
+static enum status put_indices(struct accel_filling *f, const struct accel_window *window,
+                               uint32_t base, const struct vk_accel_form *form,
+                               struct reason *reason)
 {
     size_t at = (size_t)form->indices_at + form->primitive_offset;
     const size_t bytes = form->index_bytes;
@@ -96,8 +97,8 @@ static enum status put_indices(struct filling *f, const struct window *window, u
     return status;
 }
 
-static enum status put_transform(struct filling *f, uint32_t number, struct vk_accel_form *form,
-                                 struct reason *reason)
+static enum status put_transform(struct accel_filling *f, uint32_t number,
+                                 struct vk_accel_form *form, struct reason *reason)
 {
     float m[3][4];
     form->transform_at = VK_ACCEL_NO_TRANSFORM;
@@ -113,15 +114,16 @@ static enum status put_transform(struct filling *f, uint32_t number, struct vk_a
 }
 
 /* What is added to indices, so that 16 bits are used to the last in one part of a mesh. */
-static uint32_t base_of(const struct filling *f, const struct window *window, uint32_t number)
+static uint32_t base_of(const struct accel_filling *f, const struct accel_window *window,
+                        uint32_t number)
 {
     if (!f->variant->offset || f->variant->index == ACCEL_UNINDEXED)
         return 0;
     return f->variant->index == ACCEL_U16 && number == 0 ? WINDOW_MOST - window->vertex_count : 0;
 }
 
-static enum status put_part(struct filling *f, const struct window *window, uint32_t number,
-                            struct vk_accel_form *form, struct reason *reason)
+static enum status put_part(struct accel_filling *f, const struct accel_window *window,
+                            uint32_t number, struct vk_accel_form *form, struct reason *reason)
 {
     const struct accel_variant *variant = f->variant;
     const struct accel_format_facts *format = &accel_format[variant->format];
@@ -171,13 +173,13 @@ enum status accel_input_make(const struct scene *scene, const struct accel_part 
                              uint32_t part_count, const struct accel_variant *variant,
                              struct accel_input *out, struct reason *reason)
 {
-    struct filling f = {.variant = variant,
-                        .vertices.unread = 0xFF,
-                        .before.unread = 0xFF,
-                        .transforms.unread = 0xFF,
-                        .stride = variant->stride ? variant->stride
-                                                  : accel_format[variant->format].bytes};
-    struct window window = {.vertex = NULL};
+    struct accel_filling f = {.variant = variant,
+                              .vertices.unread = 0xFF,
+                              .before.unread = 0xFF,
+                              .transforms.unread = 0xFF,
+                              .stride = variant->stride ? variant->stride
+                                                        : accel_format[variant->format].bytes};
+    struct accel_window window = {.vertex = NULL};
     *out = (struct accel_input){.part_count = part_count};
     out->form = alloc_zeroed(part_count, sizeof *out->form);
     out->count = alloc_zeroed(part_count, sizeof *out->count);

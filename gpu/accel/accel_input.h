@@ -21,14 +21,15 @@ struct accel_input {
     uint32_t part_count;
 };
 
-/* Divides a scene into the geometries of a variant: as many as it says, and more where indices do
- * not reach all vertices of one. The caller frees *out. Errors: STATUS_MEMORY. */
+/* Divides a scene into the geometries of a variant: as many as it says, some of them empty if there
+ * are fewer triangles, and more where indices do not reach all vertices of one. The caller frees
+ * *out. Errors: STATUS_MEMORY. */
 enum status accel_split(const struct scene *scene, const struct accel_variant *variant,
                         struct accel_part **out, uint32_t *count, struct reason *reason) MUST_USE;
 
-/* Makes the input of a mesh. Call accel_input_free also on error. Errors: STATUS_LIMIT a vertex that
- * the format or the transform does not give exactly (the first, with its number), or a part with
- * more vertices than indices reach; STATUS_MEMORY. */
+/* Makes the input of a mesh. Call accel_input_free also on error. Errors: STATUS_LIMIT a vertex
+ * that the format or the transform does not give exactly (the first, with its number), or a part
+ * with more vertices than indices reach; STATUS_MEMORY. */
 enum status accel_input_make(const struct scene *scene, const struct accel_part *part,
                              uint32_t part_count, const struct accel_variant *variant,
                              struct accel_input *out, struct reason *reason) MUST_USE;

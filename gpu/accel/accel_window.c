@@ -48,15 +48,15 @@ static enum status no_memory(struct reason *reason)
     return fail(reason, STATUS_MEMORY, "vulkan: no memory for the vertices of a geometry");
 }
 
-enum status window_begin(struct window *out, const struct scene *scene, struct reason *reason)
+enum status window_begin(struct accel_window *out, const struct scene *scene, struct reason *reason)
 {
-    *out = (struct window){.vertex = NULL};
+    *out = (struct accel_window){.vertex = NULL};
     out->local = alloc_zeroed(scene->vertex_count, sizeof *out->local);
     out->stamp = alloc_zeroed(scene->vertex_count, sizeof *out->stamp);
     return out->local && out->stamp ? STATUS_OK : no_memory(reason);
 }
 
-void window_end(struct window *window)
+void window_end(struct accel_window *window)
 {
     free(window->vertex);
     free(window->corner);
@@ -64,7 +64,8 @@ void window_end(struct window *window)
     free(window->stamp);
 }
 
-static enum status add_vertex(struct window *window, struct window_vertex vertex, uint32_t *number)
+static enum status add_vertex(struct accel_window *window, struct accel_vertex vertex,
+                              uint32_t *number)
 {
     enum status status = array_reserve(&window->vertex, &window->vertex_capacity,
                                        (size_t)window->vertex_count + 1, sizeof vertex);
@@ -75,7 +76,7 @@ static enum status add_vertex(struct window *window, struct window_vertex vertex
     return STATUS_OK;
 }
 
-static enum status add_triangle(struct window *window, const uint32_t corner[3])
+static enum status add_triangle(struct accel_window *window, const uint32_t corner[3])
 {
     enum status status = array_reserve(&window->corner, &window->corner_capacity,
                                        3 * ((size_t)window->tri_count + 1), sizeof *window->corner);
@@ -85,7 +86,7 @@ static enum status add_triangle(struct window *window, const uint32_t corner[3])
     return STATUS_OK;
 }
 
-static enum status add_scene_triangle(struct window *window, const struct scene *scene,
+static enum status add_scene_triangle(struct accel_window *window, const struct scene *scene,
                                       uint32_t tri)
 {
     uint32_t corner[3];
@@ -93,7 +94,7 @@ static enum status add_scene_triangle(struct window *window, const struct scene 
     for (int k = 0; k < 3 && !status; k++) {
         const uint32_t i = scene->index[3 * (size_t)tri + (size_t)k];
         if (window->stamp[i] != window->fills) {
-            struct window_vertex vertex = {.number = i};
+            struct accel_vertex vertex = {.number = i};
             memcpy(vertex.at, scene->vertex + 3 * (size_t)i, sizeof vertex.at);
             window->stamp[i] = window->fills;
             status = add_vertex(window, vertex, &window->local[i]);
@@ -104,13 +105,13 @@ static enum status add_scene_triangle(struct window *window, const struct scene 
 }
 
 /* Adds triangles like others of the window, but with a NaN in the x of one vertex. */
-static enum status add_nan(struct window *window, uint32_t count)
+static enum status add_nan(struct accel_window *window, uint32_t count)
 {
     enum status status = STATUS_OK;
     for (uint32_t i = 0; i < window_added(count) && !status; i++) {
         const uint32_t *like = window->corner + 3 * (size_t)(8 * i < count ? 8 * i : 0);
         uint32_t corner[3] = {like[0], like[1], like[2]};
-        struct window_vertex vertex = window->vertex[like[i % 3]];
+        struct accel_vertex vertex = window->vertex[like[i % 3]];
         vertex.nan = true;
         status = add_vertex(window, vertex, &corner[i % 3]);
         if (!status)
@@ -120,7 +121,7 @@ static enum status add_nan(struct window *window, uint32_t count)
 }
 
 /* Adds triangles of one or two points. */
-static enum status add_degenerate(struct window *window, uint32_t count)
+static enum status add_degenerate(struct accel_window *window, uint32_t count)
 {
     enum status status = STATUS_OK;
     for (uint32_t i = 0; i < window_added(count) && !status; i++) {
@@ -131,7 +132,7 @@ static enum status add_degenerate(struct window *window, uint32_t count)
     return status;
 }
 
-enum status window_fill(struct window *window, const struct scene *scene, uint32_t first,
+enum status window_fill(struct accel_window *window, const struct scene *scene, uint32_t first,
                         uint32_t count, const struct accel_variant *variant, struct reason *reason)
 {
     enum status status = STATUS_OK;
@@ -151,7 +152,7 @@ enum status window_fill(struct window *window, const struct scene *scene, uint32
 
 /* Returns how many triangles from `first` on, at most `most`, have few enough vertices for the
  * variant's indices, with what is added. */
-static uint32_t reach_of(struct window *window, const struct scene *scene, uint32_t first,
+static uint32_t reach_of(struct accel_window *window, const struct scene *scene, uint32_t first,
                          uint32_t most, const struct accel_variant *variant)
 {
     uint32_t vertices = 0, i = 0;
@@ -172,22 +173,22 @@ enum status accel_split(const struct scene *scene, const struct accel_variant *v
                         struct accel_part **out, uint32_t *count, struct reason *reason)
 {
     const uint32_t pieces = variant->split ? variant->split : 1;
-    const uint32_t size = (scene->tri_count + pieces - 1) / pieces;
-    struct window window;
+    struct accel_window window;
     size_t capacity = 0;
+    uint32_t first = 0;
     enum status status = window_begin(&window, scene, reason);
     *out = NULL;
     *count = 0;
-    for (uint32_t first = 0; !status && (first < scene->tri_count || *count == 0);) {
-        const uint32_t left = scene->tri_count - first;
-        const uint32_t part = reach_of(&window, scene, first, left < size ? left : size, variant);
+    for (uint32_t piece = 0; piece < pieces && !status;) {
+        const uint32_t end = (uint32_t)((uint64_t)scene->tri_count * (piece + 1) / pieces);
+        const uint32_t part = reach_of(&window, scene, first, end - first, variant);
         status = array_reserve(out, &capacity, (size_t)*count + 1, sizeof **out);
         if (status)
-            (void)no_memory(reason);
-        else
-            (*out)[(*count)++] = (struct accel_part){first, part};
+            break;
+        (*out)[(*count)++] = (struct accel_part){first, part};
         first += part;
+        piece += first == end;
     }
     window_end(&window);
-    return status;
+    return status ? no_memory(reason) : STATUS_OK;
 }

@@ -6,15 +6,15 @@
 
 #define WINDOW_MOST 65536u /* vertices that 16-bit indices reach */
 
-struct window_vertex {
+struct accel_vertex {
     float at[3];
     uint32_t number; /* of the scene */
     bool nan;        /* its x is NaN instead */
 };
 
-struct window {
-    struct window_vertex *vertex; /* those of the scene, then those with NaN */
-    uint32_t *corner;             /* 3 * tri_count numbers of these */
+struct accel_window {
+    struct accel_vertex *vertex; /* those of the scene, then those with NaN */
+    uint32_t *corner;            /* 3 * tri_count numbers of these */
     uint32_t vertex_count, real_count, tri_count;
     size_t vertex_capacity, corner_capacity;
     uint32_t *local, *stamp; /* for each vertex of the scene: its number here, and in which fill */
@@ -22,14 +22,14 @@ struct window {
 };
 
 /* Makes an empty window of a scene. Call window_end also on error. */
-enum status window_begin(struct window *out, const struct scene *scene,
+enum status window_begin(struct accel_window *out, const struct scene *scene,
                          struct reason *reason) MUST_USE;
 
 /* Replaces its content by triangles of the scene, then what the variant adds that is never hit. */
-enum status window_fill(struct window *window, const struct scene *scene, uint32_t first,
+enum status window_fill(struct accel_window *window, const struct scene *scene, uint32_t first,
                         uint32_t count, const struct accel_variant *variant,
                         struct reason *reason) MUST_USE;
-void window_end(struct window *window);
+void window_end(struct accel_window *window);
 
 /* How many triangles of a kind that is never hit are added to `count`. */
 static inline uint32_t window_added(uint32_t count)

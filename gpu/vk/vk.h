@@ -78,7 +78,8 @@ struct vk_buffer;   /* a storage buffer */
 /* Opens the loader, an instance and one device. *out is NULL on error.
  * Errors: STATUS_UNSUPPORTED no loader, driver not found, no device, no match (the reason lists the
  * devices), no compute queue, no
- * validation layer, a feature of ray_more (with its name); STATUS_DEVICE a call failed; STATUS_MEMORY. */
+ * validation layer, a feature of ray_more (with its name); STATUS_DEVICE a call failed;
+ * STATUS_MEMORY. */
 enum status vk_open(const struct vk_options *options, struct vk **out,
                     struct reason *reason) MUST_USE;
 

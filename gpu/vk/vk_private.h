@@ -222,8 +222,8 @@ extern const char *const vk_ray_extensions[VK_RAY_EXTENSIONS];
 /* Chains the features, enabled if `wanted`; returns the head of the chain. */
 void *vk_ray_chain(struct vk_ray_features *features, bool wanted);
 
-/* Checks that vk->physical has the features of vk->options.ray_more. Errors: STATUS_UNSUPPORTED with
- * the name of the first that it lacks. */
+/* Checks that vk->physical has the features of vk->options.ray_more. Errors: STATUS_UNSUPPORTED
+ * with the name of the first that it lacks. */
 enum status vk_check_ray_more(struct vk *vk, struct reason *reason) MUST_USE;
 
 /* Makes a buffer that no shader binds, up to the largest memory allocation. */

@@ -109,9 +109,9 @@ static void limits_of_worlds_are_exact(void **state)
     struct vk_options options = fake_options();
     options.ray_query = true;
     for (size_t i = 0; i < ARRAY_COUNT(over); i++) {
-        static const struct vk_accel_geometry few[] = {{0, 1, true}};
+        static const struct vk_accel_geometry few[] = {{0, 1, true, NULL}};
         static const struct vk_accel_geometry three[] = {
-            {0, 7, true}, {7, 0, false}, {7, 13, true}};
+            {0, 7, true, NULL}, {7, 0, false, NULL}, {7, 13, true, NULL}};
         struct vk_buffer *buffer = NULL;
         struct vk_accel *accel = NULL;
         struct reason reason = {""};
@@ -121,10 +121,10 @@ static void limits_of_worlds_are_exact(void **state)
         fake.device[0].most_instances = i == 3 ? 4 : 5;
         struct vk *vk = must_open(&options);
         gpu_must(vk_buffer_make(vk, 64, &buffer, &reason), &reason);
-        const struct vk_accel_mesh mesh[] = {{buffer, buffer, 3, few, 1},
-                                             {buffer, buffer, 3, three, 3}};
+        const struct vk_accel_mesh mesh[] = {{buffer, buffer, 3, few, 1, NULL, NULL},
+                                             {buffer, buffer, 3, three, 3, NULL, NULL}};
         struct vk_accel_instance instance[5] = {{.mesh = 1}, {.mesh = VK_ACCEL_NO_MESH}};
-        const struct vk_accel_world world = {mesh, instance, 2, 5};
+        const struct vk_accel_world world = {mesh, instance, 2, 5, NULL};
         enum status status = vk_accel_make_world(vk, &world, &accel, &reason);
         assert_int_equal(status, i ? STATUS_LIMIT : STATUS_OK);
         assert_int_equal(vk_accel_bytes(accel), i ? 0 : (1 + 20 + 5) * FAKE_ACCEL_BYTES);
