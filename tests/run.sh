@@ -71,6 +71,7 @@ plain)
     suite guest sh tests/guest/guest.sh "$build/raydiff"
     suite recompiled sh tests/compilers/recompiled.sh "$build/raydiff"
     suite ways sh tests/compilers/ways.sh "$build/raydiff"
+    suite variants perl tests/accel/variants.pl "$build/raydiff"
     suite bisect sh tests/compilers/bisect.sh "$build/raydiff"
     suite webgpu sh tests/webgpu/webgpu.sh "$build/raydiff"
     suite fences perl tests/webgpu/fences.pl

@@ -38,7 +38,8 @@ static const struct option_row rows[] = {
     {"engine", "E,..",
      "engines, or 'all'; FILE.so, inside:FILE.so, shader:FILE and, as the last, pipe:COMMAND are "
      "tracers of "
-     "your own (docs/my-engine.md); embree:MODE, such as embree:avx2:8, is a mode of Embree",
+     "your own (docs/my-engine.md); embree:MODE, such as embree:avx2:8, is a mode of Embree, "
+     "rayquery:VARIANT, such as rayquery:update:u16, one of the driver's trees (docs/variants.md)",
      OF_LIST(engine, TABLE_ENGINES), .shown = "every engine that can run here"},
     {"store", "S,..", "triangle storages, see raydiff list storages", OF_LIST(store, TABLE_STORES),
      .value = "indexed"},

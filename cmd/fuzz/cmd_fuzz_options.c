@@ -68,7 +68,7 @@ static const struct option_row rows[] = {
     {"seed", "S", "of the campaign", OF_COUNT(seed, 0, UINT64_MAX), .value = "1"},
     {"jobs", "N", "worker processes", OF_COUNT(jobs, 1, CAMPAIGN_JOBS_MOST), .shown = "cores"},
     {"shard", "I/N", "only the blocks of shard I of N; join with raydiff merge", OF_OWN(take_pair)},
-    {"engine", "E,..", "engines, also pipe:COMMAND, FILE.so and embree:MODE",
+    {"engine", "E,..", "engines, also pipe:COMMAND, FILE.so, embree:MODE and rayquery:VARIANT",
      OF_LIST(engine, TABLE_ENGINES), .shown = FUZZ_ENGINES},
     {"layout", "L,..", "layouts", OF_LIST(layout, TABLE_LAYOUTS), .shown = FUZZ_LAYOUTS},
     {"builder", "B,..", "builders", OF_LIST(builder, TABLE_BUILDERS), .shown = "as generated"},

@@ -35,6 +35,14 @@ struct accel_filling {
     uint32_t stride;
 };
 
+/* Adds such bytes to both buffers of vertices. */
+static enum status grow_vertices(struct accel_filling *f, size_t bytes, size_t align,
+                                 struct reason *reason)
+{
+    enum status status = grow(&f->vertices, bytes, align, reason);
+    return status ? status : grow(&f->before, bytes, align, reason);
+}
+
 /* --- one part --------------------------------------------------------------------------------- */
 
 /* The number in a window of vertex `i` of those that are written. */
@@ -52,9 +60,7 @@ static enum status put_vertices(struct accel_filling *f, const struct accel_wind
     const bool unindexed = f->variant->index == ACCEL_UNINDEXED;
     const size_t count = unindexed ? 3 * (size_t)window->tri_count : window->vertex_count;
     size_t at = f->vertices.count + lead * f->stride;
-    enum status status = grow(&f->vertices, (lead + count) * f->stride, 1, reason);
-    if (!status)
-        status = grow(&f->before, (lead + count) * f->stride, 1, reason);
+    enum status status = grow_vertices(f, (lead + count) * f->stride, 1, reason);
     for (size_t i = 0; i < count && !status; i++, at += f->stride) {
         const uint32_t own = written(f, window, i);
         const struct accel_vertex *vertex = &window->vertex[own];
@@ -134,9 +140,7 @@ static enum status put_part(struct accel_filling *f, const struct accel_window *
         return fail(reason, STATUS_LIMIT,
                     "rayquery: geometry %u has %u vertices, 16-bit indices reach %u", number,
                     window->vertex_count, WINDOW_MOST);
-    enum status status = grow(&f->vertices, offset ? 3 * format->align : 0, format->align, reason);
-    if (!status)
-        status = grow(&f->before, offset ? 3 * format->align : 0, format->align, reason);
+    enum status status = grow_vertices(f, offset ? 3 * format->align : 0, format->align, reason);
     if (!status)
         status = grow(&f->indices, offset ? 8 : 0, 4, reason);
     if (status)
@@ -154,11 +158,12 @@ static enum status put_part(struct accel_filling *f, const struct accel_window *
     if (offset)
         form->primitive_offset = indexed ? 6 * form->index_bytes : 2 * f->stride + format->align;
     if (!indexed && offset) /* primitive_offset is of the vertices then */
-        status = grow(&f->vertices, form->primitive_offset, 1, reason);
-    if (!status && !indexed && offset)
-        status = grow(&f->before, form->primitive_offset, 1, reason);
+        status = grow_vertices(f, form->primitive_offset, 1, reason);
     if (!status)
         status = put_vertices(f, window, number, lead + base, reason);
+    /* A driver that adds the first vertex twice reads garbage, but none that is not ours. */
+    if (!status)
+        status = grow_vertices(f, lead * f->stride, 1, reason);
     if (!status && indexed)
         status = put_indices(f, window, base, form, reason);
     form->max_vertex =
