@@ -74,6 +74,6 @@ for my $name (@order) {
     my $short = $name eq 'rayquery' ? 'rayquery itself' : '`' . substr($name, 9) . '`';
     print "| $short | ", join(' | ', map { $cell{$name}{$_} // '-' } @drivers), " |\n";
 }
-print "\n";
-print $_ + 1, ". $notes[$_]\n" for 0 .. $#notes;
+print "\n| reason | |\n|---|---|\n";
+print '| ', $_ + 1, " | $notes[$_] |\n" for 0 .. $#notes;
 exit $bad;

@@ -61,11 +61,11 @@ if ($? >> 8 == 77) {
 my (%shown, %now);
 for (split /\n/, read_page()) {
     my @cell = split / *\| */;
-    $shown{ $cell[1] } = $cell[3] if @cell == 5 && $cell[3] !~ /^(mesa25|---)$/;
+    $shown{ $cell[1] } = $cell[3] if @cell == 5 && $cell[1] =~ /^(`|rayquery)/;
 }
 for (split /\n/, table('mesa25')) {
     my @cell = split / *\| */;
-    $now{ $cell[1] } = $cell[2] if @cell == 3 && $cell[2] !~ /^(mesa25|---)$/;
+    $now{ $cell[1] } = $cell[2] if @cell == 3 && $cell[1] =~ /^(`|rayquery)/;
 }
 breach('the table of mesa25 has no rows') unless keys %now > 50;
 for my $name (sort keys %now) {

@@ -62,7 +62,7 @@ for page in $pages; do
     found=$(sed -n '/<h1/{s/<[^>]*>//g;s/&lt;/</g;s/&gt;/>/g;s/&amp;/\&/g;p;q;}' "$dir/site/$html")
     [ "$found" = "$wanted" ] || bad "$html begins with '$found', not with '$wanted'"
 done
-[ -s "$dir/site/docs/finding.svg" ] || bad 'a picture is not in the site'
+[ -s "$dir/site/docs/screens/finding.svg" ] || bad 'a picture is not in the site'
 
 # Planted: each of these must be a fault.
 planted() { # PERL WHAT

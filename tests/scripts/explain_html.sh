@@ -188,7 +188,7 @@ facts sphere
 bits sphere
 shapes sphere
 way sphere
-cmp -s "$dir/page.svg" docs/finding.svg || bad 'docs/finding.svg is another picture: explain ... --svg docs/finding.svg'
+cmp -s "$dir/page.svg" docs/screens/finding.svg || bad 'docs/screens/finding.svg is another picture: explain ... --svg docs/screens/finding.svg'
 grep -q 'Cause: rounded_inward, ' "$dir/page.html" || bad 'no cause'
 page 1 fuzz/corpus/rounded-inward.trial
 facts rounded-inward
