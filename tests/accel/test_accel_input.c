@@ -157,6 +157,27 @@ static size_t expect_part(const struct scene *scene, const struct accel_part *pa
     return moved;
 }
 
+/* The variant is used: what it names is not what it would be without the word. */
+static void expect_used(const struct accel_variant *variant, const struct vk_accel_form *form,
+                        uint32_t number)
+{
+    const bool transform = variant->transform != ACCEL_TRANSFORM_NONE;
+    assert_int_equal(form->index_bytes, variant->index == ACCEL_UNINDEXED ? 0
+                                        : variant->index == ACCEL_U16     ? 2
+                                                                          : 4);
+    assert_int_equal(form->format, accel_format[variant->format].vk_format);
+    assert_int_equal(form->stride,
+                     variant->stride ? variant->stride : accel_format[variant->format].bytes);
+    assert_true((form->first_vertex != 0) == variant->first_vertex);
+    assert_true((form->primitive_offset != 0) == variant->offset);
+    assert_true((form->transform_offset != 0) == (variant->offset && transform));
+    assert_true((form->transform_at != VK_ACCEL_NO_TRANSFORM) == transform);
+    if (variant->offset)
+        assert_true(form->vertices_at > 0 && (!form->index_bytes || form->indices_at > 0));
+    if (variant->offset && variant->index == ACCEL_U16 && number == 0)
+        assert_true(form->max_vertex >= 65535);
+}
+
 /* Returns false if the scene is refused, with a line that names a vertex. */
 static bool expect_scene(const char *spec, const char *name)
 {
@@ -174,6 +195,7 @@ static bool expect_scene(const char *spec, const char *name)
         assert_true(status == STATUS_LIMIT && strstr(reason.text, "rayquery: vertex "));
     for (uint32_t g = 0; g < count && !status; g++) {
         struct reader r = {&input, &input.form[g], input.vertices, format_of(input.form[g].format)};
+        expect_used(&variant, &input.form[g], g);
         assert_int_equal(part[g].first, next);
         next += part[g].count;
         assert_true(input.form[g].stride >= r.format->bytes);
