@@ -27,7 +27,7 @@ static inline enum fuzz_kind fuzz_kind_of_wrong(enum wrong wrong)
 }
 
 struct fuzz_signature {
-    char engine[48]; /* its name; of a shared object its file; of a pipe "pipe:" and its command,
+    char engine[96]; /* its name; of a shared object its file; of a pipe "pipe:" and its command,
                         words without their folders; letters, digits and _-+:. only, no point in
                         front: it names a folder */
     const struct layout *layout; /* NULL: none */

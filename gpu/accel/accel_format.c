@@ -28,7 +28,8 @@ const struct accel_format_facts accel_format[ACCEL_FORMATS] = {
 /* The bits of a number, or false if the format does not hold it. */
 static bool bits_of(const struct accel_format_facts *format, float x, uint64_t *bits)
 {
-    const uint64_t most = (1ull << (format->bits - (format->kind == ACCEL_SNORM))) - 1;
+    const uint32_t lower = format->kind == ACCEL_SNORM ? format->bits - 1 : format->bits;
+    const uint64_t most = UINT64_MAX >> (64 - lower);
     const double wide = (double)x;
     *bits = 0;
     if (format->kind != ACCEL_FLOAT) {

@@ -59,7 +59,7 @@ static double component(const struct accel_format_facts *format, const uint8_t *
     const uint32_t bytes = format->bits / 8;
     uint64_t raw =
         format->packed ? little(at, 4) >> format->bits * k & 1023 : little(at + k * bytes, bytes);
-    const double most = (double)((1ull << (format->bits - (format->kind == ACCEL_SNORM))) - 1);
+    const double most = (double)(UINT64_MAX >> (64 - format->bits + (format->kind == ACCEL_SNORM)));
     if (format->kind == ACCEL_UNORM)
         return (double)raw / most;
     if (format->kind == ACCEL_SNORM) {
