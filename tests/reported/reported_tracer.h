@@ -4,7 +4,6 @@
  * the same indices, is taken as moved: the tree stays, its boxes are made anew from the leaves up.
  *
  * Before it is included, a report may define its own
- *   SPOIL_TREE(tree)        what happens to a tree that was built or refitted
  *   SPOIL_REFIT(tree)       how boxes are made anew, in place of refit(tree)
  *   SPOIL_TRACE(...)        as engine->trace
  *   SPOIL_LIST(...)         as engine->trace_all
@@ -120,6 +119,12 @@ static inline void refit(struct reported_tree *tree)
     }
 }
 
+/* Written behind the include, where a report defines it. */
+#ifndef SPOIL_REFIT
+#define SPOIL_REFIT refit
+#endif
+static void SPOIL_REFIT(struct reported_tree *tree);
+
 static void drop(void *self)
 {
     struct reported_tree *tree = self;
@@ -150,11 +155,7 @@ static int build(void *self, const struct raydiff_engine_mesh *mesh, char *reaso
     (void)reason;
     tree->mesh = *mesh;
     if (has_moved(tree, mesh)) {
-#ifdef SPOIL_REFIT
         SPOIL_REFIT(tree);
-#else
-        refit(tree);
-#endif
     } else {
         free(tree->node), free(tree->order), free(tree->index);
         tree->node = calloc(2 * count + 1, sizeof *tree->node);
@@ -173,9 +174,6 @@ static int build(void *self, const struct raydiff_engine_mesh *mesh, char *reaso
         if (count)
             grow(tree, 0);
     }
-#ifdef SPOIL_TREE
-    SPOIL_TREE(tree);
-#endif
     return RAYDIFF_ENGINE_OK;
 }
 
