@@ -333,9 +333,9 @@ static void signature_refuses_what_names_no_folder(void **state)
         "cpu..missed.stack",
         "cpu.rf16.lost.stack",
         "cpu.rf16.not.stack",
-        "cpu.rf16.missed.luck",
-        "cpu.rf16.missed.",
-        "engine_of_a_name_that_is_far_too_long_for_a_signature.rf16.missed.stack",
+        "cpu.rf16.missed.luck", "cpu.rf16.missed.",
+        "engine_of_a_name_that_is_far_too_long_for_a_signature_even_of_one_that_has_every_word_"
+        "of_a_variant.rf16.missed.stack",
     };
     struct fuzz_signature signature;
     for (size_t i = 0; i < ARRAY_COUNT(bad); i++) {
