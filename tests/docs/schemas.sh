@@ -28,6 +28,7 @@ planted() { # schema, change of its text
 written check 1 rtrs --bvh "$dir/seed.json" --engine cpu --count 2000 --repeat 1
 written check 2 sphere:n=200 --layout rf16 --engine cpu --count 100 --repeat 1 --brute 0
 written check 0 sphere:n=4 --engine cpu,brute --query closest,any,all --move 0.01 --count 100 --repeat 1
+written check 0 sphere:n=4 --engine cpu,brute --layout f32,bvh2_u8_scene --steps refit:jitter:3,refit:far:9,rebuild --count 100 --repeat 1
 written check 0 sphere:n=4 --engine cpu --layout f32 --store quantised --count 100 --repeat 1
 # Shaders compiled anew.
 written check 0 sphere:n=4 --engine vulkan --layout f32 --compiler raw,opt --count 100 --repeat 1
