@@ -171,7 +171,7 @@ static void lists_are_in_their_place(void **state)
         assert_int_equal(count[i], i % 3 == 0 ? 0 : i % 5 == 0 ? 1 : 2);
         for (uint32_t k = 0; k < count[i]; k++) {
             const struct hit *one = &hit[2 * i + k];
-            assert_true(one->prim < 2 && one->t == (float)(1 + i + one->prim));
+            assert_true(one->prim < 2 && fabsf(one->t - (float)(1 + i + one->prim)) < 1e-4f);
             assert_true(k == 0 || one->prim != hit[2 * i].prim);
         }
         assert_true(count[i] > 0 || hit[2 * i].prim == 0x5A5A5A5A);
