@@ -157,7 +157,8 @@ static void every_mode_is_what_it_is_called(void **state)
 /* --- packets and lists ------------------------------------------------------------------------ */
 
 /* Answers of a packet are those of single rays, but for some that another order of work, or on some
- * processors another instruction, decides otherwise: rays through edges, of which there are many; lanes behind the last ray are off, and rays that are not given to Embree miss. */
+ * processors another instruction, decides otherwise: rays through edges, of which there are many.
+ * Lanes behind the last ray are off, and rays that are not given to Embree miss. */
 static void packets_answer_as_single_rays(void **state)
 {
     (void)state;
