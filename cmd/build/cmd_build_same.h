@@ -55,6 +55,11 @@ enum status same_engines(const struct same_job *job, const struct scene *scene,
                          struct same_engine out[SAME_ENGINES_MOST], size_t *count,
                          struct reason *reason) MUST_USE;
 
+/* EXIT_MISMATCH if a row differs, or an engine's answer is WRONG: other bits of others are no
+ * fault. Else EXIT_AGREE. */
+int same_code(const struct same_row *row, size_t rows, const struct same_engine *engine,
+              size_t count);
+
 void same_print(const struct same_row *row, size_t count, const struct screen *screen);
 void same_print_engines(const struct same_engine *one, size_t count, const struct screen *screen);
 

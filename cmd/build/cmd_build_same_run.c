@@ -32,8 +32,8 @@ static void choose(const struct build_command *b, struct same_members *out)
         out->layout[job->layout_count++] = layouts_all[b->layout.index[i]];
 }
 
-static int code_of(const struct same_row *row, size_t rows, const struct same_engine *engine,
-                   size_t count)
+int same_code(const struct same_row *row, size_t rows, const struct same_engine *engine,
+              size_t count)
 {
     int code = EXIT_AGREE;
     for (size_t i = 0; i < rows; i++)
@@ -68,7 +68,7 @@ static enum status play(const struct same_job *job, const char *spec, const stru
         same_print(row, rows, screen);
         same_print_engines(engine, engine_count, screen);
         json_array_append_new(all, same_json(spec, row, rows, engine, engine_count));
-        *code = exit_worse(*code, code_of(row, rows, engine, engine_count));
+        *code = exit_worse(*code, same_code(row, rows, engine, engine_count));
     }
     scene_free(&scene);
     free(row);

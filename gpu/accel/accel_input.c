@@ -31,6 +31,7 @@ static enum status grow(struct accel_bytes *to, size_t bytes, size_t align, stru
 /* The buffers of an input while they are filled. */
 struct accel_filling {
     const struct accel_variant *variant;
+    const float *earlier; /* where the scene's vertices were, or NULL */
     struct accel_bytes vertices, before, indices, transforms;
     uint32_t stride;
 };
@@ -51,8 +52,18 @@ static uint32_t written(const struct accel_filling *f, const struct accel_window
     return f->variant->index == ACCEL_UNINDEXED ? window->corner[i] : (uint32_t)i;
 }
 
-/* Writes the vertices of a window behind `lead` others. Before an update each is where the next one
- * will be; what is NaN stays so. */
+/* Where a vertex of a window is before an update: where it was earlier, or where the next one is;
+ * what is NaN stays so. */
+static const float *before_of(const struct accel_filling *f, const struct accel_window *window,
+                              uint32_t own)
+{
+    const struct accel_vertex *vertex = &window->vertex[own];
+    if (f->earlier)
+        return f->earlier + 3 * (size_t)vertex->number;
+    return vertex->nan ? vertex->at : window->vertex[(own + 1) % window->real_count].at;
+}
+
+/* Writes the vertices of a window behind `lead` others. */
 static enum status put_vertices(struct accel_filling *f, const struct accel_window *window,
                                 uint32_t number, size_t lead, struct reason *reason)
 {
@@ -64,11 +75,9 @@ static enum status put_vertices(struct accel_filling *f, const struct accel_wind
     for (size_t i = 0; i < count && !status; i++, at += f->stride) {
         const uint32_t own = written(f, window, i);
         const struct accel_vertex *vertex = &window->vertex[own];
-        const uint32_t moved = vertex->nan ? own : (own + 1) % window->real_count;
-        const struct accel_vertex *before = &window->vertex[moved];
         float now[3], then[3];
         const bool exact = accel_untransform(f->variant, number, vertex->at, now);
-        (void)accel_untransform(f->variant, number, before->at, then);
+        (void)accel_untransform(f->variant, number, before_of(f, window, own), then);
         if (vertex->nan) {
             accel_encode_nan(format, now, f->vertices.byte + at);
             accel_encode_nan(format, then, f->before.byte + at);
@@ -174,11 +183,13 @@ static enum status put_part(struct accel_filling *f, const struct accel_window *
 
 /* --- all -------------------------------------------------------------------------------------- */
 
-enum status accel_input_make(const struct scene *scene, const struct accel_part *part,
-                             uint32_t part_count, const struct accel_variant *variant,
-                             struct accel_input *out, struct reason *reason)
+enum status accel_input_make(const struct scene *scene, const float *earlier,
+                             const struct accel_part *part, uint32_t part_count,
+                             const struct accel_variant *variant, struct accel_input *out,
+                             struct reason *reason)
 {
     struct accel_filling f = {.variant = variant,
+                              .earlier = earlier,
                               .vertices.unread = 0xFF,
                               .before.unread = 0xFF,
                               .transforms.unread = 0xFF,

@@ -29,10 +29,13 @@ enum status accel_split(const struct scene *scene, const struct accel_variant *v
 
 /* Makes the input of a mesh. Call accel_input_free also on error. Errors: STATUS_LIMIT a vertex
  * that the format or the transform does not give exactly (the first, with its number), or a part
- * with more vertices than indices reach; STATUS_MEMORY. */
-enum status accel_input_make(const struct scene *scene, const struct accel_part *part,
-                             uint32_t part_count, const struct accel_variant *variant,
-                             struct accel_input *out, struct reason *reason) MUST_USE;
+ * with more vertices than indices reach; STATUS_MEMORY.
+ *   earlier  where the scene's vertices were before, three floats each, for `before`; they may be
+ *            rounded. NULL: each is where the next one is now */
+enum status accel_input_make(const struct scene *scene, const float *earlier,
+                             const struct accel_part *part, uint32_t part_count,
+                             const struct accel_variant *variant, struct accel_input *out,
+                             struct reason *reason) MUST_USE;
 void accel_input_free(struct accel_input *input);
 
 /* The transform of part `number`; false: the variant has none. */

@@ -26,6 +26,7 @@ struct rayquery {
     struct accel_variant variant;
     struct vk_options options; /* of the device */
     struct world alone;        /* the scene as a world, if a variant makes one of it */
+    float *last;               /* the vertices of the last scene, if the variant has an update */
     bool runs;                 /* the scene is traced by the runner of worlds */
 };
 
@@ -50,6 +51,7 @@ static void close(void *self)
         vk_pipeline_free(r->base.vk, r->pipeline[q]);
     world_runner_free(r->worlds);
     forget(r);
+    free(r->last);
     (void)vk_close(r->base.vk, NULL);
     free(r);
 }
@@ -182,18 +184,37 @@ static enum status choose_runner(struct rayquery *r, const struct job *job, stru
     return world_runner_prepare_query(r->worlds, &alone, r->accel, reason);
 }
 
-static enum status prepare(void *self, const struct job *job, struct reason *reason)
+/* Keeps the vertices for the next move. */
+static enum status keep(struct rayquery *r, const struct scene *scene, struct reason *reason)
 {
-    struct rayquery *r = self;
+    free(r->last);
+    r->last = NULL;
+    if (r->variant.how.update == VK_ACCEL_UPDATE_NONE || scene->vertex_count == 0)
+        return STATUS_OK;
+    const size_t bytes = 12 * (size_t)scene->vertex_count;
+    r->last = malloc(bytes);
+    if (!r->last)
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for %zu bytes of vertices", bytes);
+    memcpy(r->last, scene->vertex, bytes);
+    return STATUS_OK;
+}
+
+/* `earlier`: where the vertices were, or NULL. */
+static enum status make(struct rayquery *r, const struct job *job, const float *earlier,
+                        struct reason *reason)
+{
     forget(r);
     r->base.lists = job->query == QUERY_ALL;
     enum status status = make_pipeline(r, job, reason);
     if (!status && job->scene->tri_count)
         status = make_alone(r, job->scene, reason);
     if (!status && job->scene->tri_count)
-        status = rayquery_build(r->base.vk, &r->options, &r->alone, &r->variant, &r->accel, reason);
+        status = rayquery_build(r->base.vk, &r->options, &r->alone, earlier, &r->variant, &r->accel,
+                                reason);
     if (!status)
         status = choose_runner(r, job, reason);
+    if (!status)
+        status = keep(r, job->scene, reason);
     r->base.empty = !r->accel;
     r->base.bytes = vk_accel_bytes(r->accel);
     if (!status && r->accel)
@@ -201,6 +222,17 @@ static enum status prepare(void *self, const struct job *job, struct reason *rea
     if (status)
         r->base.chosen = NULL;
     return status;
+}
+
+static enum status prepare(void *self, const struct job *job, struct reason *reason)
+{
+    return make(self, job, NULL, reason);
+}
+
+enum status rayquery_move(void *self, const struct job *job, struct reason *reason)
+{
+    struct rayquery *r = self;
+    return make(r, job, r->last, reason);
 }
 
 static enum status trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
@@ -247,7 +279,7 @@ static enum status prepare_world(void *self, const struct world_job *job, struct
     if (!r->worlds)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for the engine");
     enum status status =
-        rayquery_build(r->base.vk, &r->options, job->world, &r->variant, &r->accel, reason);
+        rayquery_build(r->base.vk, &r->options, job->world, NULL, &r->variant, &r->accel, reason);
     if (!status)
         return world_runner_prepare_query(r->worlds, job, r->accel, reason);
     world_runner_free(r->worlds); /* what it was prepared for is gone */

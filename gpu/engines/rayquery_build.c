@@ -65,7 +65,7 @@ static enum status upload_plain(struct vk *vk, const struct scene *scene, struct
 }
 
 /* A mesh in the form of the variant. */
-static enum status upload_form(struct vk *vk, const struct world_mesh *from,
+static enum status upload_form(struct vk *vk, const struct world_mesh *from, const float *earlier,
                                const struct accel_variant *variant, struct vk_accel_mesh *to,
                                struct vk_accel_geometry *geometry, struct vk_accel_form *form,
                                struct reason *reason)
@@ -77,7 +77,8 @@ static enum status upload_form(struct vk *vk, const struct world_mesh *from,
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for %u geometries", count);
     for (uint32_t g = 0; g < count; g++)
         part[g] = (struct accel_part){from->geometry[g].first, from->geometry[g].count};
-    enum status status = accel_input_make(from->scene, part, count, variant, &input, reason);
+    enum status status =
+        accel_input_make(from->scene, earlier, part, count, variant, &input, reason);
     for (uint32_t g = 0; g < count && !status; g++) {
         form[g] = input.form[g];
         geometry[g].form = &form[g];
@@ -97,7 +98,7 @@ static enum status upload_form(struct vk *vk, const struct world_mesh *from,
     return status;
 }
 
-static enum status upload_meshes(struct vk *vk, const struct world *world,
+static enum status upload_meshes(struct vk *vk, const struct world *world, const float *earlier,
                                  const struct accel_variant *variant, struct meshes *out,
                                  struct reason *reason)
 {
@@ -114,8 +115,8 @@ static enum status upload_meshes(struct vk *vk, const struct world *world,
         for (uint32_t g = 0; g < from->geometry_count; g++)
             out->geometry[next + g] = (struct vk_accel_geometry){
                 from->geometry[g].first, from->geometry[g].count, from->geometry[g].opaque, NULL};
-        status = forms ? upload_form(vk, from, variant, to, out->geometry + next, out->form + next,
-                                     reason)
+        status = forms ? upload_form(vk, from, earlier, variant, to, out->geometry + next,
+                                     out->form + next, reason)
                        : upload_plain(vk, from->scene, to, reason);
         next += from->geometry_count;
     }
@@ -124,12 +125,12 @@ static enum status upload_meshes(struct vk *vk, const struct world *world,
 
 _Static_assert(VK_ACCEL_NO_MESH == WORLD_NO_MESH, "a null reference");
 
-static enum status build_world(struct vk *vk, const struct world *world,
+static enum status build_world(struct vk *vk, const struct world *world, const float *earlier,
                                const struct accel_variant *variant, struct vk_accel **out,
                                struct reason *reason)
 {
     struct meshes meshes = {0};
-    enum status status = upload_meshes(vk, world, variant, &meshes, reason);
+    enum status status = upload_meshes(vk, world, earlier, variant, &meshes, reason);
     for (uint32_t i = 0; i < world->instance_count && !status; i++) {
         const struct instance *from = &world->instance[i];
         struct vk_accel_instance *to = &meshes.instance[i];
@@ -149,11 +150,12 @@ static enum status build_world(struct vk *vk, const struct world *world,
 
 /* The structures through bytes: built on a device, freed, and read on `vk`. */
 static enum status build_and_serialise(struct vk *vk, struct vk *on, const struct world *world,
-                                       const struct accel_variant *variant, struct vk_accel **out,
-                                       struct vk_accel_bytes **bytes, struct reason *reason)
+                                       const float *earlier, const struct accel_variant *variant,
+                                       struct vk_accel **out, struct vk_accel_bytes **bytes,
+                                       struct reason *reason)
 {
     struct vk_accel *built = NULL;
-    enum status status = build_world(on, world, variant, &built, reason);
+    enum status status = build_world(on, world, earlier, variant, &built, reason);
     if (!status)
         status = vk_accel_save(on, built, bytes, reason);
     vk_accel_free(on, built);
@@ -166,20 +168,21 @@ static enum status build_and_serialise(struct vk *vk, struct vk *on, const struc
 }
 
 enum status rayquery_build(struct vk *vk, const struct vk_options *options,
-                           const struct world *world, const struct accel_variant *variant,
-                           struct vk_accel **out, struct reason *reason)
+                           const struct world *world, const float *earlier,
+                           const struct accel_variant *variant, struct vk_accel **out,
+                           struct reason *reason)
 {
     struct vk_accel_bytes *bytes = NULL;
     struct vk *on = vk;
     *out = NULL;
     if (variant->how.copy != VK_ACCEL_COPY_SERIALISE &&
         variant->how.copy != VK_ACCEL_COPY_SERIALISE_NEW)
-        return build_world(vk, world, variant, out, reason);
+        return build_world(vk, world, earlier, variant, out, reason);
     enum status status = STATUS_OK;
     if (variant->how.copy == VK_ACCEL_COPY_SERIALISE_NEW)
         status = vk_open(options, &on, reason);
     if (!status)
-        status = build_and_serialise(vk, on, world, variant, out, &bytes, reason);
+        status = build_and_serialise(vk, on, world, earlier, variant, out, &bytes, reason);
     vk_accel_bytes_free(bytes);
     return status;
 }

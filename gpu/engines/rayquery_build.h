@@ -12,14 +12,20 @@
 enum status rayquery_open(const struct engine_options *options, const struct accel_variant *variant,
                           void **self, struct reason *reason) MUST_USE;
 
+/* engine.move of a variant with an update: the structures are built over the vertices of the last
+ * prepare or move, then updated. */
+enum status rayquery_move(void *self, const struct job *job, struct reason *reason) MUST_USE;
+
 /* Whether a variant is engine rayquery itself. */
 bool rayquery_is_plain(const struct accel_variant *variant);
 
 /* Makes the structures of a world. `options`: those that the device was opened with, for a second
- * one. Errors: as vk_accel_make_world; STATUS_LIMIT a vertex that the variant would round, or too
- * many for its indices; as vk_open for the second device. */
+ * one. `earlier`: where the vertices of every mesh were before, for variants with an update; of
+ * worlds of one mesh; or NULL. Errors: as vk_accel_make_world; STATUS_LIMIT a vertex that the
+ * variant would round, or too many for its indices; as vk_open for the second device. */
 enum status rayquery_build(struct vk *vk, const struct vk_options *options,
-                           const struct world *world, const struct accel_variant *variant,
-                           struct vk_accel **out, struct reason *reason) MUST_USE;
+                           const struct world *world, const float *earlier,
+                           const struct accel_variant *variant, struct vk_accel **out,
+                           struct reason *reason) MUST_USE;
 
 #endif

@@ -65,6 +65,7 @@ static enum status add(const struct accel_variant *variant, const char *name,
     engine->name = place->name;
     engine->summary = "a variant of rayquery";
     engine->open = opens[place_count];
+    engine->move = variant->how.update != VK_ACCEL_UPDATE_NONE ? rayquery_move : NULL;
     if (variant->split) /* the geometries of a world are its own */
         engine->worlds = NULL;
     status = engine_add(engine, reason);

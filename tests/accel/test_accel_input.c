@@ -190,7 +190,7 @@ static bool expect_scene(const char *spec, const char *name)
     assert_int_equal(scene_open(spec, 1, &scene, &reason), STATUS_OK);
     assert_int_equal(accel_parse(name, &variant, &reason), STATUS_OK);
     assert_int_equal(accel_split(&scene, &variant, &part, &count, &reason), STATUS_OK);
-    enum status status = accel_input_make(&scene, part, count, &variant, &input, &reason);
+    enum status status = accel_input_make(&scene, NULL, part, count, &variant, &input, &reason);
     if (status)
         assert_true(status == STATUS_LIMIT && strstr(reason.text, "rayquery: vertex "));
     for (uint32_t g = 0; g < count && !status; g++) {
@@ -208,6 +208,48 @@ static bool expect_scene(const char *spec, const char *name)
     free(part);
     scene_free(&scene);
     return !status;
+}
+
+/* An update finds each vertex where it was. */
+static void what_is_updated_was_where_the_vertices_were(void **state)
+{
+    (void)state;
+    size_t taken = 0;
+    struct scene scene;
+    struct reason reason = {""};
+    assert_int_equal(scene_open("soup:n=301", 1, &scene, &reason), STATUS_OK);
+    float *earlier = malloc(12 * (size_t)scene.vertex_count);
+    assert_non_null(earlier);
+    for (size_t i = 0; i < 3 * (size_t)scene.vertex_count; i++)
+        earlier[i] = scene.vertex[3 * (size_t)scene.vertex_count - 1 - i];
+    for (size_t i = 0; accel_names[i]; i++) {
+        struct accel_variant variant;
+        struct accel_input input;
+        struct accel_part *part;
+        uint32_t count;
+        assert_int_equal(accel_parse(accel_names[i], &variant, &reason), STATUS_OK);
+        if (variant.format || variant.transform == ACCEL_MOVED || variant.index == ACCEL_U8)
+            continue;
+        assert_int_equal(accel_split(&scene, &variant, &part, &count, &reason), STATUS_OK);
+        assert_int_equal(accel_input_make(&scene, earlier, part, count, &variant, &input, &reason),
+                         STATUS_OK);
+        for (uint32_t g = 0; g < count; g++) {
+            struct reader r = {&input, &input.form[g], input.before,
+                               format_of(input.form[g].format)};
+            for (uint32_t c = 0; c < 3 * part[g].count; c++) {
+                float v[3];
+                vertex_of(&r, c / 3, c % 3, v);
+                const uint32_t number = scene.index[3 * (size_t)part[g].first + c];
+                assert_true(same_point(v, earlier + 3 * (size_t)number));
+            }
+        }
+        accel_input_free(&input);
+        free(part);
+        taken++;
+    }
+    assert_true(taken > 20);
+    free(earlier);
+    scene_free(&scene);
 }
 
 static void every_form_has_the_triangles_of_the_scene(void **state)
@@ -268,7 +310,8 @@ static void sixteen_bits_are_used_to_the_last(void **state)
     assert_int_equal(scene_open("soup:n=30000", 1, &scene, &reason), STATUS_OK);
     assert_true(scene.vertex_count > 65536);
     const struct accel_part all = {0, scene.tri_count};
-    assert_int_equal(accel_input_make(&scene, &all, 1, &variant, &input, &reason), STATUS_LIMIT);
+    assert_int_equal(accel_input_make(&scene, NULL, &all, 1, &variant, &input, &reason),
+                     STATUS_LIMIT);
     assert_non_null(strstr(reason.text, "16-bit indices reach 65536"));
     accel_input_free(&input);
     scene_free(&scene);
@@ -292,6 +335,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_form_has_the_triangles_of_the_scene),
+        cmocka_unit_test(what_is_updated_was_where_the_vertices_were),
         cmocka_unit_test(forms_meet_one_another),
         cmocka_unit_test(sixteen_bits_are_used_to_the_last),
         cmocka_unit_test(what_would_be_rounded_is_refused_by_its_vertex),

@@ -113,6 +113,49 @@ static void every_variant_answers_as_the_plain_tree(void **state)
     assert_true(taken > 30);
 }
 
+/* A variant with an update follows vertices that move, there and back, and has the bits of the plain
+ * tree of where they are; others have no update. */
+static void updates_follow_what_moves(void **state)
+{
+    (void)state;
+    static struct ray ray[RAYS];
+    static struct hit plain[2][RAYS], hit[RAYS];
+    struct scene scene[2];
+    struct reason reason = {""};
+    size_t taken = 0;
+    need_ray_queries();
+    for (int i = 0; i < 2; i++)
+        gpu_must(scene_open("soup:n=200", 1, &scene[i], &reason), &reason);
+    for (size_t k = 0; k < 3 * (size_t)scene[1].vertex_count; k++)
+        scene[1].vertex[k] = 2.0f - scene[1].vertex[k];
+    gpu_must(ray_set_make(ray_sets[0], &scene[0], 3, RAYS, ray, NULL), &reason);
+    for (int i = 0; i < 2; i++)
+        assert_true(answers_of("rayquery", &scene[i], QUERY_CLOSEST, ray, plain[i]));
+    assert_true(differing(plain[0], plain[1], QUERY_CLOSEST) > 50);
+    for (size_t n = 0; accel_names[n]; n++) {
+        const struct engine *engine = named(accel_names[n]);
+        const bool updates = strstr(accel_names[n], ":update") != NULL;
+        assert_true((engine->move != NULL) == updates);
+        void *self = updates && !has_known_fault(accel_names[n]) ? open_any(engine->name) : NULL;
+        for (int step = 0; self && step < 4; step++) {
+            const struct job job = {.scene = &scene[step % 2],
+                                    .box = box_tests[0],
+                                    .tri = tri_tests[0],
+                                    .query = QUERY_CLOSEST};
+            struct trace_report report = {0};
+            gpu_must((step ? engine->move : engine->prepare)(self, &job, &reason), &reason);
+            gpu_must(engine->trace(self, ray, RAYS, hit, &report, &reason), &reason);
+            assert_int_equal(differing(plain[step % 2], hit, QUERY_CLOSEST), 0);
+        }
+        taken += self != NULL;
+        if (self)
+            engine->close(self);
+    }
+    assert_true(taken > 5);
+    scene_free(&scene[0]);
+    scene_free(&scene[1]);
+}
+
 /* By the specification a copy is the structure that it is copied from, also where a driver gets
  * that wrong. */
 static void copies_have_the_bits_of_what_they_copy(void **state)
@@ -212,6 +255,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_variant_answers_as_the_plain_tree),
+        cmocka_unit_test(updates_follow_what_moves),
         cmocka_unit_test(copies_have_the_bits_of_what_they_copy),
         cmocka_unit_test(lists_have_every_hit),
         cmocka_unit_test(worlds_keep_their_laws),

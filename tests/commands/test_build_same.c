@@ -1,5 +1,6 @@
 /* raydiff build --same: builders that depend on threads, or on how often they ran. */
 #include "cmd/build/cmd_build_same.h"
+#include "ref/base/command.h"
 #include "scenes/scenes.h"
 
 #include <setjmp.h>
@@ -98,12 +99,33 @@ static void one_build_that_differs_is_seen(void **state)
     assert_non_null(strstr(row[1].text, "word "));
 }
 
+/* Any row that differs and any WRONG answer counts, whichever stands where; other bits of others do
+ * not. */
+static void what_differs_is_a_mismatch(void **state)
+{
+    (void)state;
+    struct same_row row[3] = {{.builds = 8}, {.builds = 8}, {.builds = 8}};
+    struct same_engine engine[2] = {{.builds = 8, .other = 5}, {.builds = 8}};
+    assert_int_equal(same_code(row, 3, engine, 2), EXIT_AGREE);
+    for (size_t i = 0; i < 3; i++) {
+        row[i].differing = 1;
+        assert_int_equal(same_code(row, 3, engine, 2), EXIT_MISMATCH);
+        row[i].differing = 0;
+    }
+    for (size_t i = 0; i < 2; i++) {
+        engine[i].wrong = 1;
+        assert_int_equal(same_code(row, 3, engine, 2), EXIT_MISMATCH);
+        engine[i].wrong = 0;
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_number_of_threads_has_its_builds),
         cmocka_unit_test(a_tree_that_depends_on_threads_is_seen),
         cmocka_unit_test(one_build_that_differs_is_seen),
+        cmocka_unit_test(what_differs_is_a_mismatch),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
