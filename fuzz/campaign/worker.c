@@ -113,7 +113,7 @@ static void tell(struct worker *w, uint32_t count)
                                   .tri = w->trial[i].tri,
                                   .box = w->trial[i].box,
                                   .optimized = work_optimized(&w->trial[i].build),
-                                  .rays = w->trial[i].ray_count,
+                                  .rays = w->trial[i].ray_count * (from->states ? from->states : 1),
                                   .triangles = w->trial[i].scene.tri_count};
         memcpy(to->coverage, from->coverage, sizeof to->coverage);
         for (size_t v = 0; v < VERDICT_COUNT; v++)

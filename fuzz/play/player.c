@@ -275,6 +275,7 @@ static void add_result(const struct fuzz_result *from, uint32_t step, struct fuz
         result.count[v] += sum->count[v];
     result.wrong += sum->wrong;
     result.judged += sum->judged;
+    result.states = sum->states + 1;
     result.refused = sum->refused > result.refused ? sum->refused : result.refused;
     result.refusers |= sum->refusers;
     result.decliners |= sum->decliners;

@@ -69,7 +69,9 @@ struct fuzz_result {
     uint32_t decliners;          /* of them those whose engine refused, not their layout */
     uint32_t players;            /* contestants that answered, likewise */
     uint32_t provers;            /* those with a hit that is not WRONG, likewise */
-    uint32_t refitted, rebuilt;  /* contestants on a tree that was, since it moved, likewise; of
+    uint32_t states; /* of a trial with steps: how many scenes were traced, the first included; else
+                        0 */
+    uint32_t refitted, rebuilt; /* contestants on a tree that was, since it moved, likewise; of
                                     steps: on one that was ever refitted, else was built again */
     struct edges_lost edges[FUZZ_CONTESTANTS_MOST][MATCH_EDGES]; /* of unknown formulas */
     struct fuzz_finding finding[FUZZ_FINDINGS_MOST];

@@ -56,7 +56,9 @@ has final '^PRECISE ' '^passes:.*/fuse:final +vulkan .* ([0-9]+) of \1 +1 '
 # The planted ones.
 expect 0 . check $scene --engine vulkan --layout f32 --compiler "passes:$dir/copy+ccp+$dir/copy"
 expect 1 . check $scene --engine vulkan --layout f32 --compiler "passes:ccp+$dir/drop"
-has drop '^PRECISE ' 'NoContraction, 0 of open' '^passes:.*/drop +vulkan +f32 +([0-9]+ +|)109 of 110 +0 '
+has drop '^PRECISE ' 'NoContraction, 0 of open' '^passes:.*/drop +vulkan +f32 +([0-9]+ +|)[0-9]+ of [0-9]+ +0 '
+awk '/^passes:.*\/drop +vulkan +f32 / { for (i = 2; i < NF; i++) if ($i == "of" && $(i - 1) == $(i + 1) - 1 && $(i + 1) > 90) one++ }
+    END { exit one != 1 }' "$dir/out" || bad 'drop: not one decoration less than there are operations'
 expect 1 . check $scene --engine vulkan --layout f32 --compiler "passes:$dir/contract"
 has contract '^PRECISE ' '1 of open rounding'
 expect 1 . check $scene --engine vulkan --layout f32,rf16 --compiler "passes:$dir/reassociate" --json "$dir/re.json"

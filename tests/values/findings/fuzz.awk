@@ -21,8 +21,12 @@ FNR == 1 && !begun {
     truth("judged", v["judged"] <= v["rays"] + 0 && (v["judged"] > 0 || v["trials"] == 0 || v["trials_before"] > 0))
     # Of a whole campaign that has generated trials alone.
     whole = v["trials_before"] + v["corpus"] + v["mutants"] == 0
-    if (whole) equal("verdicts of all answers", verdicts, rays * sum("contestants", n, "answered"))
-    if (whole) equal("rays", v["rays"], rays * v["trials"])
+    # A trial with steps has its rays traced after each of them.
+    refused = sum("contestants", n, "refused") + sum("contestants", n, "refused_in_this_run") + sum("contestants", n, "unasked_in_this_run")
+    answered = rays * sum("contestants", n, "answered")
+    if (whole && !refused) equal("verdicts of all answers", verdicts, n * v["rays"])
+    if (whole) truth("verdicts of all answers", verdicts >= answered && verdicts <= answered + n * (v["rays"] - rays * v["trials"]))
+    if (whole) truth("rays " v["rays"], v["rays"] >= rays * v["trials"] && v["rays"] % rays == 0 && v["rays"] <= 1.3 * rays * v["trials"])
     for (k = 0; k < n && whole; k++)
         equal("trials of a contestant", v["contestants." k ".answered"] + v["contestants." k ".refused"] + v["contestants." k ".refused_in_this_run"] + v["contestants." k ".unasked_in_this_run"], v["trials"])
     equal("states of coverage", v["coverage.reached"] + v["coverage.never.count"], v["coverage.known"])

@@ -76,11 +76,13 @@ FNR == 1 {
     hits_told[e]++
 }
 # "0x1p+1 (2)  0x0p+0 (0)  ..." against the floats at a path.
-function vector(path,  k, text) {
+function vector(path,  k, text, value) {
     text = $0
     for (k = 0; k < 3; k++) {
         match(text, /\([^)]*\)/)
-        same(path, substr(text, RSTART + 1, RLENGTH - 2), "%.9g", v[path "." k ".value"] + 0)
+        value = v[path "." k ".value"]
+        if (value == "-0.0") equal(path, substr(text, RSTART + 1, RLENGTH - 2), "-0") # a number would lose the sign
+        else same(path, substr(text, RSTART + 1, RLENGTH - 2), "%.9g", value + 0)
         text = substr(text, RSTART + RLENGTH)
     }
     vectors[$1]++
