@@ -2,6 +2,9 @@
 
 #include <math.h>
 
+/* Of the magnitudes of a place along an axis: two roundings of the sum, in double. */
+#define PLACE_SLACK 0x1p-51
+
 const tilt_axes tilts[TILTS] = {
     /* 45 degrees about an axis, then 37 both ways */
     {{1, 0, 0}, {0, 1, 1}, {0, -1, 1}},
@@ -50,7 +53,7 @@ static void add_point(struct spans *s, const float v[3])
         for (uint32_t j = 0; j < 3; j++) {
             const int8_t *a = tilts[t][j];
             double x = a[0] * (double)v[0], y = a[1] * (double)v[1], z = a[2] * (double)v[2];
-            double at = x + y + z, off = (fabs(x) + fabs(y) + fabs(z)) * 0x1p-51;
+            double at = x + y + z, off = (fabs(x) + fabs(y) + fabs(z)) * PLACE_SLACK;
             extend(s, t, j, down(at - off), up(at + off));
         }
 }

@@ -107,11 +107,22 @@ bool obb_narrow(float lo, float hi, float beside, float org, float dir, inout fl
     return any(bvec2(crossing, !any(bvec2(org < less, org > more))));
 }
 
+/* Without the sign, by its bit. */
+vec3 obb_abs(vec3 x)
+{
+    return uintBitsToFloat(floatBitsToUint(x) & 0x7FFFFFFFu);
+}
+
+float obb_abs(float x)
+{
+    return uintBitsToFloat(floatBitsToUint(x) & 0x7FFFFFFFu);
+}
+
 /* Narrows by one axis. `reach`: how far points of the node and the origin lie from 0. */
 bool obb_axis(slab_ray r, vec3 axis, vec3 reach, float origin, float step_size, uint lo, uint hi,
               inout float near, inout float far)
 {
-    vec3 size = abs(axis);
+    vec3 size = obb_abs(axis);
     precise float sum = size.x + size.y;
     precise float sizes = sum + size.z;
     precise float beside = obb_along(size, reach) * OBB_BESIDE + sizes * r.by;
@@ -129,8 +140,8 @@ bool wide_misses(slab_ray r, wide w, uint slot, float tbest)
     precise float near = least - r.behind;
     float far = tbest;
     precise vec3 extent = 255.0 * w.step_size;
-    precise vec3 reach = abs(uintBitsToFloat(w.head.xyz)) + extent;
-    precise vec3 all = reach + abs(r.o);
+    precise vec3 reach = obb_abs(uintBitsToFloat(w.head.xyz)) + extent;
+    precise vec3 all = reach + obb_abs(r.o);
     vec3 origin = uintBitsToFloat(w.tilt.xyz);
     uint c = w.tilt.w;
     vec3 axis0 = vec3(obb_component(c), obb_component(c >> 4), obb_component(c >> 8));
@@ -140,8 +151,8 @@ bool wide_misses(slab_ray r, wide w, uint slot, float tbest)
     bool in0 = obb_axis(r, axis0, all, origin.x, w.tilt_step.x, lo.x, hi.x, near, far);
     bool in1 = obb_axis(r, axis1, all, origin.y, w.tilt_step.y, lo.y, hi.y, near, far);
     bool in2 = obb_axis(r, axis2, all, origin.z, w.tilt_step.z, lo.z, hi.z, near, far);
-    precise float from = near - abs(near) * OBB_SLACK;
-    precise float to = far + abs(far) * OBB_SLACK;
+    precise float from = near - obb_abs(near) * OBB_SLACK;
+    precise float to = far + obb_abs(far) * OBB_SLACK;
     bool apart = any(bvec2(!both(in0, in1, in2), from > to));
     return both((w.head.w & 0x1000000u) != 0u, apart);
 }

@@ -113,8 +113,8 @@ static void every_variant_answers_as_the_plain_tree(void **state)
     assert_true(taken > 30);
 }
 
-/* A variant with an update follows vertices that move, there and back, and has the bits of the plain
- * tree of where they are; others have no update. */
+/* A variant with an update follows vertices that move, there and back, and has the bits of the
+ * plain tree of where they are; others have no update. */
 static void updates_follow_what_moves(void **state)
 {
     (void)state;

@@ -293,6 +293,8 @@ static void must_give_its_numbers(bool refit)
     uint32_t refused = 0, layouts_refusing = 0;
     for (size_t l = 0; layouts_all[l]; l++) {
         uint32_t before = refused;
+        if (refit && !layouts_all[l]->rebound) /* it is built anew, whatever the boxes */
+            continue;
         for (size_t f = 0; f < ARRAY_COUNT(far) && !layouts_all[l]->faithful; f++) {
             uint32_t leaf = (uint32_t)(1 + f % 3);
             struct text_case c = case_make(layouts_all[l], leaf, refit);

@@ -39,6 +39,7 @@ static inline struct finding_file generated_file(uint64_t index, uint32_t rays, 
     if (gen_trial(20, index, &options, &file.trial, &reason))
         fail_msg("%s", reason.text);
     file.trial.query = query;
+    file.trial.step_count = 0; /* others are refused */
     return file;
 }
 

@@ -104,6 +104,13 @@ static bool is_like(const struct hard_part *part, size_t i, const struct hard_su
     return answer->t == ldexpf(like->t, want->shift) - want->add;
 }
 
+/* True if quotients are rounded to nearest. Others differ from processor to processor, such as
+ * Embree's, of an estimate of the reciprocal; they are held to their bound alone. */
+static bool divides(const struct model *model)
+{
+    return model->formula == TWIN_UNKNOWN || model->rounding.div <= 1;
+}
+
 enum hard_property hard_check(const struct hard_part *part, size_t i,
                               const struct hard_subject *subject, const struct hit *answer,
                               const struct hit *like, bool excused)
@@ -120,7 +127,8 @@ enum hard_property hard_check(const struct hard_part *part, size_t i,
         return PROPERTY_ENDS;
     if (want->what & WANT_ID && hit && !subject->any && !names_one_of(part, want, answer->prim))
         return PROPERTY_ID;
-    if (want->what & WANT_T && hit && !subject->any && !(answer->t == want->t))
+    if (want->what & WANT_T && hit && !subject->any && divides(&subject->model) &&
+        !(answer->t == want->t))
         return PROPERTY_T;
     if (want->what & WANT_LIKE && like && !is_like(part, i, subject, answer, like, excused))
         return PROPERTY_LIKE;

@@ -33,7 +33,7 @@ enum hard_scope {
 #define WANT_HIT  1u /* some hit */
 #define WANT_MISS 2u /* a miss */
 #define WANT_ID   4u /* a hit names one of a set of triangles; ignored for any-hit */
-#define WANT_T    8u /* a hit has exactly this t; ignored for any-hit */
+#define WANT_T    8u /* a hit has exactly this t, if quotients are exact; ignored for any-hit */
 #define WANT_ENDS                                                                                  \
     16u               /* its exact t is an end of the range: a hit where ends count, else a miss   \
                        */
