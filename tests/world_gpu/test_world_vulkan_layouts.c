@@ -62,7 +62,7 @@ static void every_layout_has_the_bits_of_cpu(void **state)
         packed_world_free(&b.parts);
         world_free(&b.world);
     }
-    assert_true(count > 50 && families == 14);
+    assert_true(count > 50 && families == 15);
 }
 
 static void every_pair_of_tests(void **state)
