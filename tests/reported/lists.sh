@@ -1,6 +1,6 @@
 #!/bin/sh
 # raydiff explain --query all, by laws: it names what check names; a list without a fault is right for every engine;
-# hits at the same t stand for each other; and what is said of those that are lost is so.
+# hits at the same t stand for each other; and the conclusion tells truly where lost hits lie.
 #   sh tests/reported/lists.sh PATH/raydiff
 set -u
 . tests/guest/outsiders.sh
