@@ -239,6 +239,9 @@ struct engine {
      * characters at most. NULL: see engine_called. */
     const char *(*called)(const void *self);
     void (*close)(void *self); /* NULL is allowed */
+    /* Returns the name of the engine whose formula that variant of this engine has ("rayquery" of
+     * "rayquery:nan"); NULL if no variant is called so. NULL: the engine has no variants. */
+    const char *(*plain_of)(const char *name);
     /* Writes the text of `raydiff doctor`: versions, limits, or why it cannot run. */
     void (*describe)(const struct engine_options *options, char *text, size_t text_bytes);
 };

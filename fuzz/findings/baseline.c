@@ -2,7 +2,6 @@
 #include "fuzz/findings/baseline.h"
 
 #include "ref/engine.h"
-#include "ref/engines/embree_named.h"
 #include "ref/outside/pipe.h"
 #include "ref/outside/shared_object.h"
 #include "ref/files/file.h"
@@ -34,14 +33,35 @@ static const char *text_of(enum baseline_field field, size_t i)
     }
 }
 
+/* The engine in the table whose formula that variant of an engine has; NULL if it is none. */
+static const char *plain_of(const char *name)
+{
+    const char *plain = NULL;
+    for (size_t i = 0; engines[i] && !plain; i++)
+        if (engines[i]->plain_of)
+            plain = engines[i]->plain_of(name);
+    return plain;
+}
+
+/* A pattern of variants begins with their engine's name: "rayquery:*nan*". */
+static bool names_variants(const char *pattern)
+{
+    for (size_t i = 0; engines[i] && strpbrk(pattern, "*?"); i++) {
+        const size_t own = strlen(engines[i]->name);
+        if (engines[i]->plain_of && strncmp(pattern, engines[i]->name, own) == 0 &&
+            pattern[own] == ':')
+            return true;
+    }
+    return plain_of(pattern);
+}
+
 static bool can_match(enum baseline_field field, const char *pattern)
 {
     for (size_t i = 0; text_of(field, i); i++)
         if (fnmatch(pattern, text_of(field, i), 0) == 0)
             return true;
     return field == FIELD_ENGINE &&
-           (pipe_is_peer(pattern) || file_of_engine(pattern) || embree_named_plain(pattern) ||
-            (embree_is_named(pattern) && strpbrk(pattern, "*?")));
+           (pipe_is_peer(pattern) || file_of_engine(pattern) || names_variants(pattern));
 }
 
 /* Every field must be able to match something: a misspelt one would silently excuse nothing. */
@@ -141,13 +161,13 @@ static bool has_expired(const struct waiver *waiver, const char *today)
     return waiver->until && strcmp(today, waiver->until) > 0;
 }
 
-/* Whether the waiver is about a finding, or about the same of the engine of a mode's formula. */
+/* Whether the waiver is about a finding, or about the same of the engine of a variant's formula. */
 static bool is_about(const struct waiver *waiver, const struct fuzz_signature *signature,
                      const char *versions)
 {
     char name[FUZZ_SIGNATURE_MOST];
     struct fuzz_signature plain = *signature;
-    const char *engine = embree_named_plain(signature->engine);
+    const char *engine = plain_of(signature->engine);
     fuzz_signature_print(signature, name);
     if (waiver_is_about(waiver, name, versions))
         return true;

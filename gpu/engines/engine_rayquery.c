@@ -3,6 +3,7 @@
  * not used. */
 #include "gpu/accel/accel_format.h"
 #include "gpu/accel/accel_input.h"
+#include "gpu/accel/accel_variant.h"
 #include "gpu/engines/rayquery_build.h"
 #include "gpu/trace/batch.h"
 #include "gpu/trace/dispatch.h"
@@ -338,6 +339,14 @@ static void describe(const struct engine_options *options, char *text, size_t te
 }
 
 extern const struct engine engine_rayquery;
+static const char *plain_of(const char *name)
+{
+    struct accel_variant variant;
+    struct reason reason;
+    const bool is = accel_is_named(name) && !accel_parse(name, &variant, &reason);
+    return is ? engine_rayquery.name : NULL;
+}
+
 const struct engine engine_rayquery = {
     .name = "rayquery",
     .gpu = true,
@@ -350,5 +359,6 @@ const struct engine engine_rayquery = {
     .worlds = &worlds,
     .model = model,
     .close = close,
+    .plain_of = plain_of,
     .describe = describe,
 };

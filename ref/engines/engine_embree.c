@@ -1,6 +1,7 @@
 /* The engines of all modes of Embree, an independent ray tracer. */
 #include "ref/engines/embree_device.h"
 #include "ref/engines/embree_modes.h"
+#include "ref/engines/embree_named.h"
 #include "ref/twin/model.h"
 
 static enum status embree_open(const struct engine_options *options, void **self,
@@ -72,6 +73,7 @@ const struct engine engine_embree = {
     .model = embree_model,
     .called = embree_called,
     .close = embree_close,
+    .plain_of = embree_named_plain,
     .describe = embree_describe,
 };
 

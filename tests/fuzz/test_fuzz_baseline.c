@@ -120,6 +120,8 @@ static void bad_lines_are_refused(void **state)
         {"*.*.*.nothing until - why" LINK, "list:1: no cause is called 'nothing'"},
         {"cpu.f33.*.* until - why" LINK, "list:1: no layout is called 'f33'"},
         {"gpu.*.*.* until - why" LINK, "list:1: no engine is called 'gpu'"},
+        {"rayquery:u17.-.*.* until - why" LINK, "list:1: no engine is called 'rayquery:u17'"},
+        {"cpu:*.*.*.* until - why" LINK, "list:1: no engine is called 'cpu:*'"},
         {"*.*.bits.* until - why" LINK "*.*.bits.* until - how" LINK, "list:2: line 1 has"},
         {"*.*.bits.* until - wh\x01y" LINK, "list:1: a control character"},
     };
@@ -258,8 +260,8 @@ static void today_is_a_day(void **state)
     baseline_close(&b);
 }
 
-/* What is known of an engine is known of its modes, by their formula, and of no other. */
-static void modes_of_embree_have_the_faults_of_their_formula(void **state)
+/* What is known of an engine is known of its variants, by their formula, and of no other. */
+static void variants_have_the_faults_of_their_formula(void **state)
 {
     (void)state;
     static const struct {
@@ -277,6 +279,12 @@ static void modes_of_embree_have_the_faults_of_their_formula(void **state)
         {"embree:sse2", "embree:avx", BASELINE_NEW},
         {"embree:sse2", "embree", BASELINE_NEW},
         {"embree", "vulkan:opt", BASELINE_NEW},
+        {"rayquery", "rayquery:u16", BASELINE_KNOWN},
+        {"rayquery", "rayquery:update:clone", BASELINE_KNOWN},
+        {"rayquery", "rayquery:opt", BASELINE_NEW},
+        {"rayquery:*nan*", "rayquery:split2:nan", BASELINE_KNOWN},
+        {"rayquery:*nan*", "rayquery:split2", BASELINE_NEW},
+        {"rayquery:u16", "rayquery", BASELINE_NEW},
     };
     for (size_t i = 0; i < ARRAY_COUNT(cases); i++) {
         char line[200], signature[100];
@@ -294,7 +302,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(today_is_the_same_everywhere),
-        cmocka_unit_test(modes_of_embree_have_the_faults_of_their_formula),
+        cmocka_unit_test(variants_have_the_faults_of_their_formula),
         cmocka_unit_test(entries_excuse_until_their_day),
         cmocka_unit_test(bad_lines_are_refused),
         cmocka_unit_test(days_are_those_of_the_calendar),

@@ -84,20 +84,23 @@ apart() {
 }
 
 # walk 'COMMAND WORDS' 'OPTION=VALUE ...': these are used, all others that any command knows refused. A
-# '~' before an option: nothing of the output can show it. '@' as value: a file that it writes.
+# '~' before an option: nothing of the output can show it. A '%': it is used, and another walk tries it. '@' as value: a
+# file that it writes.
 walk() {
     base=$1
     command=${base%% *}
     case ${walked:-$command} in "$command") ;; *) return ;; esac
     uses=" $(echo $2) "
+    knows=$(cat "$dir/knows.$command")
     look $base
     mv "$dir/seen" "$dir/plain"
     for use in $uses; do
+        case $use in %*) continue ;; esac
         name=${use#\~}
         option=${name%%=*}
         given=${name#*=}
         pairs=$((pairs + 1))
-        case "$(cat "$dir/knows.$command") " in *" $option "*) ;; *) bad "$command --help has no --$option" ;; esac
+        case "$knows " in *" $option "*) ;; *) bad "$command --help has no --$option" ;; esac
         [ "$given" != @ ] || given=$files/y.$option
         [ "$given" != "$files/y.out" ] || given=$files/y.png
         # No option is given twice: the base has its own value.
@@ -117,9 +120,9 @@ walk() {
     done
     apart
     for option in $every; do
-        case $uses in *" $option "* | *" ~$option "* | *" $option="* | *" ~$option="*) continue ;; esac
+        case $uses in *" $option "* | *" ~$option "* | *" %$option "* | *" $option="* | *" ~$option="*) continue ;; esac
         # What the command knows nothing of is tried once.
-        case " $done $(cat "$dir/knows.$command") " in *" $command "*" $option "*) ;; *" $command "*) continue ;; esac
+        case " $done $knows " in *" $command "*" $option "*) ;; *" $command "*) continue ;; esac
         pairs=$((pairs + 1))
         value_of "$option"
         case $option,$command in tap,conform | benchmark,render | turns,fuzz) value= ;; esac
@@ -206,8 +209,11 @@ walk 'conform hard.01-* --list --engine cpu' 'engine=brute layout=rf16 builder=p
 walk 'conform world.*.identity.*.1.1 --list --engine cpu' 'engine=brute layout=rf16 builder=ploc box=watertight tri=woop ~list
     ~worlds'
 walk 'bench builders --scene soup:n=40 --rounds 1 --threads 1' 'scene=soup:n=41 ~rounds=2 csv=@ json=@ threads=2 wide color=always'
-walk 'bench layouts --scene soup:n=40,seed=2 --count 64 --rounds 1 --layout f32 --engine vulkan --compiler size' "scene=soup:n=41 layout=rf16 engine=vulkan_stackless ~count=70 ~rounds=2 csv=@ json=@ ~seed=3
-    ~bvh=$dir/soup.json compiler=opt decorate=final buffers=reference ~driver=stock ~device=0 ~workgroup=32 wide color=always"
+walk 'bench layouts --scene soup:n=40,seed=2 --count 64 --rounds 1 --layout f32 --engine vulkan --compiler size' "%scene %layout
+    engine=vulkan_stackless %count %rounds %csv %json %seed %bvh compiler=opt decorate=final buffers=reference ~driver=stock
+    ~device=0 ~workgroup=32 %wide %color"
+walk 'bench layouts --scene soup:n=40,seed=2 --count 64 --rounds 1 --layout f32 --engine cpu' "scene=soup:n=41 layout=rf16
+    engine=cpu_stackless ~count=70 ~rounds=2 csv=@ json=@ ~seed=3 ~bvh=$dir/soup.json ~threads=1 wide color=always"
 walk 'bench fuzz --count 3 --rounds 1 --engine cpu --layout f32' '~count=4 ~rounds=2 csv=@ ~seed=3 json=@ engine=cpu_stackless
     layout=f32,rf16'
 bench='--scene cornell --count 64 --rounds 1'
