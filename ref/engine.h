@@ -200,6 +200,8 @@ struct engine {
      * changes. The engine updates what it holds. Errors: as prepare; then it holds nothing. NULL:
      * it cannot, and is prepared anew (engine_follow). */
     enum status (*move)(void *self, const struct job *job, struct reason *reason);
+    /* Whether this opened engine has move at all. NULL: it does. */
+    bool (*moves)(const void *self);
     /* Traces ray_count rays (0 is allowed). Errors: STATUS_DEVICE the device was lost, or a ray was
      * not finished (stack or loop exhausted: the reason names the ray and the cause);
      * STATUS_MEMORY. */
@@ -246,13 +248,19 @@ struct engine {
     void (*describe)(const struct engine_options *options, char *text, size_t text_bytes);
 };
 
+/* Whether an opened engine updates what it holds when vertices have moved. */
+static inline bool engine_moves(const struct engine *engine, const void *self)
+{
+    return engine->move && (!engine->moves || engine->moves(self));
+}
+
 /* Prepares an opened engine with the next job of a life (ref/packed/life.h). `refitted`: its tree
  * was refitted, not built again. Errors: as engine.prepare. */
 static inline enum status engine_follow(const struct engine *engine, void *self,
                                         const struct job *job, bool refitted, struct reason *reason)
 {
-    return refitted && engine->move ? engine->move(self, job, reason)
-                                    : engine->prepare(self, job, reason);
+    return refitted && engine_moves(engine, self) ? engine->move(self, job, reason)
+                                                  : engine->prepare(self, job, reason);
 }
 
 /* How an opened engine is called when it is timed. */

@@ -20,7 +20,8 @@
 extern "C" {
 #endif
 
-#define RAYDIFF_ENGINE_VERSION 1u
+/* Version 1 ends before `move`, and has no MOVE; raydiff takes its tables as they are. */
+#define RAYDIFF_ENGINE_VERSION 2u
 #define RAYDIFF_ENGINE_NONE    0xFFFFFFFFu /* no triangle, no mesh, no custom index */
 
 /* What functions return. With all but OK, `reason` has one line of text that tells why. */
@@ -37,6 +38,7 @@ enum raydiff_engine_status {
 #define RAYDIFF_ENGINE_ALL     4u  /* all hits: build, trace_all */
 #define RAYDIFF_ENGINE_WORLDS  8u  /* instances, masks, filters: build_world, trace_world */
 #define RAYDIFF_ENGINE_NATIVE  16u /* ray buffers of its own: rays_make and the three behind it */
+#define RAYDIFF_ENGINE_MOVE    32u /* an update of the scene when vertices have moved: move */
 
 enum raydiff_engine_query { RAYDIFF_ENGINE_QUERY_CLOSEST = 0, RAYDIFF_ENGINE_QUERY_ANY = 1 };
 
@@ -50,7 +52,7 @@ struct raydiff_engine_options {
 /* --- scenes ----------------------------------------------------------------------------------- */
 
 /* Triangles. Triangle i has the vertices index[3i .. 3i+2], each of three floats. Arrays of a count
- * of 0 may be NULL. All is valid until the next build or close. */
+ * of 0 may be NULL. All is valid until the next build, move or close. */
 struct raydiff_engine_mesh {
     const float *vertex;
     const uint32_t *index;
@@ -201,6 +203,12 @@ struct raydiff_engine {
     /* Describe an opened tracer. NULL: all 0. *out is 0 before the call. */
     void (*model)(void *self, struct raydiff_engine_model *out);
     void (*memory)(void *self, struct raydiff_engine_memory *out);
+
+    /* With MOVE. Called after a build or move that returned OK, in place of a build: the vertices
+     * have moved; numbers of vertices and triangles are the same, and so is each index. The arrays
+     * of the mesh before are no longer valid. It may refit what it has, or build anew. With all but
+     * OK it holds no scene. */
+    int (*move)(void *self, const struct raydiff_engine_mesh *mesh, char *reason);
 };
 
 /* The function that the shared object exports. The table is valid as long as the object is

@@ -47,7 +47,7 @@ GUESTS := $(addprefix $(B)/samples/guest_,brute.so bad.so none.so)
 $(GUESTS): ref/raydiff_engine.h
 	@mkdir -p $(@D)
 	$(call warned,$(CC) -std=gnu11 -O2 -ffp-contract=off $(WARN) $(GUEST_FLAGS) -shared -fPIC -I. -o $@ $(filter %.c,$^))
-$(B)/tests/test_guest $(addprefix $(B)/tests/test_guest_,load world lists): | $(GUESTS)
+$(B)/tests/test_guest $(addprefix $(B)/tests/test_guest_,load world lists move): | $(GUESTS)
 
 # The oracle is checked against GMP rationals, which only tests use.
 ORACLE_TESTS := $(filter $(B)/tests/test_oracle%,$(TESTS))

@@ -1,7 +1,8 @@
 /* The smallest tracer that raydiff can judge: every triangle for every ray, Moeller and Trumbore
  * 1997. The protocol: ref/outside/pipe.h, of which nothing needs to be included.
  *   cc -O2 -o tracer tracer.c && raydiff check sphere --engine 'pipe:./tracer'
- * With -DBUG=1 an edge is tested wrongly, with -DBUG=2 a later triangle hides a nearer one. */
+ * With -DBUG=1 an edge is tested wrongly, with -DBUG=2 a later triangle hides a nearer one, with
+ * -DBUG=3 vertices stay where they were. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,7 +15,8 @@ struct request {
     char magic[4];
     uint32_t version, query, vertices, triangles, rays, same, zero;
 };
-struct answer { /* formula 1: `mt`, rounding 0: IEEE; all 0 would say nothing of how it counts */
+/* formula 1: `mt`, rounding 0: IEEE; all 0 would say nothing of how it counts. Flag 64: updates */
+struct answer {
     char magic[4];
     uint32_t version, refused, count, formula, rounding, flags, zero;
 };
@@ -72,13 +74,17 @@ int main(void)
     while (fread(&q, sizeof q, 1, stdin) == 1) {
         if (memcmp(q.magic, "RDRQ", 4) != 0 || q.version != 1)
             return 1;
-        if (!q.same) {
+        if (q.same == 0) {
             free(vertex), free(index);
             vertex = take(q.vertices, 3 * sizeof *vertex);
             index = take(q.triangles, 3 * sizeof *index);
+        } else if (q.same == 2) { /* an update: only the vertices, which have moved */
+            float *moved = take(q.vertices, 3 * sizeof *vertex);
+            memcpy(vertex, moved, BUG == 3 ? 0 : q.vertices * 3 * sizeof *vertex);
+            free(moved);
         }
         struct ray *ray = take(q.rays, sizeof *ray);
-        struct answer head = {"RDRA", 1, 0, q.rays, 1, 0, 0, 0};
+        struct answer head = {"RDRA", 1, 0, q.rays, 1, 0, 64, 0};
         fwrite(&head, sizeof head, 1, stdout);
         for (uint32_t i = 0; i < q.rays; i++) {
             struct hit best = {0, 0, 0, 0xFFFFFFFFu}, h;

@@ -11,12 +11,17 @@
 
 #define NAME_MOST 31
 
+/* A table of version 1 ends before its `move`. */
+#define OLD_VERSION 1u
+#define OLD_BYTES   offsetof(struct raydiff_engine, move)
+
 /* The name of the first function that the table needs and does not have; NULL: none. */
 static const char *missing(const struct raydiff_engine *table)
 {
     const bool scenes = table->can & (RAYDIFF_ENGINE_CLOSEST | RAYDIFF_ENGINE_ANY),
                all = table->can & RAYDIFF_ENGINE_ALL, worlds = table->can & RAYDIFF_ENGINE_WORLDS,
-               native = table->can & RAYDIFF_ENGINE_NATIVE;
+               native = table->can & RAYDIFF_ENGINE_NATIVE,
+               moves = table->can & RAYDIFF_ENGINE_MOVE;
     const struct {
         const char *name;
         bool fine;
@@ -30,20 +35,28 @@ static const char *missing(const struct raydiff_engine *table)
                  {"rays_make", table->rays_make || !native},
                  {"rays_trace", table->rays_trace || !native},
                  {"hits_read", table->hits_read || !native},
-                 {"rays_free", table->rays_free || !native}};
+                 {"rays_free", table->rays_free || !native},
+                 {"move", !moves || table->move}}; /* which a table of version 1 does not have */
     for (size_t i = 0; i < ARRAY_COUNT(needs); i++)
         if (!needs[i].fine)
             return needs[i].name;
     return NULL;
 }
 
+static bool is_old(const struct raydiff_engine *table)
+{
+    return table->version == OLD_VERSION && table->bytes == OLD_BYTES;
+}
+
 enum status guest_check(const char *path, const struct raydiff_engine *table, struct reason *reason)
 {
-    const uint32_t known = RAYDIFF_ENGINE_CLOSEST | RAYDIFF_ENGINE_ANY | RAYDIFF_ENGINE_ALL |
-                           RAYDIFF_ENGINE_WORLDS | RAYDIFF_ENGINE_NATIVE;
     if (!table)
         return fail(reason, STATUS_INPUT, "%.120s: raydiff_engine() returns NULL", path);
-    if (table->version != RAYDIFF_ENGINE_VERSION || table->bytes != sizeof *table)
+    const bool old = is_old(table);
+    const uint32_t known = RAYDIFF_ENGINE_CLOSEST | RAYDIFF_ENGINE_ANY | RAYDIFF_ENGINE_ALL |
+                           RAYDIFF_ENGINE_WORLDS | RAYDIFF_ENGINE_NATIVE |
+                           (old ? 0u : RAYDIFF_ENGINE_MOVE);
+    if (!old && (table->version != RAYDIFF_ENGINE_VERSION || table->bytes != sizeof *table))
         return fail(reason, STATUS_INPUT,
                     "%.120s: version %u of %u bytes, this raydiff has %u of %zu: compile it with "
                     "its ref/raydiff_engine.h",
@@ -94,6 +107,10 @@ enum status guest_load(const char *path, struct guest *out, struct reason *reaso
     strcpy(out->path, path);
     out->handle = handle;
     out->table = table;
+    if (is_old(table)) {
+        memcpy(&out->whole, table, OLD_BYTES);
+        out->table = &out->whole;
+    }
     return STATUS_OK;
 }
 
@@ -192,6 +209,15 @@ enum status guest_build(struct guest *guest, const struct raydiff_engine_mesh *m
     return status
                ? status
                : told(guest, "build", guest->table->build(guest->self, mesh, text), text, reason);
+}
+
+enum status guest_move(struct guest *guest, const struct raydiff_engine_mesh *mesh,
+                       struct reason *reason)
+{
+    char text[RAYDIFF_ENGINE_REASON] = "";
+    enum status status = cannot(guest, RAYDIFF_ENGINE_MOVE, "MOVE", reason);
+    return status ? status
+                  : told(guest, "move", guest->table->move(guest->self, mesh, text), text, reason);
 }
 
 /* Any hits need ANY, or the nearest is one. */

@@ -14,11 +14,13 @@ struct guest {
     char path[GUEST_PATH_MOST]; /* as named, for reasons */
     void *handle;
     const struct raydiff_engine *table;
-    void *self; /* NULL: not open */
+    struct raydiff_engine whole; /* of a table of version 1: the same with what it lacks */
+    void *self;                  /* NULL: not open */
 };
 
-/* Loads the object and checks its table. Errors: STATUS_INPUT "PATH: rule": no regular file, no
- * shared object, no raydiff_engine(), another version, a function that is missing. */
+/* Loads the object and checks its table. *out must stay where it is until guest_close. Errors:
+ * STATUS_INPUT "PATH: rule": no regular file, no shared object, no raydiff_engine(), another
+ * version, a function that is missing. */
 enum status guest_load(const char *path, struct guest *out, struct reason *reason) MUST_USE;
 
 #define GUEST_TRY_MS 10000u
@@ -55,6 +57,8 @@ struct raydiff_engine_memory guest_memory(const struct guest *guest);
  * what its `can` does not have. */
 enum status guest_build(struct guest *guest, const struct raydiff_engine_mesh *mesh,
                         struct reason *reason) MUST_USE;
+enum status guest_move(struct guest *guest, const struct raydiff_engine_mesh *mesh,
+                       struct reason *reason) MUST_USE;
 enum status guest_trace(struct guest *guest, const struct raydiff_engine_ray *ray, size_t count,
                         uint32_t query, struct raydiff_engine_hit *hit,
                         struct reason *reason) MUST_USE;

@@ -58,14 +58,19 @@ static enum status inmate_open(const char *name, const struct engine_options *op
 
 /* --- scenes ----------------------------------------------------------------------------------- */
 
+static struct raydiff_engine_mesh mesh_of(const struct scene *scene)
+{
+    return (struct raydiff_engine_mesh){.vertex = scene->vertex,
+                                        .index = scene->index,
+                                        .vertex_count = scene->vertex_count,
+                                        .triangle_count = scene->tri_count};
+}
+
 static enum status inmate_prepare(void *self, const struct job *job, struct reason *reason)
 {
     struct inmate *inmate = self;
     const struct scene *scene = job->scene;
-    const struct raydiff_engine_mesh mesh = {.vertex = scene->vertex,
-                                             .index = scene->index,
-                                             .vertex_count = scene->vertex_count,
-                                             .triangle_count = scene->tri_count};
+    const struct raydiff_engine_mesh mesh = mesh_of(scene);
     if (job->query == QUERY_ALL && !guest_can(&inmate->guest, RAYDIFF_ENGINE_ALL))
         return fail(reason, STATUS_UNSUPPORTED, "%.80s cannot list all hits: its `can` has no ALL",
                     inmate->guest.path);
@@ -73,6 +78,17 @@ static enum status inmate_prepare(void *self, const struct job *job, struct reas
     inmate->triangles = scene->tri_count;
     inmate->query = job->query;
     return guest_build(&inmate->guest, &mesh, reason);
+}
+
+static bool inmate_moves(const void *self)
+{
+    return guest_can(&((const struct inmate *)self)->guest, RAYDIFF_ENGINE_MOVE);
+}
+
+static enum status inmate_move(void *self, const struct job *job, struct reason *reason)
+{
+    const struct raydiff_engine_mesh mesh = mesh_of(job->scene);
+    return guest_move(&((struct inmate *)self)->guest, &mesh, reason);
 }
 
 /* Checks that a hit's triangle is in the scene; t, u and v may be anything: the judge finds wrong
@@ -306,6 +322,8 @@ ENGINE_PLACES(ENGINE_PLACE)
      .own_tri = true,                                                                              \
      .open = open_##n,                                                                             \
      .prepare = inmate_prepare,                                                                    \
+     .move = inmate_move,                                                                          \
+     .moves = inmate_moves,                                                                        \
      .trace = inmate_trace,                                                                        \
      .trace_all = inmate_trace_all,                                                                \
      .lists = inmate_lists,                                                                        \

@@ -92,6 +92,16 @@ static bool read_world(struct host *host, const struct pipe_request *request)
                      &at);
 }
 
+static struct raydiff_engine_mesh mesh_of(const struct host *host,
+                                          const struct pipe_request *request)
+{
+    return (struct raydiff_engine_mesh){
+        .vertex = (const void *)host->subject,
+        .index = (const void *)(host->subject + 12 * (size_t)request->vertices),
+        .vertex_count = request->vertices,
+        .triangle_count = request->triangles};
+}
+
 /* Builds from the subject that was read. A refusal is kept, for this subject's later requests. */
 static enum status build(struct host *host, const struct pipe_request *request,
                          struct reason *reason)
@@ -104,12 +114,9 @@ static enum status build(struct host *host, const struct pipe_request *request,
         status = host->mesh ? guest_build_world(&host->guest, &world, reason)
                             : fail(reason, STATUS_MEMORY, "no memory for a world");
     } else {
-        const struct raydiff_engine_mesh mesh = {
-            .vertex = (const void *)host->subject,
-            .index = (const void *)(host->subject + 12 * (size_t)request->vertices),
-            .vertex_count = request->vertices,
-            .triangle_count = request->triangles};
-        status = guest_build(&host->guest, &mesh, reason);
+        const struct raydiff_engine_mesh mesh = mesh_of(host, request);
+        status = request->same == PIPE_SAME_MOVED ? guest_move(&host->guest, &mesh, reason)
+                                                  : guest_build(&host->guest, &mesh, reason);
     }
     if (status == STATUS_REFUSED)
         host->refused = *reason;
@@ -120,6 +127,9 @@ static enum status build(struct host *host, const struct pipe_request *request,
 static bool read_subject(struct host *host, const struct pipe_request *request)
 {
     size_t at;
+    if (request->same == PIPE_SAME_MOVED)
+        return 12 * ((size_t)request->vertices + request->triangles) == host->subject_size &&
+               read_all(host, host->subject, 12 * (size_t)request->vertices);
     host->subject_size = 0;
     host->refused.text[0] = '\0';
     if (request->version == PIPE_VERSION_WORLD)
@@ -166,10 +176,11 @@ static struct pipe_answer head_of(const struct host *host, const struct pipe_req
     head.formula = model.formula;
     head.rounding = model.rounding;
     head.flags = model.flags & ~PIPE_FLAGS_CAN; /* these would be taken for what it can */
-    head.flags |= model.flags & PIPE_FLAGS_CAN ? 2 * PIPE_FLAG_MEMORY : 0u;
+    head.flags |= model.flags & PIPE_FLAGS_CAN ? 2 * PIPE_FLAG_MOVES : 0u;
     head.flags |= guest_can(&host->guest, RAYDIFF_ENGINE_WORLDS) ? PIPE_FLAG_WORLDS : 0u;
     head.flags |= guest_can(&host->guest, RAYDIFF_ENGINE_ALL) ? PIPE_FLAG_LISTS : 0u;
     head.flags |= host->guest.table->memory ? PIPE_FLAG_MEMORY : 0u;
+    head.flags |= guest_can(&host->guest, RAYDIFF_ENGINE_MOVE) ? PIPE_FLAG_MOVES : 0u;
     head.zero = float_bits(model.displacement);
     return head;
 }
@@ -256,14 +267,15 @@ static enum status serve(struct host *host, uint32_t threads, struct reason *rea
     enum status status = STATUS_OK;
     for (bool opening = true; !status && read_all(host, &request, sizeof request);
          opening = false) {
-        if (!request.same && !read_subject(host, &request))
+        const bool other = request.same != PIPE_SAME;
+        if (other && !read_subject(host, &request))
             return STATUS_OK;
         if (opening) {
             status = guest_open(&host->guest, threads, reason);
             if (status == STATUS_UNSUPPORTED)
                 host->refused = *reason;
             status = status == STATUS_UNSUPPORTED ? STATUS_OK : status;
-        } else if (!request.same) {
+        } else if (other) {
             status = build(host, &request, reason);
         }
         if (!status && !answer(host, &request, opening, &status, reason))

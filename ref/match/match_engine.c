@@ -35,7 +35,6 @@ void match_row_life(const struct match *match, const struct engine *engine, stru
     if (!life || (engine->needs_packed && !match->tree))
         return;
     row->life.fate = fate_of(match, engine, life->count);
-    row->life.updated = engine->move && row->life.fate == LIFE_REFITTED;
 }
 
 /* Takes an engine through the steps. */

@@ -23,7 +23,7 @@ static inline struct ray_mode match_mode(const struct match *match, size_t i)
     return match->mode ? match->mode[i] : ray_mode_all();
 }
 
-/* Fills in row->life. */
+/* Fills in row->life, but for `updated`, which the opened engine decides. */
 void match_row_life(const struct match *match, const struct engine *engine, struct row *row);
 
 /* As job_keeps_watertight. */

@@ -18,7 +18,8 @@
  *   rounding  0 IEEE, 1 IEEE with subnormals flushed, 2 Vulkan, 3 Vulkan with RTE, 4 Embree
  *   flags     1: tmin < t < tmax; 2: watertight; 4: any-hits do not name their triangle
  *
- *             8: it traces worlds, too; 16: it lists all hits; 32: it tells what it holds
+ *             8: it traces worlds, too; 16: it lists all hits; 32: it tells what it holds;
+ *             64: it takes updates
  *
  * All 0 is always valid: the judge then computes how far vertices must move to make an answer right
  * (ref/judge/judge.h). docs/my-engine.md has the rules for the process.
@@ -30,6 +31,11 @@
  * A peer with flag 32 puts six words behind the head of each answer but the first and refusals:
  * three numbers of bytes, each its lower half and its upper half, of its nodes, of triangles in the
  * form that it reads, and of all else that it holds; 0: not known.
+ *
+ * A peer with flag 64 may be sent `same` 2 in version 1: the scene of the request before, with
+ * other vertices. Behind the head stand per vertex x y z, then the rays; numbers of vertices and
+ * triangles are those of the scene, and so are the triangles. It may refit what it has, or build
+ * anew.
  *
  * A peer with flag 8 is sent worlds (ref/world/world.h), in version 2, whose words have the same
  * first eight:
@@ -84,6 +90,10 @@ struct pipe_answer {
     uint32_t version, refused, count, formula, rounding, flags, zero;
 };
 
+/* Values of `same`, but 0. */
+#define PIPE_SAME       1u
+#define PIPE_SAME_MOVED 2u
+
 #define PIPE_REFUSED_MOST    256u /* bytes of the text of a refusal */
 #define PIPE_FLAG_OPEN       1u
 #define PIPE_FLAG_WATERTIGHT 2u
@@ -92,7 +102,8 @@ struct pipe_answer {
 #define PIPE_FLAG_WORLDS 8u
 #define PIPE_FLAG_LISTS  16u
 #define PIPE_FLAG_MEMORY 32u
-#define PIPE_FLAGS_CAN   (PIPE_FLAG_WORLDS | PIPE_FLAG_LISTS | PIPE_FLAG_MEMORY)
+#define PIPE_FLAG_MOVES  64u
+#define PIPE_FLAGS_CAN   (PIPE_FLAG_WORLDS | PIPE_FLAG_LISTS | PIPE_FLAG_MEMORY | PIPE_FLAG_MOVES)
 
 #define PIPE_QUERY_LISTS 2u
 

@@ -66,20 +66,10 @@ static bool tracer_lists(const void *self)
     return (((const struct pipe_tracer *)self)->peer.head.flags & PIPE_FLAG_LISTS) != 0;
 }
 
-/* Sends the scene with a request of no rays, so that the peer builds its tree outside the timed
- * calls, and can refuse the scene. */
-static enum status tracer_prepare(void *self, const struct job *job, struct reason *reason)
+static struct pipe_subject subject_of(const struct job *job)
 {
-    struct pipe_tracer *tracer = self;
-    struct pipe_peer *peer = &tracer->peer;
     const struct scene *scene = job->scene;
-    if (job->query == QUERY_ALL && !tracer_lists(tracer))
-        return fail(reason, STATUS_UNSUPPORTED, "%.80s cannot list all hits: its %s", peer->name,
-                    object_of_engine(peer->name) ? "`can` has no ALL" : "flags have no 16");
-    tracer->world = NULL;
-    tracer->triangles = scene->tri_count;
-    tracer->query = job->query;
-    peer->subject = (struct pipe_subject){
+    return (struct pipe_subject){
         .head = {.magic = {'R', 'D', 'R', 'Q'},
                  .version = PIPE_VERSION,
                  .query = (uint32_t)job->query,
@@ -87,6 +77,36 @@ static enum status tracer_prepare(void *self, const struct job *job, struct reas
                  .triangles = scene->tri_count},
         .part = {{scene->vertex, 3 * sizeof(float) * (size_t)scene->vertex_count},
                  {scene->index, 3 * sizeof(uint32_t) * (size_t)scene->tri_count}}};
+}
+
+/* Sends the scene with a request of no rays, so that the peer builds its tree outside the timed
+ * calls, and can refuse the scene. */
+static enum status tracer_prepare(void *self, const struct job *job, struct reason *reason)
+{
+    struct pipe_tracer *tracer = self;
+    struct pipe_peer *peer = &tracer->peer;
+    if (job->query == QUERY_ALL && !tracer_lists(tracer))
+        return fail(reason, STATUS_UNSUPPORTED, "%.80s cannot list all hits: its %s", peer->name,
+                    object_of_engine(peer->name) ? "`can` has no ALL" : "flags have no 16");
+    tracer->world = NULL;
+    tracer->triangles = job->scene->tri_count;
+    tracer->query = job->query;
+    peer->subject = subject_of(job);
+    peer->has_subject = peer->moved = false;
+    return pipe_peer_need(peer, reason);
+}
+
+static bool tracer_moves(const void *self)
+{
+    return (((const struct pipe_tracer *)self)->peer.head.flags & PIPE_FLAG_MOVES) != 0;
+}
+
+/* Sends the vertices alone, if the peer still has the scene before. */
+static enum status tracer_move(void *self, const struct job *job, struct reason *reason)
+{
+    struct pipe_peer *peer = &((struct pipe_tracer *)self)->peer;
+    peer->subject = subject_of(job);
+    peer->moved = peer->has_subject;
     peer->has_subject = false;
     return pipe_peer_need(peer, reason);
 }
@@ -224,7 +244,7 @@ static enum status tracer_prepare_world(void *self, const struct world_job *job,
                                                    .vertices = job->world->mesh_count,
                                                    .triangles = job->world->instance_count},
                                           .part = {{tracer->words, size}}};
-    peer->has_subject = false;
+    peer->has_subject = peer->moved = false;
     return pipe_peer_need(peer, reason);
 }
 
@@ -342,6 +362,8 @@ ENGINE_PLACES(ENGINE_PLACE)
      .own_tri = true,                                                                              \
      .open = open_##n,                                                                             \
      .prepare = tracer_prepare,                                                                    \
+     .move = tracer_move,                                                                          \
+     .moves = tracer_moves,                                                                        \
      .trace = tracer_trace,                                                                        \
      .trace_all = tracer_trace_all,                                                                \
      .lists = tracer_lists,                                                                        \
@@ -352,21 +374,6 @@ ENGINE_PLACES(ENGINE_PLACE)
      .describe = describe_##n},
 
 static const struct engine engine_of[] = {ENGINE_PLACES(ENGINE)};
-
-const char *pipe_engines_behind(const char *name)
-{
-    char rest[PIPE_NAME_MOST + 1];
-    const char *first = NULL;
-    snprintf(rest, sizeof rest, "%s", name);
-    for (char *comma; (comma = strrchr(rest, ',')) && engine_find(comma + 1); *comma = '\0')
-        first = name + (comma - rest);
-    return first;
-}
-
-bool pipe_is_peer(const char *name)
-{
-    return strncmp(name, PIPE_PREFIX, strlen(PIPE_PREFIX)) == 0 || object_of_engine(name) == name;
-}
 
 enum status pipe_engine(const char *name, const struct engine **out, struct reason *reason)
 {

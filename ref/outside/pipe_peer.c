@@ -20,7 +20,7 @@ struct asked {
 void pipe_peer_end(struct pipe_peer *peer)
 {
     pipe_child_stop(&peer->child);
-    peer->has_subject = false;
+    peer->has_subject = peer->moved = false;
 }
 
 /* Ends the peer. The reason contains its name, `what` and its standard error. */
@@ -210,21 +210,23 @@ static enum status ask(struct pipe_peer *peer, const struct asked *asked, struct
     const struct pipe_rays *rays = asked->rays;
     struct pipe_request request = subject->head;
     request.rays = (uint32_t)rays->count;
-    request.same = peer->has_subject;
+    request.same = peer->has_subject ? PIPE_SAME : peer->moved ? PIPE_SAME_MOVED : 0;
     request.zero = rays->list ? rays->capacity : 0;
-    const struct pipe_part part[] = {{&request, sizeof request},
-                                     {subject->part[0].bytes, subject->part[0].size},
-                                     {subject->part[1].bytes, subject->part[1].size},
-                                     {rays->ray, rays->count * rays->ray_bytes}};
-    const struct pipe_part again[] = {part[0], part[3]}; /* without the subject */
+    struct pipe_part part[4] = {{&request, sizeof request}};
+    size_t parts = 1; /* of the subject what the peer does not have */
+    if (request.same != PIPE_SAME)
+        part[parts++] = subject->part[0];
+    if (request.same == 0)
+        part[parts++] = subject->part[1];
+    part[parts++] = (struct pipe_part){rays->ray, rays->count * rays->ray_bytes};
     struct pipe_talk talk = {.child = &peer->child,
-                             .part = peer->has_subject ? again : part,
-                             .part_count =
-                                 peer->has_subject ? ARRAY_COUNT(again) : ARRAY_COUNT(part),
+                             .part = part,
+                             .part_count = parts,
                              .deadline_ns = time_ns() + (uint64_t)peer->options.peer_ms * 1000000u};
     struct pipe_answer head;
     peer->fault = ENGINE_NONSENSE; /* unless it is set below */
     peer->fault_ray = rays->first;
+    peer->moved = false;
     if (!asked->opening && pipe_child_is_early(&peer->child)) /* else its bytes are shown */
         return blame(peer, STATUS_DEVICE, reason, "wrote more bytes after its previous answer");
     enum pipe_end end = pipe_talk(&talk, &head, sizeof head, false);

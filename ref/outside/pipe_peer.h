@@ -23,6 +23,7 @@ struct pipe_peer {
     struct pipe_child child; /* zero: not running */
     struct pipe_subject subject;
     bool has_subject;          /* the peer has it */
+    bool moved;                /* it has it, but for the vertices: these are part[0] */
     struct pipe_answer head;   /* of its first answer: describes its arithmetic */
     struct pipe_memory memory; /* as it last told; 0: not known */
     struct model model;

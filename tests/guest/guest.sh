@@ -13,7 +13,7 @@ cc -std=c11 $strict "-I$root" -DBUG=1 -o brute_bug.so "$samples/brute_engine.c" 
 c++ -std=c++11 $strict "-I$root" -o bvh.so "$samples/bvh_engine.cpp" || bad 'the tracer in C++'
 c++ -std=c++11 $strict "-I$root" -DBUG=1 -o bvh_bug.so "$samples/bvh_engine.cpp" || bad 'its bug'
 c++ -std=c++11 $strict "-I$root" -DBUG=2 -o bvh_crash.so "$samples/bvh_engine.cpp" || bad 'its crash'
-[ "$(wc -l <"$samples/bvh_engine.cpp")" -le 110 ] || bad 'the tracer in C++ is no short one'
+[ "$(wc -l <"$samples/bvh_engine.cpp")" -le 129 ] || bad 'the tracer in C++ is no short one'
 cc -O2 -shared -fPIC "-I$root" -o guest.so "$root/tests/peers/guest_bad.c" || bad 'the guest of tests'
 cc -O2 -shared -fPIC "-I$root" -DSYMBOL=other -o none.so "$root/tests/peers/guest_bad.c" || bad 'none'
 printf '#include "ref/raydiff_engine.h"\n#include "ref/plugin.h"\nint main() { return 0; }\n' >both.cpp
@@ -59,6 +59,24 @@ expect 2 'name its file: --engine PATH/FILE.so' replay small.trial
 mkdir -p mended && cp bvh.so mended/bvh_bug.so # a name without its folder is the same
 expect 0 'does not fail' replay --brief small.trial --engine mended/bvh_bug.so
 
+# --- vertices move, and an object of version 1 does without that
+steps='--steps refit:jitter:3,rebuild:mirror,refit:one:5'
+c++ -std=c++11 $strict "-I$root" -DBUG=3 -o bvh_stale.so "$samples/bvh_engine.cpp" || bad 'its update that keeps boxes'
+mkdir -p old/ref
+sed -e '/(\*move)/d' -e '/define RAYDIFF_ENGINE_MOVE/d' -e 's/ENGINE_VERSION 2u/ENGINE_VERSION 1u/' \
+    "$root/ref/raydiff_engine.h" >old/ref/raydiff_engine.h
+cc -std=c11 $strict -Iold -o brute_old.so "$samples/brute_engine.c" || bad 'a tracer of version 1'
+for way in '' inside:; do
+    expect 0 '4 of 4 rows agree' check sphere:n=8 $steps --engine "$way./bvh.so" --count 400 --repeat 1
+    [ "$(grep -c "engines that updated what they held: $way./bvh.so" out)" -eq 2 ] &&
+        [ "$(grep -c 'engines prepared anew' out)" -eq 1 ] || bad "${way}bvh.so updates after refits alone"
+    expect 0 '4 of 4 rows agree' check sphere:n=8 $steps --engine "$way./brute_old.so" --count 400 --repeat 1
+    [ "$(grep -c "engines prepared anew: $way./brute_old.so" out)" -eq 3 ] || bad "${way}brute_old.so is built anew"
+    expect 1 '[1-9][0-9]* of 400 answers WRONG .missed' check sphere:n=8 $steps --engine "$way./bvh_stale.so" \
+        --count 400 --repeat 1
+    grep -q 'conclusion: 2 of 4 rows agree' out || bad "${way}bvh_stale.so is right as built, and after a rebuild"
+done
+
 # --- it dies, and the campaign goes on
 for what in crash hang memory; do
     [ $what = crash ] && more= || more='--peer-time 1 --peer-memory 64'
@@ -80,7 +98,7 @@ echo 'no object' >text.so
 expect 2 "--engine: ./text.so: cannot be loaded as a shared object" check sphere --engine ./text.so
 expect 2 'does not export raydiff_engine' check sphere --engine inside:./none.so
 expect 2 'cannot be loaded as a shared object: .*No such file' fuzz --trials 1 --engine ./nothing.so
-GUEST=version expect 2 'version 2 of .* compile it with its ref/raydiff_engine.h' check sphere --engine guest.so
+GUEST=version expect 2 'version 3 of .* compile it with its ref/raydiff_engine.h' check sphere --engine guest.so
 GUEST=load_crash expect 3 'crashed while being opened' check sphere --engine guest.so
 GUEST=open_refuses expect 77 'refused: no such card' check sphere:n=4 --count 50 --engine guest.so
 GUEST=open_refuses expect 77 'refused: no such card' check sphere:n=4 --count 50 --engine inside:guest.so

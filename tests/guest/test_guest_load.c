@@ -28,15 +28,19 @@ static void each_table_is_checked(void **state)
     static const struct {
         const char *what, *text;
     } known[] = {{"null", "raydiff_engine() returns NULL"},
-                 {"version", "version 2 of "},
+                 {"version", "version 3 of "},
                  {"bytes", "compile it with its ref/raydiff_engine.h"},
                  {"name", "its name must be a letter"},
-                 {"can", "can 0x3f has more than 0x1f"},
+                 {"can", "can 0x5f has more than 0x3f"},
                  {"neither", "can 0x4 has neither CLOSEST nor WORLDS"},
                  {"no_trace", "it has no trace(), which can 0x1f needs"},
                  {"no_close", "it has no close()"},
                  {"no_rays_free", "it has no rays_free()"},
-                 {"no_build_world", "it has no build_world()"}};
+                 {"no_build_world", "it has no build_world()"},
+                 {"no_move", "it has no move(), which can 0x3f needs"},
+                 {"old_can", "can 0x3f has more than 0x1f"},
+                 {"old_long", "version 1 of "},
+                 {"new_short", "version 2 of "}};
     (void)state;
     for (size_t i = 0; i < ARRAY_COUNT(known); i++) {
         behave(known[i].what);
@@ -44,6 +48,29 @@ static void each_table_is_checked(void **state)
     }
     behave("good");
     must_say("guest_bad.so", STATUS_OK, "");
+    behave("old");
+    must_say("guest_bad.so", STATUS_OK, "");
+}
+
+/* It ends before its `move`, so that what stands behind it is not read. */
+static void a_table_of_version_1_is_taken_as_it_is(void **state)
+{
+    struct guest guest;
+    struct reason reason = {""};
+    char path[GUEST_PATH_MOST];
+    (void)state;
+    behave("old");
+    assert_int_equal(guest_load(object_path("guest_bad.so", path), &guest, &reason), STATUS_OK);
+    assert_int_equal(guest.table->version, 1);
+    assert_null(guest.table->move);
+    assert_non_null(guest.table->memory);
+    assert_false(guest_can(&guest, RAYDIFF_ENGINE_MOVE));
+    guest_close(&guest);
+    behave("move");
+    assert_int_equal(guest_load(path, &guest, &reason), STATUS_OK);
+    assert_non_null(guest.table->move);
+    assert_true(guest_can(&guest, RAYDIFF_ENGINE_MOVE));
+    guest_close(&guest);
 }
 
 /* What a table does not claim it need not have. */
@@ -151,6 +178,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_table_is_checked),
+        cmocka_unit_test(a_table_of_version_1_is_taken_as_it_is),
         cmocka_unit_test(functions_are_needed_only_for_what_it_can),
         cmocka_unit_test(what_is_no_guest_is_refused),
         cmocka_unit_test(a_constructor_may_crash_or_hang),

@@ -17,6 +17,7 @@ struct peer_request {
     struct pipe_request head;
     struct scene scene;
     struct ray *ray;
+    uint32_t moved; /* updates since the scene came */
 };
 
 static bool peer_read(struct peer_request *request)
@@ -26,7 +27,14 @@ static bool peer_read(struct peer_request *request)
         return false;
     if (memcmp(request->head.magic, "RDRQ", 4) != 0 || request->head.version != 1)
         return false;
-    if (!request->head.same) {
+    if (request->head.same == 2) { /* vertices alone */
+        const size_t vertices = scene->vertex_count;
+        if (request->head.vertices != vertices || request->head.triangles != scene->tri_count ||
+            fread(scene->vertex, 3 * sizeof *scene->vertex, vertices, stdin) != vertices)
+            return false;
+        request->moved++;
+    } else if (!request->head.same) {
+        request->moved = 0;
         scene_free(scene);
         if (scene_make(request->head.vertices, request->head.triangles, scene))
             return false;
@@ -71,10 +79,17 @@ static struct pipe_answer peer_head(const char *what, const struct pipe_request 
     head.refused = is(what, "neither") ? 5 : 0;
     head.formula = is(what, "formula") ? 99 : is(what, "declared") || is(what, "as_mt") ? 1 : 0;
     head.rounding = is(what, "rounding") ? 5 : is(what, "declared") ? 1 : 0;
-    head.flags = is(what, "flags") ? 64 : is(what, "declared") ? 5 : 0;
+    head.flags = is(what, "flags")                ? 128
+                 : strncmp(what, "moves", 5) == 0 ? 64
+                 : is(what, "declared")           ? 5
+                                                  : 0;
     head.flags = is(what, "fickle") && request->triangles ? 2 : head.flags;
     if (is(what, "short") && request->rays)
         head.count--;
+    if (is(what, "moves_refuses") && request->same == 2) {
+        head.refused = 1;
+        head.count = 13;
+    }
     if ((is(what, "refuses") || is(what, "refuses_long")) && request->triangles) {
         head.refused = 1;
         head.count = is(what, "refuses") ? 13 : 100000;
@@ -116,6 +131,8 @@ static void peer_hits(const char *what, const struct peer_request *request)
         struct hit hit;
         trace_brute(&request->scene, tri_test_find("mt"), (enum query)request->head.query,
                     &request->ray[i], &hit);
+        if (is(what, "moves_told"))
+            hit = (struct hit){.t = (float)request->moved};
         if (i == 17)
             peer_amid(what);
         if (i == 17 && is(what, "range"))
@@ -177,6 +194,8 @@ static inline int peer_main(const char *asked)
         }
         struct pipe_answer head = peer_head(what, &request.head);
         fwrite(&head, sizeof head, 1, stdout);
+        if (is(what, "moves_dies") && request.moved == 1)
+            _exit(4);
         if (head.refused == 1)
             fputs("only teapots\n", stdout);
         else

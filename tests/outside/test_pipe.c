@@ -118,7 +118,7 @@ static const struct hostile {
     {"refuses_long", STATUS_DEVICE, "its refusal is longer than 256 bytes"},
     {"formula", STATUS_DEVICE, "says of itself: formula 99 is not one of 0 to 7"},
     {"rounding", STATUS_DEVICE, "says of itself: rounding 5 is not one of 0 to 4"},
-    {"flags", STATUS_DEVICE, "says of itself: flags 0x40 have more than"},
+    {"flags", STATUS_DEVICE, "says of itself: flags 0x80 have more than"},
     {"fickle", STATUS_DEVICE, "now declares another formula, rounding or flags"},
 };
 

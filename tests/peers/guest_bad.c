@@ -19,6 +19,13 @@ static int is(const char *what)
     return guest && strcmp(guest, what) == 0;
 }
 
+/* "move" and "move_...": it takes updates. */
+static int moves(void)
+{
+    const char *guest = getenv("GUEST");
+    return guest && strncmp(guest, "move", 4) == 0;
+}
+
 __attribute__((constructor)) static void load(void)
 {
     if (is("load_crash"))
@@ -31,7 +38,7 @@ struct bad {
     uint32_t threads;
     struct raydiff_engine_mesh mesh;
     struct raydiff_engine_world world;
-    unsigned calls;
+    unsigned moves; /* since the last build */
 };
 
 struct bad_rays {
@@ -66,6 +73,7 @@ static int open_bad(const struct raydiff_engine_options *options, void **self, c
 static int build(void *self, const struct raydiff_engine_mesh *mesh, char *reason)
 {
     ((struct bad *)self)->mesh = *mesh;
+    ((struct bad *)self)->moves = 0;
     if (is("build_refuses"))
         return say(reason, RAYDIFF_ENGINE_REFUSED, "more than no triangle");
     if (is("build_bounded") && mesh->triangle_count > 100)
@@ -73,6 +81,21 @@ static int build(void *self, const struct raydiff_engine_mesh *mesh, char *reaso
     if (is("build_fails"))
         return say(reason, RAYDIFF_ENGINE_FAILED, "the tree fell");
     return is("build_99") ? 99 : RAYDIFF_ENGINE_OK;
+}
+
+static int move(void *self, const struct raydiff_engine_mesh *mesh, char *reason)
+{
+    struct bad *bad = self;
+    if (mesh->vertex_count != bad->mesh.vertex_count ||
+        mesh->triangle_count != bad->mesh.triangle_count)
+        return say(reason, RAYDIFF_ENGINE_FAILED, "another scene");
+    if (is("move_refuses"))
+        return say(reason, RAYDIFF_ENGINE_REFUSED, "too far");
+    if (is("move_crash"))
+        abort();
+    bad->mesh = *mesh;
+    bad->moves++;
+    return is("move_fails") ? RAYDIFF_ENGINE_FAILED : RAYDIFF_ENGINE_OK;
 }
 
 static void misbehave(void)
@@ -114,6 +137,8 @@ static void answer(const struct bad *bad, const struct raydiff_engine_ray *ray, 
         hit[i].t = mesh->vertex[3 * mesh->index[3 * triangle]] + ray[i].origin[0];
         hit[i].u = ray[i].direction[2] + (float)mesh->vertex_count + 1000 * (float)query;
         hit[i].v = ray[i].tmax + (float)bad->threads;
+        if (moves())
+            hit[i].v = (float)bad->moves;
         if (i == 5 && is("beyond"))
             hit[i].triangle = mesh->triangle_count;
         if (i % 3 == 1)
@@ -283,11 +308,16 @@ const struct raydiff_engine *raydiff_engine(void)
                                 hits_read,
                                 rays_free,
                                 model,
-                                memory};
-    engine.version += is("version") ? 1 : 0;
+                                memory,
+                                move};
+    /* A table of version 1 ends before its `move`: behind it stands anything. */
+    const int old = is("old") || is("old_can");
+    engine.version = old || is("old_long") ? 1 : engine.version + (is("version") ? 1 : 0);
+    engine.bytes = old || is("new_short") ? offsetof(struct raydiff_engine, move) : engine.bytes;
     engine.bytes -= is("bytes") ? 4 : 0;
     engine.name = is("name") ? "7up" : engine.name;
-    engine.can |= is("can") ? 32 : 0;
+    engine.can |= is("can") ? 64 : moves() || is("old_can") || is("no_move") ? 32 : 0;
+    engine.move = is("no_move") ? NULL : engine.move;
     engine.can = is("neither") ? RAYDIFF_ENGINE_ALL : is("only_closest") ? 1 : engine.can;
     engine.memory = is("memory_none") ? NULL : engine.memory;
     engine.trace = is("no_trace") ? NULL : engine.trace;

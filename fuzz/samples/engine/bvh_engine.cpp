@@ -1,7 +1,8 @@
 // A tracer as a shared object, in C++: a tree of boxes, in double precision.
 //   c++ -O2 -shared -fPIC -I RAYDIFF -o bvh.so bvh_engine.cpp
 //   raydiff check sphere --engine ./bvh.so
-// BUG=1 enters no box that is flat; BUG=2 has room for 16 triangles, and crashes with more.
+// BUG=1 enters no box that is flat; BUG=2 has room for 16 triangles, and crashes with more; BUG=3
+// keeps the boxes of before when vertices have moved.
 #include "ref/raydiff_engine.h"
 #include <algorithm>
 #include <cmath>
@@ -15,34 +16,51 @@
 struct Node { float corner[9], lo[3], hi[3]; uint32_t number; };
 using Tree = std::vector<Node>;
 
-static void halve(Node *first, Node *last, int axis)
+static void halve(Node *first, Node *last, int axis, bool sort)
 {
     for (Node *n; first < last; first = n + 1, axis = (axis + 1) % 3) {
         auto less = [=](const Node &a, const Node &b) { return a.corner[axis] < b.corner[axis]; };
         n = first + (last - first) / 2;
-        std::nth_element(first, n, last, less);
+        if (sort)
+            std::nth_element(first, n, last, less);
         std::fill(n->lo, n->lo + 3, INFINITY);
         std::fill(n->hi, n->hi + 3, -INFINITY);
         for (ptrdiff_t i = 0; i < 9 * (last - first); i++) {
             n->lo[i % 3] = std::min(n->lo[i % 3], first[i / 9].corner[i % 9]);
             n->hi[i % 3] = std::max(n->hi[i % 3], first[i / 9].corner[i % 9]);
         }
-        halve(first, n, (axis + 1) % 3);
+        halve(first, n, (axis + 1) % 3, sort);
     }
+}
+
+static void place(Tree &tree, const raydiff_engine_mesh *mesh)
+{
+    for (Node &node : tree)
+        for (size_t k = 0; k < 9; k++)
+            node.corner[k] = mesh->vertex[3 * size_t(mesh->index[3 * node.number + k / 3]) + k % 3];
 }
 
 static int build(void *self, const raydiff_engine_mesh *mesh, char *)
 try {
     Tree &tree = *static_cast<Tree *>(self);
     tree.resize(BUG == 2 ? std::min(mesh->triangle_count, 16u) : mesh->triangle_count);
-    for (size_t i = 0; i < 9 * size_t(mesh->triangle_count); i++) {
-        tree.at(i / 9).number = uint32_t(i / 9);
-        tree[i / 9].corner[i % 9] = mesh->vertex[3 * size_t(mesh->index[i / 3]) + i % 3];
-    }
-    halve(tree.data(), tree.data() + tree.size(), 0);
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+        tree.at(i).number = i;
+    place(tree, mesh);
+    halve(tree.data(), tree.data() + tree.size(), 0, true);
     return RAYDIFF_ENGINE_OK;
 } catch (const std::bad_alloc &) { // no exception may leave a function of the table
     return RAYDIFF_ENGINE_MEMORY;
+}
+
+// An update: each triangle stays in its place of the tree, and all boxes are made again.
+static int move(void *self, const raydiff_engine_mesh *mesh, char *)
+{
+    Tree &tree = *static_cast<Tree *>(self);
+    place(tree, mesh);
+    if (BUG != 3)
+        halve(tree.data(), tree.data() + tree.size(), 0, false);
+    return RAYDIFF_ENGINE_OK;
 }
 
 static double det(const double *a, const double *b, const double *c)
@@ -104,7 +122,8 @@ const struct raydiff_engine *raydiff_engine(void)
 {
     static const struct raydiff_engine engine = {
         RAYDIFF_ENGINE_VERSION, sizeof engine, "bvh", "a tree of boxes, in double precision",
-        RAYDIFF_ENGINE_CLOSEST | RAYDIFF_ENGINE_ANY, 0, open_tracer, close_tracer, build, trace,
-        nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, model, memory};
+        RAYDIFF_ENGINE_CLOSEST | RAYDIFF_ENGINE_ANY | RAYDIFF_ENGINE_MOVE, 0, open_tracer,
+        close_tracer, build, trace, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr,
+        model, memory, move};
     return &engine;
 }
