@@ -164,8 +164,10 @@ static json_t *row_json(const struct check_scene *scene, const struct row *row)
     json_add(out, "store=%p", json_text(row->layout && o->store ? o->store->name : NULL));
     if (row->options.life)
         json_add(out, "step=%p",
-                 json_record("number=%u after=%s tree=%s updated=%i", scene->step, scene->after,
-                             check_fate_name(row->life.fate), row->life.updated));
+                 json_record("number=%u after=%s tree=%s updated=%i wrong_anew=%p", scene->step,
+                             scene->after, check_fate_name(row->life.fate), row->life.updated,
+                             row->life.again ? json_integer((json_int_t)row->life.wrong_again)
+                                             : json_null()));
     if (scene->move > 0)
         json_add(out, "moved=%p",
                  json_record(

@@ -54,10 +54,25 @@ static void print_engines(const struct check_scene *scene, const struct screen *
     }
 }
 
+/* Engines with WRONG answers, beside themselves without the steps. */
+static void print_again(const struct check_scene *scene, const struct screen *screen)
+{
+    for (size_t i = 0; i < scene->row_count; i++) {
+        const struct row *row = &scene->row[i];
+        if (!row->life.again)
+            continue;
+        screen_text(screen, "  prepared anew: %s%s%s: %zu WRONG in place of %zu%s\n",
+                    row->engine->name, row->layout ? " " : "", row->layout ? row->layout->name : "",
+                    row->life.wrong_again, row->count[VERDICT_WRONG],
+                    row->life.wrong_again ? "" : ": its update kept something of before (stale)");
+    }
+}
+
 void check_print_life(const struct check_scene *scene, const struct screen *screen)
 {
     if (scene->step == 0)
         return;
     print_trees(scene, screen);
     print_engines(scene, screen);
+    print_again(scene, screen);
 }

@@ -96,6 +96,9 @@ static enum status explain_ray(struct explaining *e, struct judged *judged, size
 {
     const struct explain_of *of = &e->options->of;
     enum status status = judged_explain_among(judged, e->ray, e->ray_count, index, out, reason);
+    if (!status && e->file.trial.step_count > 0 &&
+        (status = judged_stale(judged, &e->options->engines, out, reason)))
+        explain_free(&out->why);
     if (status || out->why.cause != CAUSE_OUTSIDE || !e->options->has_file)
         return status;
     const struct fuzz_field field = {

@@ -159,6 +159,20 @@ struct page_parts {
     struct judged_ray ray;
 };
 
+static enum status explain_ray(struct troupe *troupe, const struct request *request,
+                               struct page_parts *parts, struct reason *reason)
+{
+    const struct fuzz_trial *trial = &troupe->files[request->file].file.trial;
+    enum status status =
+        judged_explain(&parts->judged, &trial->ray[request->ray], &parts->ray, reason);
+    if (!status && trial->step_count > 0)
+        status = judged_stale(&parts->judged, &troupe->pool.options, &parts->ray, reason);
+    const struct open_player *open = status ? NULL : get_player(troupe, &request->who);
+    if (open && open->player)
+        status = fuzz_explain_scaled(open->player, trial, request->ray, &parts->ray, reason);
+    return status;
+}
+
 static enum status make_page(struct troupe *troupe, const struct request *request,
                              struct page_parts *parts, struct reason *reason)
 {
@@ -185,10 +199,7 @@ static enum status make_page(struct troupe *troupe, const struct request *reques
                                     parts->oracle};
     status = judged_make(&from, &parts->judged, reason);
     if (!status)
-        status = judged_explain(&parts->judged, &trial->ray[request->ray], &parts->ray, reason);
-    struct open_player *open = status ? NULL : get_player(troupe, &request->who);
-    if (open && open->player)
-        status = fuzz_explain_scaled(open->player, trial, request->ray, &parts->ray, reason);
+        status = explain_ray(troupe, request, parts, reason);
     if (status)
         return status;
     char again[EXPLAIN_COMMAND_MOST] = "raydiff replay";

@@ -146,6 +146,20 @@ static enum status ray_cause(struct judged *judged, const struct ray *ray,
     return STATUS_OK;
 }
 
+/* What only steps bring about has a cause of its own, so that no finding without steps hides it. */
+static enum status stale_cause(const struct judged *judged, const struct engine_options *options,
+                               const struct fuzz_trial *trial, struct fuzz_finding *finding,
+                               struct reason *reason)
+{
+    bool right;
+    if (finding->signature.cause == CAUSE_NOT_REPEATABLE)
+        return STATUS_OK;
+    enum status status = judged_fresh(judged, options, &trial->ray[finding->ray], &right, reason);
+    if (!status && right)
+        finding->signature.cause = CAUSE_STALE;
+    return status;
+}
+
 /* Rays that finish one by one were not finished together. If it happens again, the flags show a
  * driver that counts the rounds of all lanes of a vector as those of one loop. */
 static enum status together_cause(const struct seat *seat, const struct fuzz_trial *trial,
@@ -281,6 +295,8 @@ static enum status find_cause(struct fuzz_player *player, struct play_stage *sta
         return status;
     if (kind != FUZZ_KIND_TREE) {
         status = ray_cause(&asked.judged, &stage->trial->ray[finding->ray], finding, reason);
+        if (!status && stage->trial->step_count > 0)
+            status = stale_cause(&asked.judged, &player->options, stage->trial, finding, reason);
     } else if (asked.judged.has_tree) {
         *cause = tree_cause(&asked.judged.tree);
         if (*cause == CAUSE_UNEXPLAINED)

@@ -56,6 +56,18 @@ enum status judged_explain_among(struct judged *judged, const struct ray *ray, s
                                  size_t index, struct judged_ray *out,
                                  struct reason *reason) MUST_USE;
 
+/* Whether the engine, opened anew and prepared with the job alone, answers a ray rightly, and with
+ * C's bits where it promises them. If one that was taken through steps does not, what is wrong is
+ * what it kept of them: CAUSE_STALE. It is not, if no engine can be opened or prepared. Errors:
+ * STATUS_MEMORY; those of the oracle. */
+enum status judged_fresh(const struct judged *judged, const struct engine_options *options,
+                         const struct ray *ray, bool *right, struct reason *reason) MUST_USE;
+
+/* Gives a wrong answer of an engine that was taken through steps CAUSE_STALE, if that is so; one
+ * that is not repeatable stays so. Errors: as judged_fresh. */
+enum status judged_stale(const struct judged *judged, const struct engine_options *options,
+                         struct judged_ray *ray, struct reason *reason) MUST_USE;
+
 /* Finds the first ray from `first` on that the engine does not finish, answers wrongly, or with
  * other bits than C where it promises C's: *index is that ray, or `count`. Errors: as
  * judged_explain. */

@@ -57,6 +57,8 @@ static const struct {
     [CAUSE_SHADER] = {"shader", "C is right on the same bytes and the engine's operators are "
                                 "exact: its own code differs"},
     [CAUSE_NOT_REPEATABLE] = {"not_repeatable", "the engine returned two answers for the same ray"},
+    [CAUSE_STALE] = {"stale", "right if the engine is prepared anew: its update kept something of "
+                              "before"},
     [CAUSE_SCALE] = {"scale", "right at another scale: a constant that does not scale, or "
                               "underflow"},
     [CAUSE_OUTSIDE] = {"outside", "unexplained: the engine's tree cannot be read"},

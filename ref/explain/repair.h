@@ -54,6 +54,8 @@ enum cause {
                               */
     CAUSE_SHADER,         /* operators exact, bytes right, C right on them: the engine's own code */
     CAUSE_NOT_REPEATABLE, /* the same ray, traced twice, got two answers */
+    CAUSE_STALE, /* wrong after steps, right if the engine is opened and prepared anew: it kept
+                    something of before */
     CAUSE_SCALE, /* right at another scale: a constant that does not scale, or underflow; of engines
                     whose tree and formula are unknown */
     CAUSE_OUTSIDE, /* something else of such an engine */

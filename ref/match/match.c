@@ -299,18 +299,8 @@ static enum status run_lists(struct match *match, const struct engine *engine, v
 static enum status play_row(struct match *match, const struct engine *engine, void *self,
                             struct row *row)
 {
-    struct model model = engine->model(self, match->options.tri);
-    row->unknown = model.formula == TWIN_UNKNOWN || /* as the judge of worlds has it */
-                   (match->world && !twin_is_own(model.formula));
-    row->formula = row_formula_name(model.formula);
-    if (match->options.demands.displacement > 0.0f)
-        model.displacement = (double)match->options.demands.displacement;
-    row->displacement.allowed =
-        model.displacement > 0.0 ? model.displacement : JUDGE_DISPLACEMENT_MOST;
-    if (!match_keeps_watertight(match, engine))
-        model.watertight = false; /* the triangle test is, but its boxes are not */
+    struct model model = match_model(match, engine, self, row);
     row->judged = is_judged(match, engine);
-    row->bits = model.bits;
     if (engine->compiled) {
         row->compiled = *engine->compiled;
         row->against = engine->compiled->raw;
@@ -337,6 +327,8 @@ static enum status play_row(struct match *match, const struct engine *engine, vo
         status = against_hits(match, row);
     if (status == STATUS_OK)
         status = match_judge(match, &model, row);
+    if (status == STATUS_OK)
+        status = match_again(match, engine, row);
     return status;
 }
 

@@ -178,6 +178,8 @@ struct row {
     struct {                  /* with options.life, at its last step */
         enum life_fate fate;  /* of the tree; of an engine without one what the step says */
         bool updated;         /* the engine updated what it held, else it was prepared anew */
+        bool again;         /* some answers are WRONG, and it was opened and prepared anew; then: */
+        size_t wrong_again; /* so many are WRONG */
     } life;
     uint64_t boxes, tris;
     bool device_clock;

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static struct job job_of(const struct match *match, const struct engine *engine)
+struct job match_job(const struct match *match, const struct engine *engine)
 {
     return (struct job){.scene = match->scene,
                         .packed = engine->needs_packed ? &match->packed : NULL,
@@ -29,6 +29,23 @@ static enum life_fate fate_of(const struct match *match, const struct engine *en
     return match->options.life->act[step - 1] == LIFE_REFIT ? LIFE_REFITTED : LIFE_REBUILT;
 }
 
+struct model match_model(const struct match *match, const struct engine *engine, void *self,
+                         struct row *row)
+{
+    struct model model = engine->model(self, match->options.tri);
+    row->unknown = model.formula == TWIN_UNKNOWN || /* as the judge of worlds has it */
+                   (match->world && !twin_is_own(model.formula));
+    row->formula = row_formula_name(model.formula);
+    if (match->options.demands.displacement > 0.0f)
+        model.displacement = (double)match->options.demands.displacement;
+    row->displacement.allowed =
+        model.displacement > 0.0 ? model.displacement : JUDGE_DISPLACEMENT_MOST;
+    if (!match_keeps_watertight(match, engine))
+        model.watertight = false; /* the triangle test is, but its boxes are not */
+    row->bits = model.bits;
+    return model;
+}
+
 void match_row_life(const struct match *match, const struct engine *engine, struct row *row)
 {
     const struct match_life *life = match->options.life;
@@ -48,7 +65,7 @@ static enum status prepare_life(const struct match *match, const struct engine *
         unused ? STATUS_OK : fail(reason, STATUS_MEMORY, "no memory for %zu rays", rays);
     for (uint32_t i = 0; i <= life->count && !status; i++) {
         struct trace_report report = {0};
-        struct job job = job_of(match, engine);
+        struct job job = match_job(match, engine);
         const bool refitted = fate_of(match, engine, i) == LIFE_REFITTED;
         job.scene = &life->scene[i];
         if (job.packed && i < life->count)
@@ -66,7 +83,7 @@ enum status match_prepare(const struct match *match, const struct engine *engine
 {
     const bool lists = match->options.query == QUERY_ALL;
     if (!match->world) {
-        const struct job job = job_of(match, engine);
+        const struct job job = match_job(match, engine);
         if (lists && !engine->trace_all)
             return fail(reason, STATUS_UNSUPPORTED, "%s cannot list all hits", engine->name);
         return match->options.life ? prepare_life(match, engine, self, reason)
@@ -99,7 +116,7 @@ bool match_keeps_watertight(const struct match *match, const struct engine *engi
     if (match->world)
         return !engine->needs_packed ||
                (match->options.box->watertight && !match->packed_world.split);
-    const struct job job = job_of(match, engine);
+    const struct job job = match_job(match, engine);
     return job_keeps_watertight(&job);
 }
 

@@ -23,8 +23,21 @@ static inline struct ray_mode match_mode(const struct match *match, size_t i)
     return match->mode ? match->mode[i] : ray_mode_all();
 }
 
+/* What an engine without a world is prepared with; of a life, at its last step. */
+struct job match_job(const struct match *match, const struct engine *engine);
+
+/* What the judge assumes of an opened engine's arithmetic, also said in the row. */
+struct model match_model(const struct match *match, const struct engine *engine, void *self,
+                         struct row *row);
+
 /* Fills in row->life, but for `updated`, which the opened engine decides. */
 void match_row_life(const struct match *match, const struct engine *engine, struct row *row);
+
+/* Of a row with WRONG answers after steps: opens and prepares the engine anew and judges what it
+ * then answers to the same rays: row->life.again. Nothing is changed where that cannot be done, or
+ * for lists. Errors: STATUS_MEMORY, in row->reason too. */
+enum status match_again(const struct match *match, const struct engine *engine,
+                        struct row *row) MUST_USE;
 
 /* As job_keeps_watertight. */
 bool match_keeps_watertight(const struct match *match, const struct engine *engine);

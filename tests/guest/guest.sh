@@ -74,6 +74,7 @@ for way in '' inside:; do
     [ "$(grep -c "engines prepared anew: $way./brute_old.so" out)" -eq 3 ] || bad "${way}brute_old.so is built anew"
     expect 1 '[1-9][0-9]* of 400 answers WRONG .missed' check sphere:n=8 $steps --engine "$way./bvh_stale.so" \
         --count 400 --repeat 1
+    [ "$(grep -c "prepared anew: $way./bvh_stale.so: 0 WRONG in place of [1-9]" out)" -eq 2 ] || bad "${way}bvh_stale.so is stale"
     grep -q 'conclusion: 2 of 4 rows agree' out || bad "${way}bvh_stale.so is right as built, and after a rebuild"
 done
 

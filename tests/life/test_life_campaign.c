@@ -75,6 +75,7 @@ static void a_finding_is_kept_with_the_step_that_shows_it(void **state)
         fail_msg("%s", reason.text);
     for (size_t i = 0; i < findings_count(findings); i++) {
         struct finding_file file;
+        assert_int_equal(findings_entry(findings, i)->signature.cause, CAUSE_STALE);
         fuzz_signature_print(&findings_entry(findings, i)->signature, name);
         snprintf(path, sizeof path, "%s/%s/first.trial", folder, name);
         if (finding_file_read(path, &file, &reason) ||

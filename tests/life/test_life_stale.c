@@ -1,0 +1,132 @@
+/* Laws of what steps bring about: an engine that is right when it is prepared anew is stale, and no
+ * other one is, whether it has taken steps or not. */
+#include "fuzz/findings/finding_file.h"
+#include "fuzz/play/player.h"
+
+#include "tests/life/lived_match.h"
+#include "tests/support/fuzz_trials.h"
+
+static const struct engine *brute;
+static struct pool pool = {.options = {.device = -1, .threads = 1}};
+
+/* Planted: keeps the vertices of the step before. */
+static enum status stale_move(void *self, const struct job *job, struct reason *reason)
+{
+    (void)self, (void)job, (void)reason;
+    return STATUS_OK;
+}
+
+/* Planted: loses the hits of a triangle in three, at every step alike. */
+static enum status lossy_trace(void *self, const struct ray *ray, size_t count, struct hit *hit,
+                               struct trace_report *report, struct reason *reason)
+{
+    enum status status = brute->trace(self, ray, count, hit, report, reason);
+    for (size_t i = 0; i < count && !status; i++)
+        if (hit[i].prim != ABI_NO_PRIM && hit[i].prim % 3 == 0)
+            hit[i] = (struct hit){.prim = ABI_NO_PRIM};
+    return status;
+}
+
+static struct engine engine_of(const char *name, bool stale, bool lossy)
+{
+    struct engine engine = *brute;
+    engine.name = name;
+    engine.move = stale ? stale_move : NULL;
+    engine.trace = lossy ? lossy_trace : brute->trace;
+    engine.trace_tasks = NULL;
+    return engine;
+}
+
+/* How many of the causes of findings in trials with these steps are `stale`, and how many not. */
+static void causes_of(const struct engine *engine, const char *steps, size_t *stale, size_t *other)
+{
+    static struct fuzz_result result;
+    static const struct engine_options options = {.device = -1, .threads = 1};
+    const struct layout *none = NULL;
+    struct fuzz_field field;
+    struct fuzz_player *player;
+    struct reason reason = {""};
+    *stale = *other = 0;
+    if (fuzz_field_make(&engine, 1, &none, 1, &options, &field, &reason) ||
+        fuzz_player_open(&field, &player, &reason))
+        fail_msg("%s", reason.text);
+    for (uint64_t index = 0; index < 12; index++) {
+        struct fuzz_trial trial;
+        trial_make(9, index, 8, 30, 60, &trial);
+        if (steps[0] && steps_parse(steps, trial.step, &trial.step_count, &reason))
+            fail_msg("%s", reason.text);
+        if (fuzz_play(player, &trial, 1, &result, NULL, NULL, &reason))
+            fail_msg("%s", reason.text);
+        for (size_t i = 0; i < result.finding_count; i++) {
+            if (fuzz_explain(player, &trial, &result.finding[i], &reason))
+                fail_msg("%s", reason.text);
+            *(result.finding[i].signature.cause == CAUSE_STALE ? stale : other) += 1;
+        }
+        fuzz_trial_free(&trial);
+    }
+    fuzz_player_close(player);
+}
+
+static void a_finding_that_needs_steps_is_stale(void **state)
+{
+    (void)state;
+    size_t stale, other;
+    const struct engine forgets = engine_of("forgets", true, false);
+    causes_of(&forgets, "refit:jitter:2", &stale, &other);
+    assert_true(stale > 8 && other == 0);
+    causes_of(&forgets, "rebuild:mirror,refit:one:3,refit:jitter:1", &stale, &other);
+    assert_true(stale > 8 && other == 0);
+    causes_of(&forgets, "rebuild:jitter:2", &stale, &other);
+    assert_true(stale == 0 && other == 0); /* it updates after refits alone */
+}
+
+static void one_that_needs_none_is_not(void **state)
+{
+    (void)state;
+    size_t stale, other;
+    const struct engine loses = engine_of("loses", false, true);
+    causes_of(&loses, "", &stale, &other);
+    assert_true(stale == 0 && other > 4);
+    causes_of(&loses, "refit:jitter:2", &stale, &other);
+    assert_true(stale == 0 && other > 4);
+}
+
+static void a_row_says_what_is_wrong_when_prepared_anew(void **state)
+{
+    (void)state;
+    struct lived lived = lived_make("soup:n=60", "refit:jitter:1");
+    const struct engine forgets = engine_of("forgets", true, false),
+                        loses = engine_of("loses", false, true),
+                        both = engine_of("both", true, true);
+    const struct row stale = lived_row(&lived, &forgets, NULL, NULL, &pool),
+                     wrong = lived_row(&lived, &loses, NULL, NULL, &pool),
+                     mixed = lived_row(&lived, &both, NULL, NULL, &pool),
+                     right = lived_row(&lived, brute, NULL, NULL, &pool);
+    assert_true(stale.count[VERDICT_WRONG] > 20 && stale.life.again);
+    assert_int_equal(stale.life.wrong_again, 0);
+    assert_true(wrong.count[VERDICT_WRONG] > 20 && wrong.life.again);
+    assert_int_equal(wrong.life.wrong_again, wrong.count[VERDICT_WRONG]);
+    assert_true(mixed.life.again && mixed.count[VERDICT_WRONG] > wrong.count[VERDICT_WRONG]);
+    assert_int_equal(mixed.life.wrong_again, wrong.count[VERDICT_WRONG]);
+    assert_int_equal(right.count[VERDICT_WRONG], 0);
+    assert_false(right.life.again);
+    lived_free(&lived);
+}
+
+static int close_pool(void **state)
+{
+    (void)state;
+    pool_free(&pool);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_finding_that_needs_steps_is_stale),
+        cmocka_unit_test(one_that_needs_none_is_not),
+        cmocka_unit_test(a_row_says_what_is_wrong_when_prepared_anew),
+    };
+    brute = engine_find("brute");
+    return cmocka_run_group_tests(tests, NULL, close_pool);
+}
