@@ -47,7 +47,8 @@ static enum status make_rules(struct fuzz_command *c, struct reason *reason)
                                       .triangles_most = c->triangles_most,
                                       .rays = c->rays,
                                       .faithful = c->faithful,
-                                      .worlds = c->worlds};
+                                      .worlds = c->worlds,
+                                      .steps = c->steps};
     rules->corpus = c->corpus_trials.trial;
     rules->corpus_count = c->corpus_trials.count;
     c->engines.threads = 1;
@@ -161,6 +162,10 @@ static enum status check_options(const struct fuzz_command *c, struct reason *re
     if (c->pairs > 0 && c->worlds)
         return fail(reason, STATUS_INPUT,
                     "--pairs: draws members for scenes, so not with --worlds");
+    if (c->steps && (c->pairs > 0 || c->worlds))
+        return fail(reason, STATUS_INPUT, "--steps: not used with --%s, %s",
+                    c->worlds ? "worlds" : "pairs",
+                    c->worlds ? "which do not move" : "which draws motions");
     if (names_corpus(c) && (stat(c->corpus, &what) != 0 || !S_ISDIR(what.st_mode)))
         return fail(reason, STATUS_INPUT, "--corpus: %.200s is no folder", c->corpus);
     return STATUS_OK;

@@ -24,6 +24,7 @@ enum fuzz_key {
     KEY_PAIRS,
     KEY_WORLDS,
     KEY_TURNS,
+    KEY_STEPS,
     KEY_COUNT
 };
 
@@ -37,7 +38,7 @@ struct fuzz_command {
     uint64_t seed;
     uint32_t shard, shards; /* shards 0: not sharded */
     struct list engine, layout, builder;
-    bool faithful, worlds, turns;
+    bool faithful, worlds, turns, steps;
     uint32_t rays, triangles_least, triangles_most;
     char driver[FUZZ_VALUE_MOST]; /* "": any */
     struct engine_options engines;

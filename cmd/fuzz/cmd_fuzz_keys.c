@@ -18,8 +18,8 @@ static const char *const pair_layouts = "every";
 const char *fuzz_key_name(enum fuzz_key key)
 {
     static const char *const name[KEY_COUNT] = {
-        "seed",      "shard",  "engine", "layout",    "builder", "faithful", "rays",
-        "triangles", "driver", "device", "workgroup", "pairs",   "worlds",   "turns"};
+        "seed",   "shard",  "engine",    "layout", "builder", "faithful", "rays", "triangles",
+        "driver", "device", "workgroup", "pairs",  "worlds",  "turns",    "steps"};
     return name[key];
 }
 
@@ -100,6 +100,9 @@ void fuzz_key_print(const struct fuzz_command *c, enum fuzz_key key, char text[F
         break;
     case KEY_TURNS:
         snprintf(text, FUZZ_VALUE_MOST, "%s", c->turns ? "yes" : "");
+        break;
+    case KEY_STEPS:
+        snprintf(text, FUZZ_VALUE_MOST, "%s", c->steps ? "yes" : "");
         break;
     case KEY_COUNT:
         break;

@@ -58,6 +58,8 @@ enum status work_trial_make(const struct work_rules *rules, enum work_stream str
         break;
     case WORK_MUT:
         status = mutate(rules, index, base, out, reason);
+        if (!status && rules->gen.steps && out->step_count == 0 && !(out->move > 0))
+            gen_steps(rules->seed, index, true, out);
         break;
     }
     if (!status && rules->builder_count > 0)

@@ -114,7 +114,7 @@ static enum status make(uint64_t seed, uint64_t index, const struct gen_options 
     struct aim aim;
     aim_make(&out->scene, out->build.leaf, &rng, &aim);
     aim_rays(&aim, &rng, out->ray, out->ray_count);
-    gen_steps(seed, index, out);
+    gen_steps(seed, index, options->steps, out);
     return STATUS_OK;
 }
 

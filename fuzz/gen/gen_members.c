@@ -72,11 +72,12 @@ float gen_presplit(uint64_t seed, uint64_t index, const struct builder *builder)
 }
 
 /* Two steps in three are refits; a motion that is still is as rare as any other. */
-void gen_steps(uint64_t seed, uint64_t index, struct fuzz_trial *trial)
+void gen_steps(uint64_t seed, uint64_t index, bool every, struct fuzz_trial *trial)
 {
     struct rng of_seed = rng_make(seed, 0x73746570u + GEN_SALT);
     struct rng rng = rng_make(rng_u64(&of_seed), index);
-    if (rng_below(&rng, STEPS_IN) != 0 || trial->scene.tri_count > STEPS_TRIANGLES)
+    const bool some = rng_below(&rng, STEPS_IN) == 0;
+    if (!(some || every) || trial->scene.tri_count > STEPS_TRIANGLES)
         return;
     trial->step_count = 1 + rng_below(&rng, STEPS_MOST);
     for (uint32_t i = 0; i < trial->step_count; i++) {

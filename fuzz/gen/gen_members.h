@@ -24,7 +24,7 @@ float gen_move(struct rng *rng);
  * the builder takes them. Drawn apart from the rest, which is as it was before there were parts. */
 float gen_presplit(uint64_t seed, uint64_t index, const struct builder *builder);
 
-/* Gives 1 trial in 64 of 512 triangles at most 1 to 4 steps. Drawn apart, too. */
-void gen_steps(uint64_t seed, uint64_t index, struct fuzz_trial *trial);
+/* Gives 1 trial in 64 of 512 triangles at most 1 to 4 steps, or `every` one. Drawn apart, too. */
+void gen_steps(uint64_t seed, uint64_t index, bool every, struct fuzz_trial *trial);
 
 #endif

@@ -125,7 +125,7 @@ walk() {
         case " $done $knows " in *" $command "*" $option "*) ;; *" $command "*) continue ;; esac
         pairs=$((pairs + 1))
         value_of "$option"
-        case $option,$command in tap,conform | benchmark,render | turns,fuzz) value= ;; esac
+        case $option,$command in tap,conform | benchmark,render | turns,fuzz | steps,fuzz) value= ;; esac
         "$raydiff" $base --$option ${value:+"$value"} >"$dir/out" 2>"$dir/err" <"$input"
         code=$?
         is_refused "$option" || bad "raydiff $base --$option $value: exit $code, and it is not used"
@@ -250,7 +250,7 @@ walk 'diff --path cornell --engine cpu,fast --width 24 --height 18' "pixel=3,3 a
     ~layout=rf16 leaf=1 builder=ploc box=watertight ~tri=woop optimize=reinsert ~presplit=3 ~waves ~bvh=$dir/cornell.json
     handler=bvh-rf handler-bvh-rf ~handler-bvh handler-blank"
 walk "fuzz --trials 20 --jobs 1 --engine cpu --layout f32 --corpus none --dir $files/d" 'trials=40 ~time=60 ~until=1 seed=3
-    ~jobs=2 ~shard=1/1 engine=cpu,fast layout=f32,rf16 builder=ploc faithful worlds rays=9 triangles=4-8 ~feedback
+    ~jobs=2 ~shard=1/1 engine=cpu,fast layout=f32,rf16 builder=ploc faithful worlds steps rays=9 triangles=4-8 ~feedback
     pairs=1
     ~no-shrink ~trial-time=9 ~memory=999 json=@ junit=@ tap=@ jsonl=@ dir=@ ~baseline=fuzz/baseline.txt'
 "$raydiff" check soup:n=40 --count 64 --repeat 1 --engine cpu --layout f32 --json "$dir/check.json" >/dev/null

@@ -1,0 +1,38 @@
+#!/bin/sh
+# raydiff fuzz --steps: every trial is a life, the folder remembers it, and what does not go with it is refused.
+# bisect and export of trials with steps.
+#   sh tests/life/lives.sh BUILD/raydiff
+set -u
+raydiff=$(cd "$(dirname "$1")" && pwd)/$(basename "$1")
+. tests/scripts/expect.sh
+root=$PWD
+cd "$dir" || exit 4
+campaign='fuzz --jobs 1 --engine cpu --layout f32 --corpus none --rays 20'
+
+expect 0 . $campaign --steps --trials 40 --dir lives
+has 'a campaign of lives' 'findings +0 distinct'
+head -n 1 lives/findings.jsonl | grep -q '|steps=yes|' || bad 'the folder does not remember --steps'
+expect 0 . fuzz --jobs 1 --trials 50 --dir lives
+has 'it goes on' 'after 40 generated ones'
+tail -n 1 lives/findings.jsonl | grep -q '|steps=yes|' || bad 'it goes on without steps'
+expect 0 . $campaign --trials 40 --dir plain
+expect 2 '--steps yes: the campaign in plain has none' $campaign --steps --trials 50 --dir plain
+expect 2 '--steps: not used with --worlds' $campaign --steps --worlds --trials 3 --dir none
+expect 2 '--steps: not used with --pairs' fuzz --steps --pairs 2 --trials 3 --dir none
+[ ! -e none ] || bad 'a folder is made for what is refused'
+
+# --- bisect and export: of a trial with steps what its last tree holds, else one line
+sed 's/^query .*/&\nsteps refit:jitter:3/' "$root/fuzz/corpus/eighth-slot.trial" >steps.trial
+grep -q '^steps' steps.trial || bad 'a trial with steps'
+expect 2 'steps.trial: a trial with steps is not bisected: replay it' bisect steps.trial --engine cpu
+for engine in embree embree_robust rayquery; do
+    expect 2 'steps.trial: its steps are not exported for an engine that builds its own tree' \
+        export steps.trial --engine $engine --to finding.c
+done
+[ ! -e finding.c ] || bad 'a file is written for what is refused'
+for form in c amber text; do
+    expect 0 . export steps.trial --engine vulkan --form $form --to finding.$form
+    [ -s finding.$form ] || bad "$form is not written"
+done
+[ "$failed" -eq 0 ] && echo 'campaigns of lives: as they should be'
+exit "$failed"
