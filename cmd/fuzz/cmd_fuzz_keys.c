@@ -208,6 +208,24 @@ static enum status resume(struct fuzz_command *c, const char *state, struct reas
     return status;
 }
 
+/* How many contestants engines and layouts make. */
+static enum status check_count(const struct fuzz_command *c, struct reason *reason)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < c->engine.count; i++)
+        count += engines[c->engine.index[i]]->needs_packed && c->pairs == 0 ? c->layout.count : 1;
+    if (count <= FUZZ_CONTESTANTS_MOST)
+        return STATUS_OK;
+    if (c->pairs > 0)
+        return fail(reason, STATUS_INPUT, "--engine: %zu engines, and at most %u are drawn", count,
+                    FUZZ_CONTESTANTS_MOST);
+    return fail(
+        reason, STATUS_INPUT,
+        "--engine, --layout: %zu contestants (%zu of --engine, on each of %zu layouts if one "
+        "is needed), and at most %u take part",
+        count, c->engine.count, c->layout.count, FUZZ_CONTESTANTS_MOST);
+}
+
 enum status fuzz_identify(struct fuzz_command *c, struct reason *reason)
 {
     const char *state = findings_state(c->findings);
@@ -224,6 +242,8 @@ enum status fuzz_identify(struct fuzz_command *c, struct reason *reason)
                              &c->layout, reason);
     if (!status && c->engine.count == 0)
         status = fuzz_default_engines(c, reason);
+    if (!status)
+        status = check_count(c, reason);
     if (status)
         return status;
     snprintf(value, sizeof value, "%u", GEN_VERSION);

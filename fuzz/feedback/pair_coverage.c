@@ -43,6 +43,8 @@ bool pair_coverage_meets(const struct engine *engine, enum pair_factor factor)
     bool tests = factor == MEET_TRI || factor == MEET_BOX;
     if (factor == MEET_ENGINE)
         return true;
+    if (engine->own_tri && !engine->needs_packed) /* all is its own: it is drawn for itself */
+        return factor == MEET_MOTION;
     if (engine->own_tri && tests) /* its traversal is its own, too */
         return false;
     return engine->needs_packed || factor == MEET_TRI;
@@ -96,6 +98,8 @@ static enum status can_meet(const struct pair_tables *t, enum pair_factor a, uin
         *can = pair_coverage_meets(engine, b);
         if (b == MEET_LAYOUT && engine->needs_packed)
             *can = engine_takes(engine, y);
+        if (b == MEET_MOTION && !engine->needs_packed) /* it has no tree to refit; drawn or not */
+            *can = *can && j == 0 && t->count[MEET_MOTION] > 1;
     } else if (a == MEET_LAYOUT && b == MEET_STORE) {
         return layout_takes(x, y, can, reason);
     } else if (a == MEET_LAYOUT && b == MEET_MOTION) {

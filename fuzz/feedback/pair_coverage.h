@@ -29,7 +29,8 @@ const char *pair_factor_name(enum pair_factor factor);
 #define MEET_NONE          UINT16_MAX
 
 /* The members that take part; borrowed. An engine without a tree meets triangle tests only, one
- * with a test of its own neither triangle nor box tests. */
+ * with a test of its own neither triangle nor box tests, one with neither only vertices that are
+ * still: so that it is drawn, too. */
 struct pair_tables {
     const void *member[MEET_FACTORS][MEET_MOST]; /* of OPTIMIZE and MOTION not read */
     uint32_t count[MEET_FACTORS];                /* of those at most MEET_OPTIMIZATIONS and 2, the

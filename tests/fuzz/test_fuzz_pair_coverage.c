@@ -48,7 +48,8 @@ static void what_rules_refuse_cannot_meet(void **state)
     pair_coverage_close(m);
 }
 
-/* A pair is of two members that some engine here runs: Embree runs none of the tables. */
+/* A pair is of two members that some engine here runs: Embree runs none of the tables, and is drawn
+ * for itself where motions are. */
 static void what_no_engine_runs_cannot_meet(void **state)
 {
     (void)state;
@@ -56,8 +57,14 @@ static void what_no_engine_runs_cannot_meet(void **state)
     struct pair_tables tables = all->tables;
     tables.member[MEET_ENGINE][0] = engine_find("embree");
     tables.count[MEET_ENGINE] = 1;
+    tables.count[MEET_MOTION] = 1;
     assert_int_equal(pair_coverage_open(&tables, &m, &reason), STATUS_OK);
     assert_int_equal(pair_coverage_summarize(m, 0).possible, 0);
+    pair_coverage_close(m);
+    tables.count[MEET_MOTION] = 2;
+    assert_int_equal(pair_coverage_open(&tables, &m, &reason), STATUS_OK);
+    assert_int_equal(pair_coverage_summarize(m, 0).possible, 1);
+    assert_true(can(m, MEET_ENGINE, "embree", MEET_MOTION, "still"));
     pair_coverage_close(m);
     tables.member[MEET_ENGINE][0] = engine_find("fast"); /* walks trees with tests of its own */
     assert_int_equal(pair_coverage_open(&tables, &m, &reason), STATUS_OK);
@@ -100,6 +107,34 @@ static void rarest_pairs_are_drawn(void **state)
     /* Those of layout and builder are the most pairs of two factors; chance takes four times. */
     assert_true(turns <= 4 * t->count[MEET_LAYOUT] * t->count[MEET_BUILDER] * 5 / 4);
     pair_coverage_close(m);
+}
+
+/* An engine whose tree and tests are its own meets nothing that varies, and comes up all the same,
+ * as often as a pair does. */
+static void engines_with_all_their_own_are_drawn(void **state)
+{
+    (void)state;
+    struct pair_coverage *all = open_all(), *m;
+    struct pair_tables tables = all->tables;
+    uint32_t drawn_of[2] = {0, 0}, turns = 0;
+    tables.member[MEET_ENGINE][0] = engine_find("embree");
+    tables.member[MEET_ENGINE][1] = engine_find("cpu");
+    tables.count[MEET_ENGINE] = 2;
+    assert_int_equal(pair_coverage_open(&tables, &m, &reason), STATUS_OK);
+    for (; turns < 4000 && pair_coverage_summarize(m, 128).below > 0; turns++) {
+        struct combination drawn;
+        pair_coverage_draw(m, 7, turns, 64, &drawn);
+        const struct engine *engine = tables.member[MEET_ENGINE][drawn.member[MEET_ENGINE]];
+        drawn_of[drawn.member[MEET_ENGINE]]++;
+        for (enum pair_factor f = 0; f < MEET_FACTORS; f++)
+            if (!pair_coverage_meets(engine, f))
+                drawn.member[f] = MEET_NONE;
+        for (uint32_t i = 0; i < 64; i++)
+            pair_coverage_add(m, &drawn);
+    }
+    assert_true(turns < 4000 && drawn_of[0] >= 2 && drawn_of[0] < drawn_of[1] / 10);
+    pair_coverage_close(m);
+    pair_coverage_close(all);
 }
 
 static void draws_are_of_seed_turn_and_tally(void **state)
@@ -338,6 +373,7 @@ int main(void)
         cmocka_unit_test(what_rules_refuse_cannot_meet),
         cmocka_unit_test(what_no_engine_runs_cannot_meet),
         cmocka_unit_test(rarest_pairs_are_drawn),
+        cmocka_unit_test(engines_with_all_their_own_are_drawn),
         cmocka_unit_test(draws_are_of_seed_turn_and_tally),
         cmocka_unit_test(what_was_compiled_can_be_traced),
         cmocka_unit_test(refused_pairs_do_not_starve_others),

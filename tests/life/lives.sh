@@ -21,6 +21,16 @@ expect 2 '--steps: not used with --worlds' $campaign --steps --worlds --trials 3
 expect 2 '--steps: not used with --pairs' fuzz --steps --pairs 2 --trials 3 --dir none
 [ ! -e none ] || bad 'a folder is made for what is refused'
 
+# --- contestants
+expect 2 '[0-9]+ contestants .2 of --engine, on each of [0-9]+ layouts if one is needed., and at most 32 take part' \
+    fuzz --trials 1 --engine cpu,fast --layout every --dir many
+expect 0 . fuzz --trials 64 --rays 20 --jobs 1 --corpus none --engine cpu,brute,kd --layout f32 --dir few
+expect 2 '33 contestants' fuzz --trials 1 --engine cpu,brute \
+    --layout "$("$raydiff" list layouts | sed -n 's/^  \([a-z0-9_]*\) .*/\1/p' | head -n 32 | paste -sd, -)" --dir many
+"$raydiff" fuzz --pairs 1 --trials 2560 --rays 5 --jobs 1 --engine kd,brute,cpu --layout f32 --builder median \
+    --dir pairs >"$dir/out" 2>"$dir/err"
+grep -qE 'kd answered [1-9][0-9]* trials' "$dir/out" || bad 'an engine with all its own is drawn with --pairs'
+
 # --- bisect and export: of a trial with steps what its last tree holds, else one line
 sed 's/^query .*/&\nsteps refit:jitter:3/' "$root/fuzz/corpus/eighth-slot.trial" >steps.trial
 grep -q '^steps' steps.trial || bad 'a trial with steps'
