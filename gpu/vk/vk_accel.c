@@ -273,6 +273,16 @@ void vk_accel_bytes_free(struct vk_accel_bytes *bytes)
     free(bytes);
 }
 
+const uint8_t *vk_accel_bytes_level(const struct vk_accel_bytes *bytes, uint32_t level,
+                                    uint64_t *count, uint64_t *handle)
+{
+    if (level > bytes->bottom_count)
+        return NULL;
+    *count = bytes->level[level].count;
+    *handle = level ? bytes->address[level - 1] : 0;
+    return bytes->level[level].byte;
+}
+
 enum status vk_accel_save(struct vk *vk, const struct vk_accel *accel, struct vk_accel_bytes **out,
                           struct reason *reason)
 {

@@ -121,6 +121,11 @@ enum status vk_accel_load(struct vk *vk, struct vk_accel_bytes *bytes, struct vk
                           struct reason *reason) MUST_USE;
 void vk_accel_bytes_free(struct vk_accel_bytes *bytes); /* NULL is fine */
 
+/* A serialised level, borrowed: 0 is the top one, i + 1 that of mesh i, whose handle in the top
+ * level's bytes is *handle (0 of the top level). NULL: there is no such level. */
+const uint8_t *vk_accel_bytes_level(const struct vk_accel_bytes *bytes, uint32_t level,
+                                    uint64_t *count, uint64_t *handle);
+
 void vk_accel_free(struct vk *vk, struct vk_accel *accel); /* NULL is fine */
 uint64_t vk_accel_bytes(const struct vk_accel *accel);     /* NULL: 0 */
 

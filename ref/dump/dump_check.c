@@ -142,9 +142,11 @@ enum status dump_check(const struct tree_dump *dump, const struct scene *scene, 
         status = dump_boxes(&walk, scene, &notes);
     if (!status && notes.status == STATUS_OK)
         status = sort_faults(out);
+    for (size_t i = 0; i < out->fault_count && dump->instance; i++)
+        out->fault[i].instance = true;
     if (!status) {
         out->sah = find_sah(&walk);
-        if (scene && overlap && out->depth <= OVERLAP_DEPTH)
+        if (scene && overlap && !dump->instance && out->depth <= OVERLAP_DEPTH)
             status = find_overlap(&walk, scene, &out->overlap);
     }
     dump_walk_free(&walk);
@@ -192,14 +194,14 @@ static void small_text(const struct dump_fault *fault, char text[DUMP_FAULT_TEXT
     char bound[FLOAT_WORD_MOST], needs[FLOAT_WORD_MOST];
     const uint32_t steps = dump_steps(fault->bound, fault->needs);
     const bool leaf = fault->triangle == DUMP_NONE;
+    const char *what = leaf ? "leaf" : fault->instance ? "instance" : "triangle";
     (void)float_word_write(fault->bound, bound);
     (void)float_word_write(fault->needs, needs);
-    snprintf(text, DUMP_FAULT_TEXT,
-             "node %u: its box is too small: its %s is %s, and %s %u has %s: %" PRIu32
-             " step%s, %.9g",
-             fault->node, side_name(fault->side), bound, leaf ? "leaf" : "triangle",
-             leaf ? fault->child : fault->triangle, needs, steps, steps == 1 ? "" : "s",
-             fabs((double)fault->needs - (double)fault->bound));
+    snprintf(
+        text, DUMP_FAULT_TEXT,
+        "node %u: its box is too small: its %s is %s, and %s %u has %s: %" PRIu32 " step%s, %.9g",
+        fault->node, side_name(fault->side), bound, what, leaf ? fault->child : fault->triangle,
+        needs, steps, steps == 1 ? "" : "s", fabs((double)fault->needs - (double)fault->bound));
 }
 
 const char *dump_fault_text(const struct dump_fault *fault, char text[DUMP_FAULT_TEXT])
@@ -234,7 +236,9 @@ const char *dump_fault_text(const struct dump_fault *fault, char text[DUMP_FAULT
         small_text(fault, text);
         break;
     default:
-        snprintf(text, DUMP_FAULT_TEXT, "node %u: %s %u", fault->node, of_triangle[fault->rule],
+        snprintf(text, DUMP_FAULT_TEXT, "node %u: %s %u", fault->node,
+                 fault->instance && fault->rule == DUMP_DOUBLED ? "a leaf has already instance"
+                                                                : of_triangle[fault->rule],
                  fault->triangle);
     }
     return text;

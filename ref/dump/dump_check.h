@@ -31,6 +31,7 @@ struct dump_fault {
     uint32_t node;
     uint32_t child;     /* of child, cycle and shared; of small without a scene: the leaf */
     uint32_t triangle;  /* or of range and taken: the place in the list */
+    bool instance;      /* `triangle` is an instance of a top level */
     unsigned side;      /* of nan and small: 0-2 least x y z, 3-5 most */
     float bound, needs; /* of small: where the box ends, and where the triangle does */
 };

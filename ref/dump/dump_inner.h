@@ -24,6 +24,12 @@ enum status dump_read_tinybvh(const char *name, const char *bytes, size_t size,
 enum status dump_read_bvh2(const char *name, const char *bytes, size_t size, struct tree_dump *out,
                            struct reason *reason) MUST_USE;
 
+enum status dump_read_lavapipe(const char *name, const char *bytes, size_t size,
+                               struct tree_dump *out, struct reason *reason) MUST_USE;
+
+/* True if the bytes begin as an acceleration structure that some Vulkan driver serialised. */
+bool dump_is_serialised(const char *bytes, size_t size);
+
 /* True if the bytes have the size that their first words demand, with nodes of float or double. */
 bool dump_is_bvh2(const char *bytes, size_t size);
 

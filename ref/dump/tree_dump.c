@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const dump_formats[DUMP_FORMATS + 1] = {"raydiff", "tinybvh", "bvh2", NULL};
+const char *const dump_formats[DUMP_FORMATS + 1] = {"raydiff", "tinybvh", "bvh2", "lavapipe", NULL};
 
 #define NUMBERS_MOST ((size_t)UINT32_MAX - 1)
 
@@ -49,7 +49,9 @@ static unsigned guess(const char *bytes, size_t size)
         return DUMP_RAYDIFF;
     if (dump_is_bvh2(bytes, size))
         return DUMP_BVH2;
-    return dump_is_tinybvh(bytes, size) ? DUMP_TINYBVH : DUMP_GUESSED;
+    if (dump_is_tinybvh(bytes, size))
+        return DUMP_TINYBVH;
+    return dump_is_serialised(bytes, size) ? DUMP_LAVAPIPE : DUMP_GUESSED;
 }
 
 enum status tree_dump_read(const char *name, const char *bytes, size_t size, unsigned format,
@@ -59,12 +61,14 @@ enum status tree_dump_read(const char *name, const char *bytes, size_t size, uns
                                                    struct tree_dump *, struct reason *) = {
         [DUMP_RAYDIFF] = dump_read_text,
         [DUMP_TINYBVH] = dump_read_tinybvh,
-        [DUMP_BVH2] = dump_read_bvh2};
+        [DUMP_BVH2] = dump_read_bvh2,
+        [DUMP_LAVAPIPE] = dump_read_lavapipe};
     *out = (struct tree_dump){0};
     if (format == DUMP_GUESSED && (format = guess(bytes, size)) == DUMP_GUESSED)
         return fail(reason, STATUS_INPUT,
                     "%s: no tree of a known format: it begins neither with '" DUMP_MAGIC
-                    "1' nor as a file of tinybvh, and has not the size that a file of bvh v2 has",
+                    "1' nor as a file of tinybvh or a serialised acceleration structure, and has "
+                    "not the size that a file of bvh v2 has",
                     name);
     enum status status = read[format](name, bytes, size, out, reason);
     out->format = dump_formats[format];
@@ -138,6 +142,11 @@ void tree_dump_free(struct tree_dump *dump)
     free(dump->child);
     free(dump->item);
     free(dump->spec);
+    free(dump->instance);
+    free(dump->source);
+    for (size_t i = 0; i < dump->below_count; i++)
+        tree_dump_free(&dump->below[i]);
+    free(dump->below);
     scene_free(&dump->scene);
     *dump = (struct tree_dump){0};
 }

@@ -15,6 +15,22 @@ struct dump_node {
     bool leaf;
 };
 
+#define DUMP_NO_TREE UINT32_MAX
+
+/* An instance, as the file has it. */
+struct dump_instance {
+    float m[3][4];       /* from the mesh into the world; finite */
+    float inverse[3][4]; /* the same back, as the driver made it */
+    uint32_t number;     /* among the instances that the tree was built of */
+    uint32_t custom, mask;
+    uint32_t below; /* place in tree_dump.below; DUMP_NO_TREE: the file has not its tree */
+};
+
+/* Which triangle of which geometry a triangle of the file is. */
+struct dump_source {
+    uint32_t geometry, triangle;
+};
+
 /* Owns its arrays (see tree_dump_free). Node 0 is the root. */
 struct tree_dump {
     const char *format; /* a member of dump_formats */
@@ -29,13 +45,20 @@ struct tree_dump {
     bool tri_known;
     struct scene scene; /* triangles that the file holds itself; tri_count 0: none */
     char *spec;         /* the scene that the file names, or NULL */
+    /* Of a top level: items are instances, tri_count of them. `scene` then has for each a triangle
+     * with the bounds that its box needs, unless one of their trees is not in the file. */
+    struct dump_instance *instance; /* by item; NULL: this is no top level */
+    struct tree_dump *below;        /* below_count trees */
+    size_t below_count;
+    struct dump_source *source; /* of each triangle of `scene`; or NULL: not told */
 };
 
-#define DUMP_RAYDIFF 0 /* our own text */
-#define DUMP_TINYBVH 1 /* what tinybvh's BVH::Save writes */
-#define DUMP_BVH2    2 /* what serialize() of madmann91's bvh, version 2, writes */
-#define DUMP_FORMATS 3
-#define DUMP_GUESSED DUMP_FORMATS
+#define DUMP_RAYDIFF  0 /* our own text */
+#define DUMP_TINYBVH  1 /* what tinybvh's BVH::Save writes */
+#define DUMP_BVH2     2 /* what serialize() of madmann91's bvh, version 2, writes */
+#define DUMP_LAVAPIPE 3 /* acceleration structures that lavapipe of Mesa 25.0 serialises */
+#define DUMP_FORMATS  4
+#define DUMP_GUESSED  DUMP_FORMATS
 
 /* Names of the formats; NULL-terminated. */
 extern const char *const dump_formats[DUMP_FORMATS + 1];

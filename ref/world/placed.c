@@ -28,8 +28,7 @@ static struct term single(float a)
     return (struct term){x.m, x.exponent};
 }
 
-/* The coordinate minus x, in units of 2^*exponent. */
-static void difference(const float row[4], const float p[3], float x, struct oracle_wide *out,
+void placed_difference(const float row[4], const float p[3], float x, struct oracle_wide *out,
                        int *exponent)
 {
     struct term term[5];
@@ -80,7 +79,7 @@ static void round_by_integers(const float row[4], const float p[3], float *below
     int exponent;
     float small, large;
     *below = *above = 0;
-    difference(row, p, 0, &sum, &exponent);
+    placed_difference(row, p, 0, &sum, &exponent);
     if (sum.sign == 0)
         return;
     round_size(&sum, exponent, &small, &large);
@@ -126,7 +125,7 @@ int placed_compare(const float row[4], const float p[3], float x)
     error += fabs(about) * 0x1p-52;
     if (about > error || about < -error)
         return about > 0 ? 1 : -1;
-    difference(row, p, x, &sum, &exponent);
+    placed_difference(row, p, x, &sum, &exponent);
     return sum.sign;
 }
 

@@ -3,6 +3,7 @@
 #ifndef PLACED_H
 #define PLACED_H
 
+#include "ref/integers/wide.h"
 #include "ref/scene/scene.h"
 
 /* The largest float32 that is at most the coordinate and the least that is at least that: equal if
@@ -12,6 +13,10 @@ void placed_round(const float row[4], const float p[3], float *below, float *abo
 
 /* Sign of the coordinate minus x, which is finite. */
 int placed_compare(const float row[4], const float p[3], float x);
+
+/* The coordinate minus x, exactly, in units of 2^*exponent; x is finite. */
+void placed_difference(const float row[4], const float p[3], float x, struct oracle_wide *out,
+                       int *exponent);
 
 /* Bound of the error of placed_about: its sum and that of the bound have three roundings each, and
  * products of two float32 numbers have none in double. */

@@ -68,6 +68,12 @@ sed 's/^leaf 0 0 0 1 1 0.5 1/leaf 0 0 0x1p-149 1 1 0.5 1/' $input/mine.tree >"$d
 told 1 "$dir/small.tree"
 has 'one float too small' '^FAULT small: node 2: .*least z is 0x1p-149, and triangle 1 has 0x0p\+0: 1 step, 1\.4'
 [ "$(v named.0.steps)" = 1 ] && [ "$(v named.0.bound)" = 0x1p-149 ] && [ "$(v named.0.side)" = 'least z' ] || bad 'JSON: a step'
+# What a driver serialised: tests/driver_trees/driver_trees.sh has more.
+sed 's/l1 -1 0 0 3 2 1/l1 -1 0 0 2.5 2 1/; s/1 0 0 0  0 1 0 0$/0.5 0 0 0  0 1 0 0/' tests/driver_trees/two.lvp.txt |
+    perl tests/driver_trees/encode.pl >"$dir/two.as"
+expect 1 . tree "$dir/two.as" soup:n=1 --json "$dir/j.json"
+awk -f tests/values/flat.awk "$dir/j.json" >"$dir/flat"
+sh tests/values/fields.sh tree "$dir/flat" "$dir/seen" || bad 'JSON: fields of a driver'
 sh tests/values/fields.sh --unseen tree "$dir/seen" >"$dir/unseen" || bad "fields: $(head -n 1 "$dir/unseen")"
 "$raydiff" tree $input/mine.tree --json - 2>"$dir/err" | perl -MJSON::PP -0ne 'exit(decode_json($_)->{exit} != 0)' || bad '--json -'
 
@@ -90,7 +96,7 @@ expect 2 'no file given' tree
 expect 2 "unexpected argument 'c'" tree a b c
 expect 2 'No such file' tree "$dir/nothing"
 expect 2 'no tree of a known format' tree $input/tiny.obj
-expect 2 "'rtx' is not raydiff, tinybvh, bvh2 or guessed" tree $input/mine.tree --format rtx
+expect 2 "'rtx' is not raydiff, tinybvh, bvh2, lavapipe or guessed" tree $input/mine.tree --format rtx
 expect 2 'too few|tinybvh' tree $input/mine.tree --format tinybvh
 expect 2 'are no file of bvh v2' tree $input/mine.tree --format bvh2
 expect 0 . tree $input/mine.tree --format raydiff
