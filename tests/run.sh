@@ -155,6 +155,7 @@ plain)
     suite web sh tests/web/web.sh "$build/raydiff"
     suite build sh tests/build/build.sh "$build/raydiff"
     suite tree sh tests/trees/tree.sh "$build/raydiff"
+    suite driver_trees sh tests/driver_trees/driver_trees.sh "$build/raydiff"
     waits web_browser sh tests/web/browser.sh "$build/raydiff"
     alone fuzz sh tests/scripts/fuzz.sh "$build"
     alone fuzz_screen sh tests/docs/fuzz_screen.sh "$build/raydiff"

@@ -66,7 +66,7 @@ $(TRIAL_TESTS): TEST_LIBS += $(GMP_LIBS)
 $(B)/tests/test_bounds_placed_rays: $(B)/obj/tests/exact/exact_gmp_replay.o
 
 $(B)/tests/test_scatter: $(B)/obj/tests/trace/scatter_truth.o
-$(B)/tests/test_scatter $(B)/tests/test_kd_cover: TEST_LIBS += $(GMP_LIBS)
+$(B)/tests/test_scatter $(B)/tests/test_kd_cover $(B)/tests/test_dump_lavapipe: TEST_LIBS += $(GMP_LIBS)
 $(addprefix $(B)/tests/test_world_,inverse boxes redecide): TEST_LIBS += $(GMP_LIBS)
 GMP_WORLD_OBJ := $(addprefix $(B)/obj/tests/exact/gmp_,world.o object_ray.o steady.o world_redecide.o)
 $(B)/tests/test_world_redecide: $(GMP_WORLD_OBJ) $(addprefix $(B)/obj/tests/exact/,exact_gmp.o exact_gmp_replay.o)

@@ -218,4 +218,84 @@ static inline void lvp_write(struct lvp_file *file, const struct world *world,
     file->bytes[file->size] = 0;
 }
 
+/* --- as the tests meet them ------------------------------------------------------------------- */
+
+static inline struct world lvp_world(const char *what)
+{
+    struct world world;
+    struct reason reason = {""};
+    if (world_open(what, 1, &world, &reason))
+        fail_msg("%s", reason.text);
+    return world;
+}
+
+static inline enum status lvp_read(const struct lvp_file *file, size_t size, struct tree_dump *dump,
+                                   struct reason *reason)
+{
+    return tree_dump_read("t", (const char *)file->bytes, size, DUMP_GUESSED, dump, reason);
+}
+
+static inline struct tree_dump lvp_read_ok(const struct lvp_file *file)
+{
+    struct tree_dump dump;
+    struct reason reason = {""};
+    if (lvp_read(file, file->size, &dump, &reason))
+        fail_msg("%s", reason.text);
+    assert_string_equal(dump.format, "lavapipe");
+    return dump;
+}
+
+static inline struct dump_report lvp_found(const struct tree_dump *dump)
+{
+    struct dump_report report;
+    struct reason reason = {""};
+    const struct scene *scene = dump->scene.tri_count ? &dump->scene : NULL;
+    if (dump_check(dump, scene, SIZE_MAX, true, &report, &reason))
+        fail_msg("%s", reason.text);
+    return report;
+}
+
+static inline struct dump_lacks lvp_measured(const struct tree_dump *dump)
+{
+    struct dump_lacks lacks;
+    struct reason reason = {""};
+    assert_true(dump->instance && dump->scene.tri_count);
+    if (dump_measure(dump, &lacks, &reason))
+        fail_msg("%s", reason.text);
+    return lacks;
+}
+
+static inline struct dump_differences lvp_compared(const struct tree_dump *dump,
+                                                   const struct world *world)
+{
+    struct dump_differences out;
+    struct reason reason = {""};
+    if (dump_compare(dump, world, &out, &reason))
+        fail_msg("%s", reason.text);
+    return out;
+}
+
+/* A world of two meshes, instances of both in turn; of what others opened. */
+static inline struct world lvp_two_meshes(void)
+{
+    struct world a = lvp_world("placed-turned:count=5"), b = lvp_world("sphere:n=2");
+    struct reason reason = {""};
+    struct world_mesh *mesh = calloc(2, sizeof *mesh);
+    assert_non_null(mesh);
+    mesh[0] = a.mesh[0];
+    mesh[1] = b.mesh[0];
+    free(a.mesh);
+    a.mesh = mesh;
+    a.mesh_count = 2;
+    b.mesh_count = 0;
+    world_free(&b);
+    for (uint32_t i = 0; i < a.instance_count; i++)
+        a.instance[i].mesh = i % 2;
+    free(a.first);
+    a.first = NULL;
+    if (world_finish(&a, &reason))
+        fail_msg("%s", reason.text);
+    return a;
+}
+
 #endif

@@ -355,6 +355,11 @@ perl -e 'print pack("VV", 166 | 10 << 24, 4), "\0" x 300' >dump/tiny-wide
 leaf='sub node { pack("f6V", @_[0, 3, 1, 4, 2, 5], $_[6] * 16 + $_[7]) } my @box = (-1, -1, -1, 1, 1, 1);'
 perl -e "$leaf"' print pack("VV", 3, 4), node(@box, 1, 0), node(@box, 0, 2), node(@box, 2, 2), pack("V4", 0 .. 3)' >dump/bvh2
 perl -e "$leaf"' print pack("VV", 3, 4), node(@box, 0, 0), node(@box, 1, 2), node(@box, 0xFFFFFFF, 15), pack("V4", 0, 0, 9, -1)' >dump/bvh2-faulty
+encode=$repository/tests/driver_trees/encode.pl two=$repository/tests/driver_trees/two.lvp.txt
+perl "$encode" <"$two" >dump/lavapipe
+sed '/^handles$/,$d' "$two" | perl "$encode" >dump/lavapipe-top
+sed -n '/^handles$/,/tri 0 1/p' "$two" | sed '/tri 0 1/q' | perl "$encode" >dump/lavapipe-mesh
+sed 's/l2 3 0 0/b0 3 0 0/; s/l1 -1 0 0/l0 nan 0 0/; s/tri 0 1/tri 0 0/; s/ 4 0 1 / inf 0 1 /' "$two" | perl "$encode" >dump/lavapipe-faulty
 perl -e 'print pack("Q2", 1, 1), pack("d6", -1, 1, -1, 1, -1, 1), pack("Q2", 1, 0)' >dump/bvh2-double
 
 # --- logs
