@@ -23,6 +23,11 @@ static const struct option_row rows[] = {
     {"from", "ENGINE",
      "rayquery or a variant of it: has a Vulkan driver build the trees of SCENE, and reads these",
      OF_TEXT(from)},
+    {"aim", "N",
+     "with --from: N rays that meet triangles of instances just outside of their boxes, and "
+     "whether "
+     "the driver finds these",
+     OF_COUNT(aim, 0, 1u << 30), .value = "0"},
     {"save", "FILE", "with --from: what the driver serialised", OF_WRITTEN(save)},
     {"driver", "NAME", "with --from: the driver, as in raydiff check", OF_TEXT(engines.driver)},
     {"device", "N", "with --from: device by the number that raydiff doctor gives",
@@ -55,7 +60,8 @@ static const struct option_set set = {
     .codes = "0 sound, 1 faults found, 2 bad input, 4 no memory, 77 the driver cannot do it",
     .example = "tree fuzz/samples/two.tree\n"
                "tree fuzz/samples/two.tree --format raydiff --json -\n"
-               "tree crowd:n=100 --from rayquery --driver mesa25 --save crowd.as",
+               "tree crowd:n=100 --from rayquery --driver mesa25 --save crowd.as\n"
+               "tree crowd:n=100 --from rayquery --driver mesa25 --aim 100000",
 };
 
 /* Opens the scene of the tree. *out is empty if there is none; *named is what it is called. */
@@ -124,6 +130,7 @@ static void told_free(struct tree_told *told)
         free(told->below[i].report.fault);
     free(told->below);
     free(told->report.fault);
+    free(told->lacks.side);
 }
 
 static bool is_faulty(const struct tree_told *told)
@@ -149,6 +156,8 @@ static int tell(const struct tree_command *command, const char *spec, struct tre
         status = look(command, told->scene && !told->compared ? &opened : NULL, told, &reason);
     if (!status)
         status = look_below(command, told, &reason);
+    if (!status && command->aim && told->measured)
+        status = tree_aim(command, spec, told, &reason);
     int code = status            ? exit_with_reason("tree", status, &reason)
                : is_faulty(told) ? EXIT_MISMATCH
                                  : EXIT_AGREE;
@@ -172,6 +181,7 @@ static int check_from(const struct tree_command *command, int words)
         (command->save || command->engines.driver || command->engines.device >= 0))
         return usage_error("tree", "%s needs --from",
                            command->save             ? "--save"
+                           : command->aim            ? "--aim"
                            : command->engines.driver ? "--driver"
                                                      : "--device");
     if (command->from && words > 1)

@@ -13,10 +13,24 @@ struct tree_command {
     uint32_t format;  /* of dump_formats; DUMP_GUESSED */
     uint32_t faults;  /* to be named, of each rule */
     const char *from; /* rayquery or a variant: the trees are built; NULL: a file is read */
+    uint32_t aim;     /* rays through what boxes lack */
     const char *save; /* where to put them; or NULL */
     const char *json;
     struct engine_options engines;
     struct screen_options screen;
+};
+
+/* Rays through what boxes lack. All stay in a plane, the coordinate of a side, which is outside of
+ * the box. */
+struct tree_aimed {
+    bool done;
+    uint32_t tries;
+    uint32_t aimed; /* of these, rays that exactly hit the instance, and nothing before it */
+    uint32_t lost;  /* of these, rays for which the driver does not find it */
+    uint32_t found; /* of these, rays for which it does if the meshes' boxes are larger */
+    struct ray ray; /* the first of `found` */
+    uint32_t instance;
+    unsigned side;
 };
 
 /* A file that was read, and what was found. */
@@ -30,7 +44,8 @@ struct tree_told {
     bool has_scene;
     bool measured; /* of a top level: `lacks` */
     struct dump_lacks lacks;
-    bool compared; /* with `scene`, beside the file's own triangles: `differences` */
+    struct tree_aimed aimed; /* with --aim, of the first tree */
+    bool compared;           /* with `scene`, beside the file's own triangles: `differences` */
     struct dump_differences differences;
     struct tree_told *below; /* of a top level: dump->below_count of them */
 };
@@ -40,6 +55,11 @@ struct tree_told {
  * STATUS_INPUT a variant that adds triangles; as world_open and file_out_open. */
 enum status tree_build(const struct tree_command *command, const char *spec, char **bytes,
                        size_t *size, char **driver, struct reason *reason) MUST_USE;
+
+/* Traces command->aim rays through what the boxes of `told`, a top level of that world, lack.
+ * Errors: as of the engine, and of world_open; STATUS_MEMORY. */
+enum status tree_aim(const struct tree_command *command, const char *spec, struct tree_told *told,
+                     struct reason *reason) MUST_USE;
 
 void tree_print(const struct tree_told *told, const struct screen *screen);
 

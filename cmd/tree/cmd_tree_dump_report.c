@@ -3,6 +3,7 @@
 #include "cmd/common/cmd_json.h"
 #include "ref/base/float_word.h"
 #include "ref/base/json_record.h"
+#include "ref/base/ray_text.h"
 #include "ref/base/text.h"
 
 #include <inttypes.h>
@@ -100,6 +101,23 @@ static void print_tree(const struct tree_told *told, const struct screen *screen
         screen_text(screen, "  placed   %s\n", tree_lacks_text(told, lacks));
 }
 
+static void print_aimed(const struct tree_told *told, const struct screen *screen)
+{
+    const struct tree_aimed *a = &told->aimed;
+    char ray[RAY_TEXT_MOST];
+    if (!a->done)
+        return;
+    screen_text(screen,
+                "  aimed    %u rays; %u hit an instance outside of its box first; of these %u are "
+                "lost, and %u of those found in larger boxes\n",
+                a->tries, a->aimed, a->lost, a->found);
+    if (a->found == 0)
+        return;
+    (void)ray_text_write(&a->ray, ray);
+    screen_record(screen, PAINT_BAD, "LOST: instance %u, %s: ray %s\n", a->instance,
+                  sides[a->side], ray);
+}
+
 static void print_faults(const struct tree_told *told, const struct screen *screen)
 {
     const struct dump_report *r = &told->report;
@@ -139,6 +157,7 @@ void tree_print(const struct tree_told *told, const struct screen *screen)
 {
     print_name(told, screen);
     print_tree(told, screen);
+    print_aimed(told, screen);
     print_faults(told, screen);
     for (size_t i = 0; told->below && i < told->dump->below_count; i++)
         tree_print(&told->below[i], screen);
@@ -251,6 +270,9 @@ enum status tree_write_json(const char *path, const struct tree_told *told, int 
         json_add(root, "driver=%p instances=%u placed=%p below=%p differences=%p",
                  json_text(told->driver), told->dump->tri_count, lacks_json(told), below,
                  differences_json(told));
+    if (told->aimed.done)
+        json_add(root, "aimed=%u hit=%u lost=%u found=%u", told->aimed.tries, told->aimed.aimed,
+                 told->aimed.lost, told->aimed.found);
     else
         json_decref(below);
     return json_write(path, tree ? root : NULL, 17, reason);

@@ -131,8 +131,8 @@ static bool measure_side(const struct tree_dump *dump, uint32_t item, unsigned s
     return true;
 }
 
-static void measure_box(const struct tree_dump *dump, uint32_t item, const struct box *box,
-                        struct dump_lacks *out)
+static enum status measure_box(const struct tree_dump *dump, uint32_t item, const struct box *box,
+                               size_t *capacity, struct dump_lacks *out)
 {
     struct dump_lack lack;
     const uint32_t before = out->sides;
@@ -140,12 +140,16 @@ static void measure_box(const struct tree_dump *dump, uint32_t item, const struc
     for (unsigned side = 0; side < 6; side++) {
         if (!measure_side(dump, item, side, bound_of(box, side), &lack))
             continue;
+        if (array_reserve(&out->side, capacity, (size_t)out->sides + 1, sizeof *out->side))
+            return STATUS_MEMORY;
+        out->side[out->sides] = (struct dump_side){item, side, lack.bound};
         if (out->sides++ == 0 || fraction_compare(&lack.exact, &out->most.exact) > 0)
             out->most = lack;
         if (lack.steps > out->most_steps)
             out->most_steps = lack.steps;
     }
     out->small += out->sides > before;
+    return STATUS_OK;
 }
 
 /* Only leaves that a box leads to have a box. */
@@ -153,17 +157,21 @@ enum status dump_measure(const struct tree_dump *dump, struct dump_lacks *out,
                          struct reason *reason)
 {
     bool *led = alloc_zeroed(dump->node_count, sizeof *led);
+    size_t capacity = 0;
+    enum status status = led ? STATUS_OK : STATUS_MEMORY;
     *out = (struct dump_lacks){0};
-    if (!led)
-        return fail(reason, STATUS_MEMORY, "no memory to measure %zu boxes", dump->node_count);
-    for (size_t i = 0; i < dump->child_count; i++)
+    for (size_t i = 0; i < dump->child_count && !status; i++)
         if (dump->child[i] < dump->node_count)
             led[dump->child[i]] = true;
-    for (size_t i = 0; i < dump->node_count; i++) {
+    for (size_t i = 0; i < dump->node_count && !status; i++) {
         const struct dump_node *node = &dump->node[i];
         if (led[i] && node->leaf && node->count == 1)
-            measure_box(dump, dump->item[node->first], &node->box, out);
+            status = measure_box(dump, dump->item[node->first], &node->box, &capacity, out);
     }
     free(led);
-    return STATUS_OK;
+    if (!status)
+        return STATUS_OK;
+    free(out->side);
+    *out = (struct dump_lacks){0};
+    return fail(reason, status, "no memory to measure %zu boxes", dump->node_count);
 }

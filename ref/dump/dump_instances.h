@@ -24,17 +24,25 @@ struct dump_lack {
     double u;
 };
 
+/* A side of an instance's box that lacks something. */
+struct dump_side {
+    uint32_t item;
+    unsigned side;
+    float bound;
+};
+
 /* What a top level lacks. */
 struct dump_lacks {
     uint32_t judged; /* boxes of instances with triangles */
     uint32_t small;  /* boxes that lack something */
     uint32_t sides;
     uint32_t most_steps;
-    struct dump_lack most; /* the side that lacks most u; if sides > 0 */
+    struct dump_lack most;  /* the side that lacks most u; if sides > 0 */
+    struct dump_side *side; /* all `sides` of them; the caller frees it */
 };
 
 /* Measures the box of each leaf that the root leads to against the vertices M v + T of real
- * numbers. The dump has a scene from dump_place. Errors: STATUS_MEMORY. */
+ * numbers. The dump has a scene from dump_place. Errors: STATUS_MEMORY; *out is then zero. */
 enum status dump_measure(const struct tree_dump *dump, struct dump_lacks *out,
                          struct reason *reason) MUST_USE;
 

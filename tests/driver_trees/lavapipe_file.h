@@ -262,6 +262,8 @@ static inline struct dump_lacks lvp_measured(const struct tree_dump *dump)
     assert_true(dump->instance && dump->scene.tri_count);
     if (dump_measure(dump, &lacks, &reason))
         fail_msg("%s", reason.text);
+    free(lacks.side);
+    lacks.side = NULL;
     return lacks;
 }
 
