@@ -6,12 +6,23 @@
 
 #include <stdlib.h>
 
-/* Indices of arrays; their addresses are so far apart that they cannot overlap. */
-enum { NODES, ITEMS, INDICES, VERTICES };
+#define NODES    TOUCH_NODES
+#define ITEMS    TOUCH_ITEMS
+#define INDICES  TOUCH_INDICES
+#define VERTICES TOUCH_VERTICES
 
+/* Addresses of arrays are so far apart that they cannot overlap. */
 static uint64_t place(int array, uint64_t offset)
 {
     return ((uint64_t)(array + 1) << 40) + offset;
+}
+
+static void note(const struct touch *touch, enum touch_array array, uint64_t offset, uint64_t bytes)
+{
+    if (touch->read)
+        touch->read(touch->reader, array, offset, bytes);
+    else
+        cache_sim_read(touch->cache, place((int)array, offset), bytes);
 }
 
 /* The packed tree is the first member of the struct that watches it. */
@@ -24,19 +35,26 @@ static const struct touch *watcher(const struct packed *packed)
 
 /* A reference names a record or one of its slots. If a record can be read in two ways (amd64),
  * there are twice as many references, and the second way also reads the next record. */
-static void read_record(const struct touch *touch, uint32_t ref)
+uint32_t touch_record(const struct packed *packed, uint32_t ref, uint32_t *way)
 {
-    const struct layout *layout = touch->real->layout;
-    uint32_t records = touch->real->node_count, width = layout->width;
-    uint32_t refs = layout_refs(layout), ways = refs > 1 ? refs / (1 + width) : 1;
-    uint32_t record = ref, way = 0;
+    uint32_t records = packed->node_count, width = packed->layout->width;
+    uint32_t refs = layout_refs(packed->layout), ways = refs > 1 ? refs / (1 + width) : 1;
+    uint32_t record = ref;
+    *way = 0;
     if (refs > 1 && ways > 0) {
         bool slot = ref >= ways * records;
         record = slot ? (ref - ways * records) / width : ref;
-        way = record / records;
+        *way = record / records;
     }
-    cache_sim_read(touch->cache, place(NODES, (uint64_t)(record % records) * layout->node_bytes),
-                   (1 + way) * (uint64_t)layout->node_bytes);
+    return record % records;
+}
+
+static void read_record(const struct touch *touch, uint32_t ref)
+{
+    const struct layout *layout = touch->real->layout;
+    uint32_t way, record = touch_record(touch->real, ref, &way);
+    note(touch, NODES, (uint64_t)record * layout->node_bytes,
+         (1 + way) * (uint64_t)layout->node_bytes);
 }
 
 /* A node has its own box: its parent's test reads it there. Where a layout from outside has its
@@ -71,13 +89,13 @@ static void read_vertices(const struct touch *touch, uint32_t prim)
     if (prim >= touch->scene->tri_count)
         return;
     if (touch->gathered) {
-        cache_sim_read(touch->cache, place(VERTICES, 36 * (uint64_t)prim), 36);
+        note(touch, VERTICES, 36 * (uint64_t)prim, 36);
         return;
     }
-    cache_sim_read(touch->cache, place(INDICES, 12 * (uint64_t)prim), 12);
+    note(touch, INDICES, 12 * (uint64_t)prim, 12);
     for (int c = 0; c < 3; c++) {
         uint32_t vertex = touch->scene->index[3 * (size_t)prim + (size_t)c];
-        cache_sim_read(touch->cache, place(VERTICES, 12 * (uint64_t)vertex), 12);
+        note(touch, VERTICES, 12 * (uint64_t)vertex, 12);
     }
 }
 
@@ -88,9 +106,9 @@ static uint32_t layout_item(const struct packed *packed, uint32_t slot)
     const struct touch *touch = watcher(packed);
     uint32_t prim = touch->real->layout->item(touch->real, slot);
     if (touch->real->item)
-        cache_sim_read(touch->cache, place(ITEMS, 4 * (uint64_t)slot), 4);
+        note(touch, ITEMS, 4 * (uint64_t)slot, 4);
     else
-        cache_sim_read(touch->cache, place(NODES, 2 * (uint64_t)slot), 2);
+        note(touch, NODES, 2 * (uint64_t)slot, 2);
     read_vertices(touch, prim);
     return prim;
 }
@@ -119,11 +137,10 @@ static uint32_t store_item(const struct packed *packed, uint32_t first, uint32_t
     uint32_t prim = store->item(touch->real, first, slot);
     if (touch->leaf) {
         if (slot == 0)
-            cache_sim_read(touch->cache, place(ITEMS, 4 * (uint64_t)first),
-                           4 * leaf_words(touch, first));
+            note(touch, ITEMS, 4 * (uint64_t)first, 4 * leaf_words(touch, first));
         return prim;
     }
-    cache_sim_read(touch->cache, place(ITEMS, 4 * ((uint64_t)first + slot)), 4);
+    note(touch, ITEMS, 4 * ((uint64_t)first + slot), 4);
     read_vertices(touch, prim);
     return prim;
 }

@@ -9,6 +9,17 @@
 #include "ref/kd/kd.h"
 #include "ref/store.h"
 
+enum touch_array {
+    TOUCH_NODES,
+    TOUCH_ITEMS,    /* the words of the storage */
+    TOUCH_INDICES,  /* of the scene's triangles, 12 bytes each */
+    TOUCH_VERTICES, /* of the scene, 12 bytes each, or 36 bytes a triangle */
+    TOUCH_ARRAYS
+};
+
+/* Receives a read of `bytes` bytes from `offset` of an array. */
+typedef void touch_read_fn(void *reader, enum touch_array array, uint64_t offset, uint64_t bytes);
+
 /* A packed tree whose reads are recorded. Owns `leaf`: free with touch_free. Nodes, items and the
  * scene's arrays have separate page-aligned addresses. */
 struct touch {
@@ -18,6 +29,8 @@ struct touch {
     const struct packed *real;
     const struct scene *scene;
     struct cache_sim *cache;
+    touch_read_fn *read; /* called instead of the cache, with `reader`; NULL after touch_make */
+    void *reader;
     /* Vertices are read as nine floats per triangle in the scene's order, as on the GPU, instead of
      * by index. */
     bool gathered;
@@ -25,8 +38,8 @@ struct touch {
     size_t leaf_count;
 };
 
-/* Prepares recording of `packed`. Everything is borrowed; do not move *out. Errors:
- * STATUS_MEMORY. */
+/* Prepares recording of `packed`. Everything is borrowed; do not move *out.
+ * `cache` may be NULL if `read` is set before anything is traced. Errors: STATUS_MEMORY. */
 enum status touch_make(const struct packed *packed, const struct scene *scene, bool gathered,
                        struct cache_sim *cache, struct touch *out, struct reason *reason) MUST_USE;
 
@@ -36,6 +49,10 @@ enum status touch_make(const struct packed *packed, const struct scene *scene, b
  * trace_ray. */
 enum status touch_ray(struct touch *touch, const struct job *job, const struct ray *ray,
                       struct hit *hit) MUST_USE;
+
+/* Returns the record that decoding the node `ref` reads, of a packed tree that has nodes. *way: so
+ * many records behind it are read as well. */
+uint32_t touch_record(const struct packed *packed, uint32_t ref, uint32_t *way);
 
 void touch_free(struct touch *touch);
 
