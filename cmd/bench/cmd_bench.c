@@ -13,9 +13,9 @@
 #include <string.h>
 
 static const struct benchmark *const benchmarks[] = {
-    &bench_layouts, &bench_error, &bench_spawn,   &bench_builders, &bench_oracle, &bench_fuzz,
-    &bench_frames,  &bench_paper, &bench_special, &bench_fast,     &bench_matrix, &bench_tightness,
-    &bench_worlds,  NULL};
+    &bench_layouts, &bench_error,     &bench_spawn,  &bench_builders, &bench_oracle,
+    &bench_fuzz,    &bench_frames,    &bench_paper,  &bench_special,  &bench_fast,
+    &bench_matrix,  &bench_tightness, &bench_worlds, &bench_traffic,  NULL};
 
 /* Prints "takes --a --b ..." and breaks the lines before column 80. */
 static void print_takes(const char *takes)
@@ -135,6 +135,7 @@ static const struct option_set set = {
              "NAME is one benchmark; without it all run except those that must be named.",
     .group = {GROUP(all_rows),
               {.row = own_rows, .title = "and where the benchmark takes them:"},
+              GROUP_AT(traffic_rows, traffic),
               GROUP_AT(engine_rows, engines),
               GROUP_AT(outside_rows, engines),
               GROUP_AT(compiler_rows, compilers),
@@ -149,7 +150,7 @@ static const struct option_set set = {
 
 static enum status unknown(const char *name, struct reason *reason)
 {
-    char known[160] = "", hint[NEAREST_HINT];
+    char known[200] = "", hint[NEAREST_HINT];
     size_t used = 0;
     struct nearest_name nearest = nearest_make(name, strlen(name));
     for (size_t i = 0; benchmarks[i] && used < sizeof known; i++) {
@@ -297,6 +298,7 @@ static int run_benchmarks(struct bench *bench, const char *name)
 int cmd_bench(int argc, char **argv)
 {
     struct bench bench = {.picture = {.turns = FRAMES_TURNS, .warm_up = FRAMES_WARM_UP},
+                          .traffic = traffic_options_default(),
                           .engines = engine_options_default(),
                           .progress = progress_make("bench")};
     int first, code = options_read(&set, &bench, argc, argv, &first);

@@ -3,6 +3,7 @@
 #define CMD_BENCH_H
 
 #include "bench/chart/spread.h"
+#include "cmd/traffic/cmd_traffic.h"
 #include "cmd/common/cmd_compiler.h"
 #include "cmd/common/cmd_grid.h"
 #include "cmd/common/cmd_tree.h"
@@ -48,6 +49,7 @@ struct bench {
         char csv[4096], json[4096], svg[4096]; /* names made from `out` for the rows */
     } picture;
     bool quick;
+    struct traffic_options traffic;
     const char *bvh;      /* --bvh: a tree file of the one scene; NULL: built */
     struct file_out csv;  /* stream NULL: no CSV */
     const char *csv_head; /* benchmark whose column names were written last */
@@ -81,7 +83,7 @@ struct benchmark {
 
 extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_builders, bench_oracle,
     bench_fuzz, bench_frames, bench_paper, bench_special, bench_fast, bench_matrix, bench_tightness,
-    bench_worlds;
+    bench_worlds, bench_traffic;
 
 /* Merges an exit code into bench->code. A signal's code counts only if nothing else was wrong. */
 void bench_worse(struct bench *bench, int code);
