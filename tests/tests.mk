@@ -77,6 +77,9 @@ $(B)/obj/tests/judge/honest_fast.o: CFLAGS += -ffast-math -ffp-contract=fast $(i
 
 $(B)/tests/test_adversaries: $(addprefix $(B)/obj/tests/adversaries/,cheats.o outsiders.o outsiders_table.o table.o)
 
+$(B)/tests/test_traffic_memory: $(B)/obj/tests/traffic/plain_memory.o
+$(addprefix $(B)/tests/test_,scene_treelets schedulers): $(B)/obj/tests/traffic/traffic_fixture.o
+
 # Parts of commands, which are no part of the library (but of that for mutations).
 COMMAND_TESTS := $(addprefix $(B)/tests/,$(notdir $(basename $(wildcard tests/commands/test_*.c))))
 ifneq ($(config),mutation)

@@ -160,18 +160,34 @@ static bool store_test(const struct packed *packed, uint32_t first, uint32_t slo
 
 /* --- the whole -------------------------------------------------------------------------------- */
 
+/* Leaves that are reached from the root: a record that is read in two ways is a node in one of
+ * them, and holds anything in the other. */
 static enum status find_leaves(struct touch *touch, struct reason *reason)
 {
     const struct packed *real = touch->real;
+    uint32_t *wait = alloc_zeroed((size_t)real->ref_count + 1, sizeof *wait), waiting = 1;
+    bool *seen = alloc_zeroed((size_t)real->ref_count + 1, sizeof *seen);
     touch->leaf = alloc_zeroed((size_t)real->ref_count + 1, sizeof *touch->leaf);
-    if (!touch->leaf)
-        return fail(reason, STATUS_MEMORY, "no memory for %u leaves", real->ref_count);
-    for (uint32_t ref = 0; ref < real->ref_count; ref++) {
+    bool all = wait && seen && touch->leaf;
+    if (all) {
+        wait[0] = real->root;
+        seen[real->root] = true;
+    }
+    while (all && waiting > 0) {
         struct wide node;
-        real->layout->load(real, ref, &node);
+        real->layout->load(real, wait[--waiting], &node);
         if (node.child_count == 0 && node.item_count > 0)
             touch->leaf[touch->leaf_count++] = node.item_first;
+        for (uint32_t c = 0; c < node.child_count; c++)
+            if (!seen[node.child[c]]) {
+                seen[node.child[c]] = true;
+                wait[waiting++] = node.child[c];
+            }
     }
+    free(wait);
+    free(seen);
+    if (!all)
+        return fail(reason, STATUS_MEMORY, "no memory for %u leaves", real->ref_count);
     qsort(touch->leaf, touch->leaf_count, sizeof *touch->leaf, by_place);
     return STATUS_OK;
 }

@@ -122,12 +122,13 @@ static enum status weigh(struct treelet_cut *cut, struct reason *reason)
         else
             cut->own[parent] += cut->own[ref];
     }
+    uint32_t largest = 0;
     for (uint32_t at = 0; at < out->order_count; at++)
-        if (cut->own[out->order[at]] > cut->most)
-            return fail(reason, STATUS_INPUT,
-                        "treelets of %llu bytes: a node of layout %s with its triangles has %u",
-                        (unsigned long long)cut->most, cut->touch->real->layout->name,
-                        cut->own[out->order[at]]);
+        largest = cut->own[out->order[at]] > largest ? cut->own[out->order[at]] : largest;
+    if (largest > cut->most)
+        return fail(reason, STATUS_INPUT,
+                    "treelets of %llu bytes: a node of layout %s with its triangles has %u",
+                    (unsigned long long)cut->most, cut->touch->real->layout->name, largest);
     return STATUS_OK;
 }
 
@@ -339,6 +340,8 @@ enum status treelets_runs(struct scene_treelets *treelets, struct touch *touch,
     enum status status = by_treelet(treelets, &list, &from);
     treelets->first = alloc_zeroed((size_t)treelets->count + 1, sizeof *treelets->first);
     status = treelets->first ? status : STATUS_MEMORY;
+    touch_read_fn *read = touch->read;
+    void *reader = touch->reader;
     touch->read = add_bursts;
     touch->reader = &bursts;
     for (uint32_t i = 0; i < treelets->count && !status; i++) {
@@ -354,7 +357,8 @@ enum status treelets_runs(struct scene_treelets *treelets, struct touch *touch,
         status = bursts.failed ? STATUS_MEMORY : add_runs(treelets, &bursts);
         treelets->first[i + 1] = treelets->run_count;
     }
-    touch->read = ignore;
+    touch->read = read;
+    touch->reader = reader;
     free(bursts.at);
     free(list);
     free(from);

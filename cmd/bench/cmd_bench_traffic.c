@@ -315,7 +315,8 @@ static enum status play_scene(struct bench *bench, const char *spec, const struc
     if (!status)
         status = play_all(field, reason);
     progress_end(&bench->progress);
-    grid_print(&field->grid, &bench->screen_is);
+    if (field->grid.row_count > 0)
+        grid_print(&field->grid, &bench->screen_is);
     traffic_paths_free(&field->paths);
     kd_free(&field->kd);
     bvh_free(&field->bvh);
