@@ -85,7 +85,7 @@ plain)
     suite guest_shader sh tests/guest/shader.sh "$build/raydiff"
     suite values sh tests/values/values.sh "$build/raydiff"
     suite values_bench sh tests/values/values_bench.sh "$build/raydiff" layouts error spawn
-    suite values_times sh tests/values/values_bench.sh "$build/raydiff" builders oracle fuzz frames fast worlds matrix tightness together
+    suite values_times sh tests/values/values_bench.sh "$build/raydiff" builders oracle fuzz frames fast worlds matrix tightness traffic together
     suite values_paper sh tests/values/values_paper.sh "$build/raydiff" paper
     suite values_special sh tests/values/values_paper.sh "$build/raydiff" special
     suite values_pictures sh tests/values/values_pictures.sh "$build/raydiff" render paths images engines faults published beside

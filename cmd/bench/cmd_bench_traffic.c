@@ -30,7 +30,7 @@ static const char about[] =
     "raycore traces engine kd's tree, and its answers are compared with that engine's.";
 
 static const struct column columns[] = {
-    {"verdict", .left = true, .rank = 6},
+    {"verdict", .left = true},
     {"scheduler", .left = true},
     {"layout", .left = true},
     {"store", .left = true, .rank = 7},
@@ -374,8 +374,8 @@ static int run(struct bench *bench)
 
 const struct benchmark bench_traffic = {
     .name = "traffic",
-    .shown = "each scheduler's answers are engine cpu's, and its bytes add up",
-    .refuted = "a scheduler's answers are not engine cpu's, or its bytes do not add up",
+    .shown = "all bytes add up, and no answer is WRONG",
+    .refuted = "bytes do not add up, or an answer is WRONG",
     .summary = "bytes that schedulers of the literature move for paths through layouts",
     .takes = "scene count csv json svg seed bvh layout store scheduler depths units lanes packet "
              "treelet queue l1 l2 row" BENCH_SCREEN,

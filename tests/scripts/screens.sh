@@ -68,6 +68,7 @@ screen bench-spawn bench spawn --scene sphere:n=4 --count 60 --engine cpu --tri 
 screen bench-builders bench builders --scene sphere:n=6 --rounds 3 --threads 1
 screen bench-matrix bench matrix --scene sphere:n=5 --count 160 --rounds 1 --threads 1 --engine cpu,fast --layout f32,rf16
 screen bench-tightness bench tightness --scene soup:n=50 --count 50
+screen bench-traffic bench traffic --scene sphere:n=6 --count 300 --depths 1,4 --layout f32,cwbvh80
 screen bench-frames bench frames --scene sphere:n=6 --engine cpu --layout f32,rf16,cwbvh80 --frames 3 --size 16x12 --out "$dir/frames"
 screen bench-oracle bench oracle --scene sphere:n=6 --count 200 --rounds 1
 screen bench-fast bench fast --scene sphere:n=6 --count 200 --rounds 1 --threads 1

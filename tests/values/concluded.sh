@@ -191,6 +191,7 @@ single 1 bench spawn --scene soup:n=1 $few --engine cpu --tri mt
 single 0 bench builders --scene soup:n=1 --rounds 1 --threads 1
 single 0 bench oracle --scene soup:n=1 $few
 single 0 bench tightness --scene soup:n=1 --count 1
+single 0 bench traffic --scene cornell --count 20
 single 0 bench fuzz $few $test_one
 single 0 bench frames --scene "$dir/one.obj" --engine cpu --layout f32 --frames 1 --turns 1 --bounces 1 --size 16x12 --out "$dir/f"
 

@@ -95,6 +95,7 @@ bench() {
     alone rows 60 "bench builders --scene ONE --threads 1 --rounds 1" $scenes
     alone rows 15 "bench oracle --scene ONE $few" $scenes
     alone rows 100 "bench tightness --scene ONE --count 300" $scenes
+    alone rows 100 "bench traffic --scene ONE --count 300 --depths 1,3" $scenes
     alone rows 60 "bench fast --scene ONE $few" $scenes
     alone rows 60 "bench worlds --scene ONE --instances 9 $few" $scenes
 }

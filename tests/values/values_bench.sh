@@ -164,6 +164,16 @@ play_tightness() {
             values bench_tightness 310 "$dir/text"
     done
 }
+play_traffic() {
+    for wide in '' --wide; do
+        for machine in '' '--units 1 --l1 1k:2:128 --l2 4k:4:32 --queue 40 --treelet 1024'; do
+            run bench traffic $wide --scene 'sphere:n=6;cornell' --count 300 --depths 1,4 --layout f32,cwbvh80 $machine \
+                --json "$dir/json" --csv "$dir/csv" && rows traffic 0 && values bench_traffic 900 "$dir/text"
+        done
+    done
+    run bench traffic --scene soup:n=300 --count 300 --scheduler dual,raycore --store gathered --json "$dir/json" --csv "$dir/csv" &&
+        rows traffic 0 && values bench_traffic 40 "$dir/text"
+}
 # All in one run: each has heads of its own in the CSV, and the rows told at its end are those of the files.
 play_together() {
     run bench --scene sphere:n=3 --count 60 --rounds 1 --threads 1 --engine cpu,fast --layout f32 --json "$dir/json" \
@@ -176,7 +186,7 @@ play_together() {
     [ "$(grep -c '^benchmark,' "$dir/csv")" -ge 4 ] || bad "bench: fewer than four benchmarks in one CSV"
 }
 
-for part in ${*:-layouts error spawn builders oracle fuzz frames fast worlds matrix tightness together}; do
+for part in ${*:-layouts error spawn builders oracle fuzz frames fast worlds matrix tightness traffic together}; do
     rm -f "$dir/other.flat"
     "play_$part"
     [ "$part" = together ] || all_seen "bench_$part"
