@@ -1,6 +1,6 @@
 #!/bin/sh
-# What check and leaks write as JSON, and scene convert as world JSON, holds against docs/schemas; a wrong key, type, word or a key that is
-# gone does not.
+# What check, leaks and tree write as JSON, and scene convert as world JSON, holds against docs/schemas; a wrong
+# key, type, word or a key that is gone does not.
 #   sh tests/docs/schemas.sh RAYDIFF
 set -u
 raydiff=$1
@@ -64,6 +64,25 @@ for schema in check leaks; do
     planted $schema 's/"exit": *0/"exit": "0"/'
     planted $schema 's/"raydiff"/"extra": 1, "raydiff"/'
 done
+# Trees of others: a sound one, and each fault that the golden inputs and the seeds of the readers have.
+written tree 0 fuzz/samples/two.tree
+for change in 's/"sah": *2.5/"sah": "2.5"/' 's/"cycle"/"circle"/' 's/"named": *\[\]/"named": null/' 's/"bytes": *96/"bytes": 96.5/'; do
+    planted tree "$change"
+done
+for file in tests/golden/input/*.tree; do
+    "$raydiff" tree "$file" --json "$dir/tree.json" >"$dir/text" 2>&1
+    case $? in
+    0 | 1) holds tree "$dir/tree.json" || bad "tree $file: not as its schema" ;;
+    2) ;; # no tree, or one of a scene that is not named
+    *) bad "tree $file" ;;
+    esac
+done
+printf 'raydiff tree 1\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\ntriangle 0 1 2\nnode -inf -1 0 inf 1 0 1 0 9\nleaf 0 0 0 0.5 nan 0 0 0 7\nend\n' \
+    >"$dir/faulty.tree"
+written tree 1 "$dir/faulty.tree"
+for change in 's/"rule": *"small"/"rule": "tiny"/' 's/"steps"/"step"/' 's/"needs": *"/"needs": 1, "x": "/'; do
+    planted tree "$change"
+done
 # Worlds: of each kind of member, and each of its words.
 for seed in 1 2 3; do
     "$raydiff" scene convert mixed:count=60 "$dir/world.json" --seed $seed >"$dir/text" 2>&1 || bad "mixed $seed: not written"
@@ -74,4 +93,4 @@ for change in 's/"mask"/"maks"/' 's/"raydiff_world": 1/"raydiff_world": 2/' 's/"
     planted world "$change"
 done
 [ "$failed" = 0 ] || { echo "$failed failed"; exit 1; }
-echo "what check, leaks and scene convert write is as docs/schemas has it; 19 planted faults seen"
+echo "what check, leaks, tree and scene convert write is as docs/schemas has it; 26 planted faults seen"
