@@ -6,7 +6,8 @@
 
 #include <string.h>
 
-static const struct gen_options ordinary = {16, 64, 500, false, false};
+static const struct gen_options ordinary = {
+    .triangles_least = 16, .triangles_most = 64, .rays = 500};
 
 typedef enum status gen_fn(uint64_t seed, uint64_t index, const struct gen_options *options,
                            struct fuzz_trial *out, struct reason *reason);

@@ -125,7 +125,8 @@ static uint64_t hash_of_many(gen_fn *gen, const struct gen_options *options)
 static void the_first_thousand_trials_are_what_they_were(void **state)
 {
     (void)state;
-    static const struct gen_options published = {16, 64, 100, true, false};
+    static const struct gen_options published = {
+        .triangles_least = 16, .triangles_most = 64, .rays = 100, .faithful = true};
     const uint64_t golden = 0x443FAF4A101DB743u, golden_published = 0xC5B99B15691B2739u;
     uint64_t hash = hash_of_many(gen_trial, &ordinary);
     uint64_t faithful = hash_of_many(gen_trial, &published);
@@ -170,7 +171,8 @@ static int by_size(const void *a, const void *b)
 static void ordinary_trials_have_16_to_64_triangles(void **state)
 {
     (void)state;
-    static const struct gen_options short_ones = {16, 64, 4, false, false};
+    static const struct gen_options short_ones = {
+        .triangles_least = 16, .triangles_most = 64, .rays = 4};
     static uint32_t size[20000];
     uint32_t few = 0, large = 0, edited = 0;
     for (uint32_t i = 0; i < ARRAY_COUNT(size); i++) {
@@ -202,7 +204,8 @@ static void members_as_published_take_part_if_asked_for(void **state)
 {
     (void)state;
     for (int faithful = 0; faithful < 2; faithful++) {
-        struct gen_options options = {16, 64, 4, faithful, false};
+        struct gen_options options = {
+            .triangles_least = 16, .triangles_most = 64, .rays = 4, .faithful = faithful};
         uint32_t seen[3][16] = {{0}}, queries[QUERY_COUNT] = {0}, leaves[17] = {0};
         for (uint32_t i = 0; i < 1000; i++) {
             struct fuzz_trial trial = trial_of(5, i, &options);

@@ -115,7 +115,7 @@ struct aim_tally {
 static struct aim_tally tally_of(aim_fn *make, uint32_t trials)
 {
     struct aim_tally tally = {.exact = 0};
-    static const struct gen_options no_rays = {16, 64, 0, false, false};
+    static const struct gen_options no_rays = {.triangles_least = 16, .triangles_most = 64};
     for (uint32_t t = 0; t < trials; t++) {
         struct fuzz_trial trial = trial_of(17, t, &no_rays);
         struct rng rng = rng_make(19, t);
@@ -262,7 +262,7 @@ static bool is_node(const struct bvh *bvh, const struct box *box)
 static void boxes_are_those_of_the_tree(void **state)
 {
     (void)state;
-    static const struct gen_options no_rays = {16, 64, 0, false, false};
+    static const struct gen_options no_rays = {.triangles_least = 16, .triangles_most = 64};
     uint32_t boxes = 0, nodes = 0;
     for (uint32_t t = 0; t < TRIALS; t++) {
         struct fuzz_trial trial = trial_of(23, t, &no_rays);
@@ -292,7 +292,7 @@ static void boxes_are_those_of_the_tree(void **state)
 static uint32_t lost_to_rounding(bool aimed, uint32_t *traced)
 {
     uint32_t lost = 0;
-    static const struct gen_options no_rays = {16, 64, 0, false, false};
+    static const struct gen_options no_rays = {.triangles_least = 16, .triangles_most = 64};
     const struct tri_test *woop = tri_test_find("woop");
     for (uint32_t t = 0; t < TRIALS; t++) {
         struct fuzz_trial trial = trial_of(29, t, &no_rays);

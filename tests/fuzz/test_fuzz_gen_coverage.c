@@ -268,7 +268,8 @@ static void trials_reach_much_of_it(void **state)
 {
     (void)state;
     uint64_t map[COVERAGE_WORDS] = {0};
-    static const struct gen_options options = {16, 64, 200, true, false};
+    static const struct gen_options options = {
+        .triangles_least = 16, .triangles_most = 64, .rays = 200, .faithful = true};
     uint32_t after_ten = 0;
     for (uint32_t i = 0; i < 1000; i++) {
         struct fuzz_trial trial = trial_of(83, i, &options);

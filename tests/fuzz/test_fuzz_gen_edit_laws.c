@@ -16,7 +16,8 @@
 
 #define TRIALS 200u
 
-static const struct gen_options short_ones = {16, 64, 40, false, false};
+static const struct gen_options short_ones = {
+    .triangles_least = 16, .triangles_most = 64, .rays = 40};
 
 enum map_kind { MAP_SCALE, MAP_MOVE, MAP_NEGATE, MAP_SWAP, MAP_FLATTEN, MAP_SNAP, MAP_HALVES };
 

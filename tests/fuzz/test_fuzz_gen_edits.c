@@ -14,7 +14,8 @@
 
 #define TRIALS 150u
 
-static const struct gen_options short_ones = {16, 64, 40, false, false};
+static const struct gen_options short_ones = {
+    .triangles_least = 16, .triangles_most = 64, .rays = 40};
 
 /* What an edit did to one trial. */
 enum effect {

@@ -250,7 +250,8 @@ static void one_thing_changes_in_each_of_its_ways(void **state)
             edit++;
         for (uint64_t seed = 0; seed < 8 * TRIALS; seed++) {
             const bool large = n == 0 && seed % 4 == 0; /* which grow no more */
-            struct gen_options options = {large ? 128 : 16, large ? 140 : 64, 4, false, false};
+            struct gen_options options = {
+                .triangles_least = large ? 128 : 16, .triangles_most = large ? 140 : 64, .rays = 4};
             struct fuzz_trial before = trial_of(71, seed % 97, &options);
             struct fuzz_trial after = trial_of(71, seed % 97, &options);
             struct rng rng = rng_make(seed, 3);

@@ -68,7 +68,8 @@ static void the_table_is_whole(void **state)
     }
     assert_int_equal(weights, RECIPE_WEIGHTS);
     for (uint32_t i = 0; i < 20000; i++) {
-        static const struct gen_options short_ones = {16, 64, 1, false, false};
+        static const struct gen_options short_ones = {
+            .triangles_least = 16, .triangles_most = 64, .rays = 1};
         struct fuzz_trial trial = trial_of(47, i, &short_ones);
         struct reason reason = {""};
         uint32_t r = 0;

@@ -335,7 +335,8 @@ static void the_end_of_a_life_is_cut_with_its_scene(void **state)
 static void one_generated_trial_in_64_has_steps(void **state)
 {
     (void)state;
-    static const struct gen_options options = {16, 64, 1, false, false};
+    static const struct gen_options options = {
+        .triangles_least = 16, .triangles_most = 64, .rays = 1};
     uint32_t with = 0, kinds[MOTIONS] = {0}, acts[LIFE_ACTS] = {0}, many = 0;
     for (uint64_t i = 0; i < 6400; i++) {
         struct fuzz_trial trial;

@@ -153,7 +153,8 @@ static void trials_are_made_or_not(void **state)
     (void)state;
     long made = 0, changed = 0;
     for (int worlds = 0; worlds < 2; worlds++) {
-        const struct gen_options options = {4, 9, 6, false, worlds};
+        const struct gen_options options = {
+            .triangles_least = 4, .triangles_most = 9, .rays = 6, .worlds = worlds};
         struct drawn_trial drawn = {.options = options};
         struct fuzz_trial base;
         struct reason reason;
@@ -212,7 +213,8 @@ static void what_trials_have_met(void **state)
     (void)state;
     static const uint32_t members[] = {3, 4, 2, 5};
     static struct pair_tables tables;
-    const struct gen_options options = {4, 9, 6, false, true};
+    const struct gen_options options = {
+        .triangles_least = 4, .triangles_most = 9, .rays = 6, .worlds = true};
     struct fuzz_trial trial;
     struct reason reason;
     tables = (struct pair_tables){.count = {[MEET_OPTIMIZE] = 2, [MEET_MOTION] = 2}};

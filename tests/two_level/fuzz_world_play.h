@@ -12,7 +12,8 @@
 #include <string.h>
 #include <cmocka.h>
 
-static const struct gen_options of_worlds = {16, 40, 150, false, true};
+static const struct gen_options of_worlds = {
+    .triangles_least = 16, .triangles_most = 40, .rays = 150, .worlds = true};
 
 static inline void make_trial(uint64_t seed, uint64_t index, const struct gen_options *options,
                               struct fuzz_trial *out)

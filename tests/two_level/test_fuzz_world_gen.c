@@ -17,7 +17,8 @@
 
 #define MANY 1000u
 
-static const struct gen_options usual = {16, 64, 60, false, true};
+static const struct gen_options usual = {
+    .triangles_least = 16, .triangles_most = 64, .rays = 60, .worlds = true};
 
 static uint64_t hash_of(uint64_t seed, uint64_t index)
 {

@@ -13,8 +13,10 @@
 
 #include "tests/two_level/fuzz_world_play.h"
 
-static const struct gen_options usual = {16, 64, 20, false, true};
-static const struct gen_options of_scenes = {16, 64, 20, false, false};
+static const struct gen_options usual = {
+    .triangles_least = 16, .triangles_most = 64, .rays = 20, .worlds = true};
+static const struct gen_options of_scenes = {
+    .triangles_least = 16, .triangles_most = 64, .rays = 20};
 
 /* Two triangles in two meshes, the first mesh of two geometries; two instances, two rays. */
 static struct fuzz_trial make(void)

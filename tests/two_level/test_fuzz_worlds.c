@@ -8,7 +8,8 @@
 
 #include "tests/two_level/fuzz_world_play.h"
 
-static const struct gen_options of_scenes = {16, 40, 50, false, false};
+static const struct gen_options of_scenes = {
+    .triangles_least = 16, .triangles_most = 40, .rays = 50};
 
 /* --- honest engines --------------------------------------------------------------------------- */
 

@@ -24,7 +24,8 @@ struct listed {
 /* Placed triangles are few: each is asked about for each ray. Some rays are out of contract. */
 static struct finding_file world_file(uint64_t index)
 {
-    const struct gen_options options = {8, 16, RAYS, false, true};
+    const struct gen_options options = {
+        .triangles_least = 8, .triangles_most = 16, .rays = RAYS, .worlds = true};
     struct finding_file file = {0};
     if (gen_trial(23, index, &options, &file.trial, &reason))
         fail_msg("%s", reason.text);
