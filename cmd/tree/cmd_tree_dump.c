@@ -178,7 +178,7 @@ static int tell(const struct tree_command *command, const char *spec, struct tre
 static int check_from(const struct tree_command *command, int words)
 {
     if (!command->from &&
-        (command->save || command->engines.driver || command->engines.device >= 0))
+        (command->save || command->aim || command->engines.driver || command->engines.device >= 0))
         return usage_error("tree", "%s needs --from",
                            command->save             ? "--save"
                            : command->aim            ? "--aim"

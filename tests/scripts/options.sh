@@ -36,7 +36,7 @@ value_of() {
     baseline) value=fuzz/baseline.txt ;; steps) value=refit ;;
     bvh | shader | waivers | check | bench | benchmark | doctor | findings | corpus | verify | picture)
         value=$dir/nothing ;;
-    out | json | csv | svg | junit | jsonl | tap | markdown | html | log | paths | to | dir | benchmark-out)
+    out | json | csv | svg | junit | jsonl | tap | markdown | html | log | paths | to | dir | save | benchmark-out)
         value=$files/x.$1 ;;
     *) value=3 ;;
     esac
@@ -188,6 +188,8 @@ walk "judge sphere:n=2 $dir/rays $dir/hits" 'brute=1 ~displacement=3 ~require=wa
 walk "precompute --scene soup:n=40 --builder median --out $files/tree" 'scene=sphere:n=2 out=@ layout=f32 builder=lbvh
     item-count=1 seed=3 ~optimize=reinsert presplit=3'
 walk 'tree tests/golden/input/faulty.tree' '~format=raydiff faults=1 json=@ ~wide color=always'
+walk 'tree soup:n=9 --from rayquery --driver none' '~from=rayquery:clone ~driver=stock ~device=0 ~aim=9 ~save=@
+    ~format=lavapipe ~faults=1 ~json=@ ~wide ~color=always'
 walk 'scene list' ''
 walk 'scene info soup:n=9' 'json seed=3'
 walk 'list builders' ''
