@@ -270,10 +270,10 @@ enum status tree_write_json(const char *path, const struct tree_told *told, int 
         json_add(root, "driver=%p instances=%u placed=%p below=%p differences=%p",
                  json_text(told->driver), told->dump->tri_count, lacks_json(told), below,
                  differences_json(told));
+    else
+        json_decref(below);
     if (told->aimed.done)
         json_add(root, "aimed=%u hit=%u lost=%u found=%u", told->aimed.tries, told->aimed.aimed,
                  told->aimed.lost, told->aimed.found);
-    else
-        json_decref(below);
     return json_write(path, tree ? root : NULL, 17, reason);
 }
