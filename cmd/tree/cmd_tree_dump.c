@@ -53,7 +53,7 @@ static const struct option_set set = {
         "side and by how much, exactly. In a tree that splits triangles, the boxes of the leaves "
         "must cover each triangle together. The box of an instance must contain its triangles, "
         "placed by real numbers: told is how many do not, and by how much at most, in floats and "
-        "in u, 2^-24 of the sizes that the box is a sum of (docs/driver-trees.md).",
+        "in u, 2^-24 of the sizes that the box is a sum of (docs/variants.md).",
     .group = {GROUP(rows), GROUP_AT(screen_rows, screen)},
     .notes = "The format raydiff is text, which a tracer writes in twenty lines "
              "(docs/my-engine.md).",

@@ -114,8 +114,8 @@ static void print_aimed(const struct tree_told *told, const struct screen *scree
     if (a->found == 0)
         return;
     (void)ray_text_write(&a->ray, ray);
-    screen_record(screen, PAINT_BAD, "LOST: instance %u, %s: ray %s\n", a->instance,
-                  sides[a->side], ray);
+    screen_record(screen, PAINT_BAD, "LOST: instance %u, %s: ray %s\n", a->instance, sides[a->side],
+                  ray);
 }
 
 static void print_faults(const struct tree_told *told, const struct screen *screen)
