@@ -202,5 +202,7 @@ static enum status play(struct traffic_run *run, struct reason *reason)
 
 const struct scheduler sched_dual = {.name = "dual",
                                      .summary = "scene and rays are streamed; hits are in memory",
+                                     .uses = "treelet layout store",
                                      .streams = true,
+                                     .reorders = true,
                                      .play = play};

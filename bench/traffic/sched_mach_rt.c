@@ -23,5 +23,7 @@ static enum status play(struct traffic_run *run, struct reason *reason)
 const struct scheduler sched_mach_rt = {
     .name = "mach_rt",
     .summary = "chips with rays of their own share a stream of the scene",
+    .uses = "units treelet queue private layout store",
     .streams = true,
+    .reorders = true,
     .play = play};

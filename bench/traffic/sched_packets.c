@@ -168,4 +168,5 @@ static enum status play(struct traffic_run *run, struct reason *reason)
 const struct scheduler sched_packets = {.name = "packets",
                                         .summary =
                                             "neighbouring rays share a stack and what they read",
+                                        .reorders = true,
                                         .play = play};

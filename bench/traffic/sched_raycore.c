@@ -44,5 +44,6 @@ static enum status play(struct traffic_run *run, struct reason *reason)
 
 const struct scheduler sched_raycore = {.name = "raycore",
                                         .summary = "path by path through engine kd's tree",
+                                        .uses = "units private",
                                         .kd = true,
                                         .play = play};

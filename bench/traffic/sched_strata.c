@@ -11,5 +11,7 @@ static enum status play(struct traffic_run *run, struct reason *reason)
     return status;
 }
 
-const struct scheduler sched_strata = {
-    .name = "strata", .summary = "rays wait at treelets on the chip, with a trail", .play = play};
+const struct scheduler sched_strata = {.name = "strata",
+                                       .summary = "rays wait at treelets on the chip, with a trail",
+                                       .uses = "units treelet queue private layout store",
+                                       .play = play};

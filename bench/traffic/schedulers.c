@@ -83,7 +83,7 @@ void traffic_answer(struct traffic_run *run, uint32_t unit, uint32_t wave, uint3
 
 /* Compares the answer to a ray with what is expected. */
 static void judge(const struct traffic_run *run, uint32_t wave, size_t i, const struct hit *wanted,
-                  struct traffic_result *out)
+                  bool ordered, struct traffic_result *out)
 {
     const struct hit *hit = &run->hit[wave][i];
     if (!run->answered[wave][i])
@@ -92,13 +92,15 @@ static void judge(const struct traffic_run *run, uint32_t wave, size_t i, const 
         bool tie = hit->prim != ABI_NO_PRIM && wanted->prim != ABI_NO_PRIM &&
                    hit->prim != wanted->prim && float_bits(hit->t) == float_bits(wanted->t);
         out->ties += tie;
-        out->wrong += !tie;
+        out->wrong += !tie && !ordered;
+        out->other += !tie && ordered;
     }
 }
 
 static void judge_all(const struct scheduler *scheduler, const struct traffic_run *run,
                       struct traffic_result *out)
 {
+    bool ordered = scheduler->reorders && run->walker->job.packed->layout->faithful;
     out->wrong = run->twice;
     for (uint32_t k = 0; k < run->depth; k++) {
         const struct traffic_wave *wave = &run->paths->wave[k];
@@ -108,7 +110,7 @@ static void judge_all(const struct scheduler *scheduler, const struct traffic_ru
             struct kd_counts counts;
             if (scheduler->kd)
                 wanted = kd_closest(run->kd, &wave->ray[i], &counts);
-            judge(run, k, i, &wanted, out);
+            judge(run, k, i, &wanted, ordered, out);
         }
     }
 }

@@ -40,8 +40,10 @@ struct traffic_run {
 
 struct scheduler {
     const char *name, *summary;
-    bool streams; /* needs the runs of treelets; accesses may pass caches */
-    bool kd;      /* traces the k-d tree in place of the packed one */
+    const char *uses; /* options of the machine, the layout and the storage, separated by blanks */
+    bool streams;     /* needs the runs of treelets; accesses may pass caches */
+    bool reorders;    /* rays visit nodes in another order than engine cpu's */
+    bool kd;          /* traces the k-d tree in place of the packed one */
     /* Answers every ray of the waves. Errors: STATUS_MEMORY; STATUS_LIMIT a ray was not
      * finished. */
     enum status (*play)(struct traffic_run *run, struct reason *reason);
@@ -63,6 +65,9 @@ struct traffic_result {
     uint64_t ties;  /* another triangle at the same t */
     uint64_t wrong; /* answers that are neither the expected hit nor a tie, or missing, or given
                        twice */
+    /* Other answers of a scheduler with `reorders` in a layout that has RTRS's faults: its leaves
+     * name triangles outside their boxes, so that an answer depends on the order of visits. */
+    uint64_t other;
     uint64_t reloads;
     bool conserved; /* traffic_conserved */
 };

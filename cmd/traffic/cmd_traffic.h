@@ -22,6 +22,10 @@ extern const struct option_row traffic_rows[];
 
 struct traffic_options traffic_options_default(void);
 
+/* Returns STATUS_OK, or STATUS_INPUT with the first given option that no named scheduler uses. */
+enum status traffic_options_used(const struct traffic_options *options,
+                                 struct reason *reason) MUST_USE;
+
 /* Writes a figure for each scene, with the first depths as panels: bytes of the tree per triangle
  * against bytes of DRAM per ray. Errors: those of plot_write_file; STATUS_MEMORY. */
 enum status traffic_plot(const char *path, const json_t *rows, struct reason *reason) MUST_USE;

@@ -1,6 +1,7 @@
 /* Options of raydiff bench traffic. */
 #include "cmd/traffic/cmd_traffic.h"
 
+#include "cmd/common/cmd_use.h"
 #include "ref/base/command.h"
 #include "ref/base/nearest_name.h"
 
@@ -54,13 +55,13 @@ static enum status take_cache(struct traffic_cache_size *out, const char *flag, 
 static enum status take_l1(void *options, const struct option_value *given, struct reason *reason)
 {
     struct traffic_options *o = options;
-    return take_cache(&o->machine.memory.cache[0], "--l1", given->text, reason);
+    return take_cache(&o->machine.memory.cache[0], "--private", given->text, reason);
 }
 
 static enum status take_l2(void *options, const struct option_value *given, struct reason *reason)
 {
     struct traffic_options *o = options;
-    return take_cache(&o->machine.memory.cache[1], "--l2", given->text, reason);
+    return take_cache(&o->machine.memory.cache[1], "--shared", given->text, reason);
 }
 
 static enum status take_row(void *options, const struct option_value *given, struct reason *reason)
@@ -147,12 +148,26 @@ const struct option_row traffic_rows[] = {
      .shown = "16k"},
     {"queue", "N", "rays in queues at a time; of mach_rt on each chip",
      OF_COUNT(machine.queue, 1, 1u << 28), .standard = 65536},
-    {"l1", "B:W:L", "level 1 of a unit: bytes, ways, bytes of a line", OF_OWN(take_l1),
+    {"private", "B:W:L", "level 1, one a unit: bytes, ways, bytes of a line", OF_OWN(take_l1),
      .shown = "32k:8:64"},
-    {"l2", "B:W:L", "level 2, which all units share", OF_OWN(take_l2), .shown = "512k:16:64"},
+    {"shared", "B:W:L", "level 2, of all units", OF_OWN(take_l2), .shown = "512k:16:64"},
     {"row", "B", "bytes of a row of DRAM", OF_OWN(take_row), .shown = "2k"},
     {0},
 };
+
+enum status traffic_options_used(const struct traffic_options *options, struct reason *reason)
+{
+    static const char *const some[] = {"units", "lanes",   "packet", "treelet",
+                                       "queue", "private", "layout", "store"};
+    for (size_t i = 0; i < ARRAY_COUNT(some); i++) {
+        bool used = options->scheduler_count == 0;
+        for (size_t s = 0; s < options->scheduler_count; s++)
+            used = used || option_among(options->scheduler[s]->uses, some[i]);
+        if (option_was_given(some[i]) && !used)
+            return fail(reason, STATUS_INPUT, "--%s: not used by the schedulers named", some[i]);
+    }
+    return STATUS_OK;
+}
 
 struct traffic_options traffic_options_default(void)
 {

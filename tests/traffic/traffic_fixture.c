@@ -7,14 +7,32 @@
 #include <string.h>
 #include <cmocka.h>
 
+/* Adds each triangle once more. */
+static void double_triangles(struct scene *scene)
+{
+    struct scene twice;
+    size_t indices = 3 * (size_t)scene->tri_count;
+    assert_int_equal(scene_make(scene->vertex_count, 2 * scene->tri_count, &twice), STATUS_OK);
+    memcpy(twice.vertex, scene->vertex, 3 * (size_t)scene->vertex_count * sizeof *twice.vertex);
+    memcpy(twice.index, scene->index, indices * sizeof *twice.index);
+    memcpy(twice.index + indices, scene->index, indices * sizeof *twice.index);
+    scene_free(scene);
+    *scene = twice;
+}
+
 bool traffic_case_open(const char *spec, const char *layout, const char *store,
                        struct traffic_case *out)
 {
     struct reason reason = {""};
-    const struct build_options build = {.leaf = 3, .eps = BUILD_EPS_DEFAULT};
+    bool twice = strncmp(spec, TRAFFIC_TWICE, strlen(TRAFFIC_TWICE)) == 0;
+    const struct build_options build = {.leaf = twice ? 1 : 3, .eps = BUILD_EPS_DEFAULT};
     memset(out, 0, sizeof *out);
-    if (scene_open(spec, 1, &out->scene, &reason) ||
-        bvh_build(builder_find("sah_binned"), &out->scene, &build, &out->bvh, &reason))
+    if (scene_open(spec + (twice ? strlen(TRAFFIC_TWICE) : 0), 1, &out->scene, &reason))
+        fail_msg("%s: %s", spec, reason.text);
+    if (twice)
+        double_triangles(&out->scene);
+    if (bvh_build(builder_find(twice ? "median" : "sah_binned"), &out->scene, &build, &out->bvh,
+                  &reason))
         fail_msg("%s: %s", spec, reason.text);
     enum status status = packed_make_stored(layout_find(layout), tri_store_find(store), &out->bvh,
                                             &out->scene, &out->packed, &reason);
@@ -75,7 +93,7 @@ struct traffic_result traffic_case_play(struct traffic_case *c, const char *sche
 {
     struct reason reason = {""};
     struct traffic_result result;
-    if (!c->kd.node && kd_make(&c->scene, &c->kd, &reason))
+    if (scheduler_find(scheduler)->kd && !c->kd.node && kd_make(&c->scene, &c->kd, &reason))
         fail_msg("%s", reason.text);
     struct traffic_run run = {.machine = machine,
                               .paths = &c->paths,

@@ -18,6 +18,9 @@ struct traffic_case {
     struct traffic_walker walker;
 };
 
+/* Before a scene: it has each triangle twice, and a leaf for each. */
+#define TRAFFIC_TWICE "twice "
+
 /* Opens a scene and packs it. Returns false if the layout cannot hold it. Fails the test if
  * anything else is wrong. */
 bool traffic_case_open(const char *spec, const char *layout, const char *store,

@@ -166,12 +166,12 @@ play_tightness() {
 }
 play_traffic() {
     for wide in '' --wide; do
-        for machine in '' '--units 1 --l1 1k:2:128 --l2 4k:4:32 --queue 40 --treelet 1024'; do
+        for machine in '' '--units 1 --private 1k:2:128 --shared 4k:4:32 --queue 40 --treelet 1024'; do
             run bench traffic $wide --scene 'sphere:n=6;cornell' --count 300 --depths 1,4 --layout f32,cwbvh80 $machine \
                 --json "$dir/json" --csv "$dir/csv" && rows traffic 0 && values bench_traffic 900 "$dir/text"
         done
     done
-    run bench traffic --scene soup:n=300 --count 300 --scheduler dual,raycore --store gathered --json "$dir/json" --csv "$dir/csv" &&
+    run bench traffic --scene soup:n=300,size=0.5 --count 300 --scheduler dual,raycore --store gathered --json "$dir/json" --csv "$dir/csv" &&
         rows traffic 0 && values bench_traffic 40 "$dir/text"
 }
 # All in one run: each has heads of its own in the CSV, and the rows told at its end are those of the files.
