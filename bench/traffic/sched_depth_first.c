@@ -80,4 +80,5 @@ static enum status play(struct traffic_run *run, struct reason *reason)
 const struct scheduler sched_depth_first = {.name = "depth_first",
                                             .summary =
                                                 "each ray by itself, in the order of the image",
+                                            .uses = "units lanes private layout store",
                                             .play = play};

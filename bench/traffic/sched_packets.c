@@ -168,5 +168,6 @@ static enum status play(struct traffic_run *run, struct reason *reason)
 const struct scheduler sched_packets = {.name = "packets",
                                         .summary =
                                             "neighbouring rays share a stack and what they read",
+                                        .uses = "units packet private layout store",
                                         .reorders = true,
                                         .play = play};

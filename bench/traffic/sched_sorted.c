@@ -88,4 +88,5 @@ static enum status play(struct traffic_run *run, struct reason *reason)
 const struct scheduler sched_sorted = {.name = "sorted",
                                        .summary =
                                            "as depth_first, rays sorted by origin and direction",
+                                       .uses = "units lanes private layout store",
                                        .play = play};

@@ -222,4 +222,5 @@ static enum status play(struct traffic_run *run, struct reason *reason)
 const struct scheduler sched_treelets = {.name = "treelets",
                                          .summary =
                                              "rays wait at treelets, with their stacks in memory",
+                                         .uses = "units treelet queue private layout store",
                                          .play = play};

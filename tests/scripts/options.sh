@@ -227,9 +227,9 @@ walk "bench matrix $bench --engine cpu --layout f32" 'scene=sphere:n=2 ~count=70
     ~seed=3 engine=cpu_stackless layout=rf16 store=compact ~threads=1 wide color=always'
 walk "bench fast $bench" 'scene=sphere:n=2 ~count=70 ~rounds=2 csv=@ json=@ ~seed=3 engine=cpu ~threads=2'
 walk 'bench tightness --scene cornell --count 64' 'scene=sphere:n=2 count=70 csv=@ json=@ seed=3 wide color=always'
-walk 'bench traffic --scene cornell --count 64 --depths 2' "scene=sphere:n=2 count=70 csv=@ json=@ svg=@ seed=3
-    ~bvh=$dir/cornell.json layout=cwbvh80 store=gathered scheduler=strata depths=1,2 units=2 lanes=2 packet=2 treelet=1k queue=7
-    private=1k:2:64 shared=2k:2:64 row=64 wide color=always"
+walk 'bench traffic --scene cornell --count 64 --depths 2' "scene=sphere:n=2 count=70 csv=@ json=@ svg=@ ~seed=3
+    ~bvh=$dir/cornell.json layout=cwbvh80 ~store=gathered scheduler=depth_first depths=1,2 units=2 lanes=2 ~packet=2 treelet=1k
+    queue=7 private=1k:2:64 shared=2k:2:64 ~row=64 wide color=always"
 walk "bench worlds $bench --instances 9" 'scene=sphere:n=2 ~count=70 ~rounds=2 csv=@ json=@ ~seed=3 threads=2 instances=10'
 # Frames draw no rays: there is no seed but of a scene that is drawn by chance.
 walk "bench frames --scene cornell --engine cpu --layout f32 --frames 2 --size 16x12 --out $files/f" "scene=sphere:n=2 ~engine=cpu layout=rf16

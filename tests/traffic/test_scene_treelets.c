@@ -85,6 +85,46 @@ static void parts_of_every_layout_and_storage_keep_the_laws(void **state)
     assert_true(played > 200);
 }
 
+static void add_items(void *reader, enum touch_array array, uint64_t offset, uint64_t bytes)
+{
+    (void)offset;
+    *(uint64_t *)reader += array == TOUCH_ITEMS ? bytes : 0;
+}
+
+/* Leaves are adjacent, so that all of them read all words but the head. */
+static void leaves_read_all_words_of_a_storage(void **state)
+{
+    (void)state;
+    size_t played = 0;
+    for (size_t l = 0; layouts_all[l]; l++)
+        for (size_t s = 0; tri_stores[s]; s++) {
+            struct traffic_case c;
+            struct reason reason = {""};
+            uint64_t bytes = 0;
+            if (!traffic_case_open(SCENE, layouts_all[l]->name, tri_stores[s]->name, &c))
+                continue;
+            if (layouts_all[l]->item) {
+                traffic_case_close(&c);
+                continue;
+            }
+            assert_int_equal(traffic_walker_make(&c.job, 1 << 24, &c.walker, &reason), STATUS_OK);
+            struct touch *touch = &c.walker.touch;
+            touch->read = add_items;
+            touch->reader = &bytes;
+            for (uint32_t i = 0; i < c.walker.treelets.order_count; i++) {
+                struct wide node;
+                c.packed.layout->load(&c.packed, c.walker.treelets.order[i], &node);
+                for (uint32_t k = 0; node.child_count == 0 && k < node.item_count; k++)
+                    (void)packed_item(&touch->packed, &node, k);
+            }
+            assert_int_equal(bytes, packed_item_bytes(&c.packed) - 4 * tri_stores[s]->head_words);
+            traffic_walker_free(&c.walker);
+            traffic_case_close(&c);
+            played++;
+        }
+    assert_true(played > 20);
+}
+
 /* A treelet that a node does not fit in is refused, with the number that would do. */
 static void a_treelet_smaller_than_a_node_is_refused(void **state)
 {
@@ -106,6 +146,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(parts_of_every_layout_and_storage_keep_the_laws),
+        cmocka_unit_test(leaves_read_all_words_of_a_storage),
         cmocka_unit_test(a_treelet_smaller_than_a_node_is_refused),
     };
     return cmocka_run_group_tests_name("scene_treelets", tests, NULL, NULL) ? 1 : 0;

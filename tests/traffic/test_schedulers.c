@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 #include <cmocka.h>
 
 /* Machines of many sizes: all of one, and many of few. */
@@ -311,9 +312,22 @@ static void paths_end_where_nothing_is_hit(void **state)
     traffic_case_close(&c);
 }
 
+static void members_say_what_they_are(void **state)
+{
+    (void)state;
+    for (size_t i = 0; schedulers[i]; i++) {
+        assert_ptr_equal(scheduler_find(schedulers[i]->name), schedulers[i]);
+        assert_non_null(schedulers[i]->summary);
+        assert_non_null(schedulers[i]->uses);
+        assert_true(strlen(schedulers[i]->name) <= 11); /* of the table */
+    }
+    assert_null(scheduler_find("none"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(members_say_what_they_are),
         cmocka_unit_test(answers_are_the_cpus_in_every_layout_and_storage),
         cmocka_unit_test(exact_ties_are_counted_apart),
         cmocka_unit_test(infinite_caches_read_the_working_set),
