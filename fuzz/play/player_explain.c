@@ -341,7 +341,7 @@ static enum status explain(struct fuzz_player *player, const struct fuzz_trial *
     if (!status && kind == FUZZ_KIND_TREE && seat->layout && *cause == CAUSE_UNEXPLAINED)
         *cause = rule_cause(stage->rule[seat->layout_index]);
     stage_clear(stage);
-    if (!status && *cause == CAUSE_OUTSIDE)
+    if (!status && (*cause == CAUSE_OUTSIDE || *cause == CAUSE_WORLD))
         status = scaled_cause(player, trial, finding, reason);
     return status;
 }

@@ -254,6 +254,6 @@ enum status stage_world_explain(const struct play_stage *stage, const struct sea
     const struct model model = seat->engine->model(seat->self, stage->trial->tri);
     finding->signature.cause = !same                        ? CAUSE_NOT_REPEATABLE
                                : twin_is_own(model.formula) ? CAUSE_UNEXPLAINED
-                                                            : CAUSE_OUTSIDE;
+                                                            : CAUSE_WORLD;
     return STATUS_OK;
 }

@@ -62,6 +62,7 @@ static const struct {
     [CAUSE_SCALE] = {"scale", "right at another scale: a constant that does not scale, or "
                               "underflow"},
     [CAUSE_OUTSIDE] = {"outside", "unexplained: the engine's tree cannot be read"},
+    [CAUSE_WORLD] = {"world", "unexplained: the engine's trees of a world cannot be read"},
     [CAUSE_UNEXPLAINED] = {"unexplained", "no known cause predicts the answer"},
 };
 

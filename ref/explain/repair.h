@@ -59,6 +59,7 @@ enum cause {
     CAUSE_SCALE, /* right at another scale: a constant that does not scale, or underflow; of engines
                     whose tree and formula are unknown */
     CAUSE_OUTSIDE, /* something else of such an engine */
+    CAUSE_WORLD,   /* something of such an engine in a world */
     CAUSE_UNEXPLAINED,
     CAUSE_COUNT
 };
