@@ -1,10 +1,8 @@
 /* The bytes that schedulers of the literature move for real rays. */
-#include "cmd/bench/cmd_bench.h"
-#include "cmd/traffic/cmd_traffic.h"
+#include "cmd/bench/cmd_bench_traffic.h"
 
 #include "ref/base/command.h"
 #include "ref/base/json_record.h"
-#include "ref/base/memory.h"
 #include "ref/base/text.h"
 #include "ref/store.h"
 
@@ -318,48 +316,10 @@ static enum status play_scene(struct bench *bench, const char *spec, const struc
     return status;
 }
 
-/* --- before anything runs --------------------------------------------------------------------- */
-
-static enum status check_memory(const struct bench *bench, struct reason *reason)
-{
-    const struct traffic_options *o = &bench->traffic;
-    size_t count = bench_rays_count(bench, PATHS);
-    uint32_t most = 1;
-    for (size_t d = 0; d < o->depth_count; d++)
-        most = o->depth[d] > most ? o->depth[d] : most;
-    uint64_t need = traffic_paths_bytes(count, most) +
-                    traffic_run_bytes(&o->machine, ABI_STACK_MAX, count) +
-                    (uint64_t)count * most * (TRAFFIC_HIT_BYTES + 1);
-    if (memory_fits(need))
-        return STATUS_OK;
-    return fail(reason, STATUS_INPUT, "%zu paths of %u rays need up to %llu MiB, and %llu are left",
-                count, most, (unsigned long long)(need >> 20),
-                (unsigned long long)(memory_left() >> 20));
-}
-
-static enum status check(const struct bench *bench, struct reason *reason)
-{
-    const struct list *named = &bench->layout;
-    enum status status = traffic_options_used(&bench->traffic, reason);
-    if (!status)
-        status = traffic_machine_check(&bench->traffic.machine, reason);
-    for (size_t i = 0; i <= named->count && !status; i++) {
-        const struct layout *layout = i < named->count ? layouts_all[named->index[i]]
-                                      : named->count   ? NULL
-                                                       : layouts[0];
-        if (layout && bench->traffic.machine.treelet < layout->node_bytes)
-            status = fail(reason, STATUS_INPUT,
-                          "--treelet: %llu bytes are smaller than a node of layout %s, %u bytes",
-                          (unsigned long long)bench->traffic.machine.treelet, layout->name,
-                          layout->node_bytes);
-    }
-    return status ? status : check_memory(bench, reason);
-}
-
 static int run(struct bench *bench)
 {
     struct reason reason = {""};
-    enum status status = check(bench, &reason);
+    enum status status = traffic_check(bench, PATHS, &reason);
     if (status)
         return usage_error("bench", "traffic: %s", reason.text);
     bench_each(bench, &bench_traffic);
