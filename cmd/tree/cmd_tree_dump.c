@@ -9,14 +9,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const formats[] = {"raydiff", "tinybvh", "bvh2", "lavapipe", "guessed", NULL};
+static const char *const formats[] = {"raydiff", "tinybvh", "bvh2", "lavapipe",
+                                      "radv",    "guessed", NULL};
 
 #define ROWS_OF struct tree_command
 
 static const struct option_row rows[] = {
     {"format", "F",
      "raydiff, tinybvh (BVH::Save), bvh2 (serialize of madmann91's bvh, version 2), lavapipe "
-     "(acceleration structures of Mesa 25.0 as Vulkan serialises them), or guessed from the file",
+     "or radv (acceleration structures of Mesa 25.0 as Vulkan serialises them), or guessed from "
+     "the "
+     "file",
      OF_CHOICE(format, formats), .value = "guessed"},
     {"faults", "N", "faults of each rule that are named; all are counted",
      OF_COUNT(faults, 0, 1u << 20), .value = "4"},

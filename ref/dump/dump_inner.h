@@ -27,8 +27,14 @@ enum status dump_read_bvh2(const char *name, const char *bytes, size_t size, str
 enum status dump_read_lavapipe(const char *name, const char *bytes, size_t size,
                                struct tree_dump *out, struct reason *reason) MUST_USE;
 
+enum status dump_read_radv(const char *name, const char *bytes, size_t size, struct tree_dump *out,
+                           struct reason *reason) MUST_USE;
+
 /* True if the bytes begin as an acceleration structure that some Vulkan driver serialised. */
 bool dump_is_serialised(const char *bytes, size_t size);
+
+/* The same, of RADV. */
+bool dump_is_radv(const char *bytes, size_t size);
 
 /* True if the bytes have the size that their first words demand, with nodes of float or double. */
 bool dump_is_bvh2(const char *bytes, size_t size);

@@ -20,44 +20,17 @@ enum status lavapipe_fail(const struct lvp_level *level, struct reason *reason, 
     va_start(args, format);
     vsnprintf(rule, sizeof rule, format, args);
     va_end(args);
-    return fail(reason, STATUS_INPUT, "%s: structure at byte %llu: %s", level->name,
-                (unsigned long long)level->begin, rule);
-}
-
-bool dump_is_serialised(const char *bytes, size_t size)
-{
-    if (size < LVP_HANDLES)
-        return false;
-    const uint64_t all = lvp_long(bytes + LVP_SIZE), handles = lvp_long(bytes + LVP_COUNT);
-    return all >= LVP_HANDLES && all <= size && handles <= (all - LVP_HANDLES) / 8 &&
-           lvp_long(bytes + LVP_INNER) > 0;
+    return serial_fail(level->name, level->begin, reason, "%s", rule);
 }
 
 /* --- versions --------------------------------------------------------------------------------- */
 
-/* A UUID as the text that it is, or in hexadecimal digits. */
-static const char *uuid_text(const char *at, char text[2 * LVP_UUID + 1])
-{
-    size_t length = 0;
-    while (length < LVP_UUID && isgraph((unsigned char)at[length]))
-        length++;
-    bool is_text = length > 2;
-    for (size_t i = length; i < LVP_UUID; i++)
-        is_text = is_text && at[i] == 0;
-    for (size_t i = 0; i < LVP_UUID; i++)
-        snprintf(text + 2 * i, 3, "%02x", (unsigned char)at[i]);
-    if (is_text) {
-        memcpy(text, at, length);
-        text[length] = 0;
-    }
-    return text;
-}
-
 static enum status check_version(const struct lvp_level *level, const char *at,
                                  struct reason *reason)
 {
-    char text[2][2 * LVP_UUID + 1];
-    const char *driver = uuid_text(at, text[0]), *compatible = uuid_text(at + LVP_UUID, text[1]);
+    char text[2][SERIAL_UUID_TEXT];
+    const char *driver = serial_uuid_text(at, text[0]),
+               *compatible = serial_uuid_text(at + SERIAL_UUID, text[1]);
     if (!isdigit((unsigned char)driver[0]) || !strchr(driver, '.'))
         return lavapipe_fail(
             level, reason, "of the driver with the UUID %s; lavapipe " VERSION "x is read", driver);
@@ -76,33 +49,33 @@ static enum status check_version(const struct lvp_level *level, const char *at,
 static enum status read_head(struct lvp_level *level, const char *at, uint64_t left, uint64_t *end,
                              struct reason *reason)
 {
-    if (left < LVP_HANDLES + LVP_HEAD)
+    if (left < SERIAL_HANDLES + LVP_HEAD)
         return lavapipe_fail(level, reason, "%llu bytes are left, a head has %u",
-                             (unsigned long long)left, LVP_HANDLES + LVP_HEAD);
+                             (unsigned long long)left, SERIAL_HANDLES + LVP_HEAD);
     enum status status = check_version(level, at, reason);
     if (status)
         return status;
-    const uint64_t all = lvp_long(at + LVP_SIZE), size = lvp_long(at + LVP_INNER),
-                   handles = lvp_long(at + LVP_COUNT);
+    const uint64_t all = serial_long(at + SERIAL_SIZE), size = serial_long(at + SERIAL_INNER),
+                   handles = serial_long(at + SERIAL_COUNT);
     if (all > left)
         return lavapipe_fail(level, reason, "its head tells %llu bytes, and %llu are left",
                              (unsigned long long)all, (unsigned long long)left);
     if (all > UINT32_MAX || handles > all / 8 || size < LVP_HEAD + LVP_BOX ||
-        all != LVP_HANDLES + 8 * handles + size)
+        all != SERIAL_HANDLES + 8 * handles + size)
         return lavapipe_fail(level, reason,
                              "its head tells %llu bytes, of which %llu are the structure and %llu "
                              "handles",
                              (unsigned long long)all, (unsigned long long)size,
                              (unsigned long long)handles);
-    level->at = at + LVP_HANDLES + 8 * handles;
+    level->at = at + SERIAL_HANDLES + 8 * handles;
     level->size = size;
     level->handles = (uint32_t)handles;
-    level->leaf_at = lvp_word(level->at + 32);
-    if (lvp_word(level->at + 24) != all || lvp_word(level->at + 28) != handles)
+    level->leaf_at = serial_word(level->at + 32);
+    if (serial_word(level->at + 24) != all || serial_word(level->at + 28) != handles)
         return lavapipe_fail(level, reason,
                              "its two heads differ: %llu and %u bytes, %llu and %u handles",
-                             (unsigned long long)all, lvp_word(level->at + 24),
-                             (unsigned long long)handles, lvp_word(level->at + 28));
+                             (unsigned long long)all, serial_word(level->at + 24),
+                             (unsigned long long)handles, serial_word(level->at + 28));
     if (level->leaf_at > size || level->leaf_at < LVP_HEAD + LVP_BOX ||
         (level->leaf_at - LVP_HEAD) % LVP_BOX != 0)
         return lavapipe_fail(level, reason, "its leaves begin at %u, which is no end of boxes",
@@ -113,70 +86,34 @@ static enum status read_head(struct lvp_level *level, const char *at, uint64_t l
 
 /* --- handles ---------------------------------------------------------------------------------- */
 
-/* A handle of the top level. */
-struct handle {
-    uint64_t value;
-    uint32_t first; /* in the list, the place where it comes first */
-    uint32_t below; /* which tree it is of */
-};
-
-static int by_value(const void *a, const void *b)
-{
-    const struct handle *x = a, *y = b;
-    if (x->value != y->value)
-        return x->value < y->value ? -1 : 1;
-    return x->first < y->first ? -1 : x->first > y->first;
-}
-
-static int by_first(const void *a, const void *b)
-{
-    const struct handle *x = a, *y = b;
-    return x->first < y->first ? -1 : x->first > y->first;
-}
-
 /* Sorted by value, each once, numbered by where they first are; 0 is the handle of no tree. */
-static enum status list_handles(const struct lvp_level *top, struct handle **out, uint32_t *count,
-                                struct reason *reason)
+static enum status list_handles(const struct lvp_level *top, struct serial_handle **out,
+                                uint32_t *count, struct reason *reason)
 {
-    struct handle *list = alloc_zeroed(top->handles, sizeof *list);
-    uint32_t kept = 0;
+    struct serial_handle *list = alloc_zeroed(top->handles, sizeof *list);
     if (!list)
         return fail(reason, STATUS_MEMORY, "%s: no memory for %u handles", top->name, top->handles);
     for (uint32_t i = 0; i < top->handles; i++)
-        list[i] = (struct handle){lvp_long(top->at - 8 * (size_t)(top->handles - i)), i, 0};
-    qsort(list, top->handles, sizeof *list, by_value);
-    for (uint32_t i = 0; i < top->handles; i++)
-        if (list[i].value != 0 && (kept == 0 || list[kept - 1].value != list[i].value))
-            list[kept++] = list[i];
-    qsort(list, kept, sizeof *list, by_first);
-    for (uint32_t i = 0; i < kept; i++)
-        list[i].below = i;
-    qsort(list, kept, sizeof *list, by_value);
+        list[i] =
+            (struct serial_handle){serial_long(top->at - 8 * (size_t)(top->handles - i)), i, 0};
     *out = list;
-    *count = kept;
+    *count = serial_handles(list, top->handles);
     return STATUS_OK;
 }
 
 /* Leads each instance to its tree; put_instance left its place among the leaves. */
-static enum status link_instances(const struct lvp_level *top, const struct handle *list,
+static enum status link_instances(const struct lvp_level *top, const struct serial_handle *list,
                                   uint32_t count, struct tree_dump *out, struct reason *reason)
 {
     for (uint32_t i = 0; i < out->tri_count; i++) {
         struct dump_instance *instance = &out->instance[i];
-        const struct handle wanted = {
-            lvp_long(top->at + top->leaf_at + (size_t)LVP_INSTANCE * instance->below), 0, 0};
-        uint32_t low = 0, high = count;
-        while (low < high) {
-            const uint32_t middle = low + (high - low) / 2;
-            if (list[middle].value < wanted.value)
-                low = middle + 1;
-            else
-                high = middle;
-        }
-        if (low == count || list[low].value != wanted.value)
+        const uint64_t wanted =
+            serial_long(top->at + top->leaf_at + (size_t)LVP_INSTANCE * instance->below);
+        const struct serial_handle *handle = serial_handle_find(list, count, wanted);
+        if (!handle)
             return lavapipe_fail(top, reason, "instance %u is of 0x%llx, which no handle is",
-                                 instance->number, (unsigned long long)wanted.value);
-        instance->below = out->below_count ? list[low].below : DUMP_NO_TREE;
+                                 instance->number, (unsigned long long)wanted);
+        instance->below = out->below_count ? handle->below : DUMP_NO_TREE;
     }
     return STATUS_OK;
 }
@@ -215,7 +152,7 @@ enum status dump_read_lavapipe(const char *name, const char *bytes, size_t size,
                                struct tree_dump *out, struct reason *reason)
 {
     struct lvp_level level = {.name = name};
-    struct handle *list = NULL;
+    struct serial_handle *list = NULL;
     uint64_t end = 0;
     uint32_t count = 0;
     enum status status = read_head(&level, bytes, size, &end, reason);

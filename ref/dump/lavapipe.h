@@ -1,11 +1,9 @@
 /* Acceleration structures that lavapipe, Mesa's Vulkan driver on the processor, serialises. For the
  * files of its reader.
  *
- * Little-endian. By the Vulkan standard a serialised structure begins with two UUIDs, the size of
- * all and that after deserialisation as 64-bit words, the number of handles, and the handles, of 64
- * bits each. Of lavapipe, both UUIDs are the package's version, cut at 16 characters. Then comes
- * the structure itself (src/gallium/frontends/lavapipe/lvp_acceleration_structure.h of Mesa 25.0),
- * with offsets counted from its begin:
+ * Both UUIDs are the package's version, cut at 16 characters. Behind the handles comes the structure
+ * itself (src/gallium/frontends/lavapipe/lvp_acceleration_structure.h of Mesa 25.0), with offsets
+ * counted from its begin:
  *   head      40 bytes: bounds (least x y z, most x y z), size of all, handles, offset of the
  *             leaves, a word without meaning
  *   boxes     56 bytes each: bounds of two children, then both as words; the first is the root
@@ -19,13 +17,8 @@
 #ifndef LAVAPIPE_H
 #define LAVAPIPE_H
 
-#include "ref/dump/tree_dump.h"
+#include "ref/dump/serialised.h"
 
-#define LVP_UUID     16u
-#define LVP_SIZE     32u /* words behind the UUIDs */
-#define LVP_INNER    40u
-#define LVP_COUNT    48u
-#define LVP_HANDLES  56u
 #define LVP_HEAD     40u
 #define LVP_BOX      56u
 #define LVP_TRIANGLE 48u
@@ -40,19 +33,6 @@ struct lvp_level {
     uint32_t handles; /* which lie before `at`; not 0: a top level */
     uint32_t leaf_at; /* offset of the leaves */
 };
-
-static inline uint32_t lvp_word(const char *at)
-{
-    uint32_t value = 0;
-    for (int i = 0; i < 4; i++)
-        value |= (uint32_t)(unsigned char)at[i] << (8 * i);
-    return value;
-}
-
-static inline uint64_t lvp_long(const char *at)
-{
-    return lvp_word(at) | (uint64_t)lvp_word(at + 4) << 32;
-}
 
 /* Reads the boxes and leaves of a level; instances get no trees. Errors: STATUS_INPUT "NAME:
  * structure at byte N: rule": a child that leads to no box or leaf of the level's kind, a transform

@@ -36,7 +36,7 @@ struct lvp_reading {
 
 static float float_at(const char *at)
 {
-    return float_from_bits(lvp_word(at));
+    return float_from_bits(serial_word(at));
 }
 
 static const char *box_at(const struct lvp_reading *r, uint32_t box)
@@ -54,7 +54,7 @@ static enum status child_of(const struct lvp_reading *r, uint32_t box, unsigned 
                             struct reason *reason)
 {
     static const char *const kinds[] = {"a triangle", "a box", "an instance", "a shader's box"};
-    const uint32_t word = lvp_word(box_at(r, box) + 48 + 4 * (size_t)k), kind = word & KIND,
+    const uint32_t word = serial_word(box_at(r, box) + 48 + 4 * (size_t)k), kind = word & KIND,
                    at = word & ~KIND;
     const uint32_t leaf = r->level->handles ? KIND_INSTANCE : KIND_TRIANGLE;
     *node = NO_CHILD;
@@ -164,10 +164,10 @@ static enum status find_keys(struct lvp_reading *r, struct reason *reason)
             return lavapipe_fail(r->level, reason,
                                  "instance %u: a number of its transform is not finite", slot);
         if (r->level->handles)
-            r->key[r->keys++] = (struct leaf_key){0, lvp_word(at + INSTANCE_NUMBER), slot};
+            r->key[r->keys++] = (struct leaf_key){0, serial_word(at + INSTANCE_NUMBER), slot};
         else if (are_finite(at, 9))
-            r->key[r->keys++] = (struct leaf_key){lvp_word(at + TRIANGLE_GEOMETRY) & GEOMETRY,
-                                                  lvp_word(at + TRIANGLE_NUMBER), slot};
+            r->key[r->keys++] = (struct leaf_key){serial_word(at + TRIANGLE_GEOMETRY) & GEOMETRY,
+                                                  serial_word(at + TRIANGLE_NUMBER), slot};
     }
     qsort(r->key, r->keys, sizeof *r->key, order_of);
     return STATUS_OK;
@@ -192,8 +192,8 @@ static void put_instance(const struct lvp_reading *r, uint32_t item, const struc
         to->inverse[i / 4][i % 4] = float_at(at + INSTANCE_BACK + 4 * i);
     }
     to->number = key->number;
-    to->custom = lvp_word(at + INSTANCE_CUSTOM) & 0xFFFFFF;
-    to->mask = lvp_word(at + INSTANCE_CUSTOM) >> 24;
+    to->custom = serial_word(at + INSTANCE_CUSTOM) & 0xFFFFFF;
+    to->mask = serial_word(at + INSTANCE_CUSTOM) >> 24;
     to->below = key->slot; /* until its tree is known */
 }
 

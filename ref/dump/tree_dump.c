@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const dump_formats[DUMP_FORMATS + 1] = {"raydiff", "tinybvh", "bvh2", "lavapipe", NULL};
+const char *const dump_formats[DUMP_FORMATS + 1] = {"raydiff",  "tinybvh", "bvh2",
+                                                    "lavapipe", "radv",    NULL};
 
 #define NUMBERS_MOST ((size_t)UINT32_MAX - 1)
 
@@ -51,6 +52,8 @@ static unsigned guess(const char *bytes, size_t size)
         return DUMP_BVH2;
     if (dump_is_tinybvh(bytes, size))
         return DUMP_TINYBVH;
+    if (dump_is_radv(bytes, size))
+        return DUMP_RADV;
     return dump_is_serialised(bytes, size) ? DUMP_LAVAPIPE : DUMP_GUESSED;
 }
 
@@ -62,7 +65,8 @@ enum status tree_dump_read(const char *name, const char *bytes, size_t size, uns
         [DUMP_RAYDIFF] = dump_read_text,
         [DUMP_TINYBVH] = dump_read_tinybvh,
         [DUMP_BVH2] = dump_read_bvh2,
-        [DUMP_LAVAPIPE] = dump_read_lavapipe};
+        [DUMP_LAVAPIPE] = dump_read_lavapipe,
+        [DUMP_RADV] = dump_read_radv};
     *out = (struct tree_dump){0};
     if (format == DUMP_GUESSED && (format = guess(bytes, size)) == DUMP_GUESSED)
         return fail(reason, STATUS_INPUT,

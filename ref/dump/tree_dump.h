@@ -57,7 +57,8 @@ struct tree_dump {
 #define DUMP_TINYBVH  1 /* what tinybvh's BVH::Save writes */
 #define DUMP_BVH2     2 /* what serialize() of madmann91's bvh, version 2, writes */
 #define DUMP_LAVAPIPE 3 /* acceleration structures that lavapipe of Mesa 25.0 serialises */
-#define DUMP_FORMATS  4
+#define DUMP_RADV     4 /* the same of RADV of Mesa 25.0, for GFX10.3 to GFX11.5 */
+#define DUMP_FORMATS  5
 #define DUMP_GUESSED  DUMP_FORMATS
 
 /* Names of the formats; NULL-terminated. */

@@ -1,0 +1,297 @@
+/* Files of RADV with mistakes: what is wrong with a tree is named, and what is no such file is
+ * refused, whatever its words say. */
+#include "tests/driver_trees/radv_file.h"
+
+static struct rdv_file file;
+
+static void must_refuse(const char *rule)
+{
+    struct tree_dump dump;
+    struct reason reason = {""};
+    assert_int_equal(lvp_read(&file.raw, file.raw.size, &dump, &reason), STATUS_INPUT);
+    if (!strstr(reason.text, rule))
+        fail_msg("%s, not %s", reason.text, rule);
+    assert_true(!dump.node && !dump.below && !dump.instance && !dump.source);
+}
+
+/* Child 0 of the second box, of instances 3 to 6. */
+static size_t second_box(void)
+{
+    return file.node[0] + 128 + 128 * 7;
+}
+
+static void children_that_make_no_tree_are_named(void **state)
+{
+    (void)state;
+    struct world world = lvp_world("placed-turned:count=7");
+    for (int halves = 0; halves < 2; halves++)
+        for (int to = 0; to < 3; to++) {
+            rdv_write(&file, &world, halves);
+            const uint32_t bad[] = {5, rdv_id(&file, 0, second_box(), halves ? 4 : 5),
+                                    rdv_leaf_id(&file, 0, 1)};
+            lvp_put(&file.raw, second_box(), bad[to]);
+            struct tree_dump dump = rdv_read_ok(&file);
+            struct dump_report report = lvp_found(&dump);
+            assert_int_equal(report.count[to < 2 ? DUMP_CYCLE : DUMP_SHARED], 1);
+            /* Instance 3 is in no box now, so that the file has none of it. */
+            assert_int_equal(dump.tri_count, 6);
+            assert_true(lvp_compared(&dump, &world).instances > 0);
+            free(report.fault);
+            tree_dump_free(&dump);
+        }
+    world_free(&world);
+}
+
+static void children_that_are_nowhere_are_refused(void **state)
+{
+    (void)state;
+    struct world world = lvp_world("placed-turned:count=7");
+    rdv_write(&file, &world, false);
+    const uint32_t leaf = rdv_leaf_id(&file, 0, 3), box = rdv_id(&file, 0, second_box(), 5);
+    const struct {
+        uint32_t id;
+        const char *rule;
+    } bad[] = {
+        {leaf + 8, "an instance where none is"},
+        {rdv_leaf_id(&file, 0, 7), "an instance where none is"},
+        {6, "an instance where none is"},
+        {box + 16, "beyond the nodes"},
+        {box + 8, "beyond the nodes"},
+        {0xFFFFFFFE, "beyond the nodes"},
+        {0x80000005, "beyond the nodes"},
+        {box ^ 1, "within another node"},
+        {5 + 8, "within another node"},
+        {leaf & ~7u, "a triangle, in a level of instances"},
+        {leaf | 7, "a box of a shader's own"},
+        {(leaf & ~7u) | 1, "a node of a kind that RADV does not write"},
+        {(leaf & ~7u) | 3, "a node of a kind that RADV does not write"},
+    };
+    for (size_t i = 0; i < ARRAY_COUNT(bad); i++) {
+        char text[160];
+        rdv_write(&file, &world, false);
+        lvp_put(&file.raw, second_box(), bad[i].id);
+        snprintf(text, sizeof text,
+                 "t: structure at byte 0: box at offset 1024: child 0 is 0x%08x, %s", bad[i].id,
+                 bad[i].rule);
+        must_refuse(text);
+    }
+    rdv_write_mesh(&file, &world, false);
+    lvp_put(&file.raw, file.node[0], rdv_leaf_id(&file, 0, 0) | 6);
+    must_refuse("an instance, in a level of triangles");
+    world_free(&world);
+}
+
+/* A number that is twice in the leaves. */
+static void doubled_numbers_are_named(void **state)
+{
+    (void)state;
+    struct world world = lvp_world("placed-turned:count=4");
+    rdv_write(&file, &world, true);
+    lvp_put(&file.raw, rdv_leaf(&file, 0, 3, 64), 1);
+    lvp_put(&file.raw, rdv_leaf(&file, 1, 3, 48), 1);
+    struct tree_dump dump = rdv_read_ok(&file);
+    struct dump_report report = lvp_found(&dump);
+    assert_int_equal(report.count[DUMP_DOUBLED], 1);
+    assert_int_equal(dump.tri_count, 3);
+    free(report.fault);
+    report = lvp_found(&dump.below[0]);
+    assert_int_equal(report.count[DUMP_DOUBLED], 1);
+    free(report.fault);
+    tree_dump_free(&dump);
+    world_free(&world);
+}
+
+static void numbers_that_are_not_finite(void **state)
+{
+    (void)state;
+    struct world world = lvp_world("sphere:n=2");
+    rdv_write_mesh(&file, &world, false);
+    for (size_t word = 0; word < 9; word++) {
+        const size_t at = rdv_leaf(&file, 0, 7, 4 * word);
+        const uint32_t was = lvp_get(&file.raw, at);
+        lvp_put(&file.raw, at, word % 2 ? 0x7FC00000 : 0xFF800000);
+        struct tree_dump dump = rdv_read_ok(&file);
+        struct dump_report report = lvp_found(&dump);
+        assert_int_equal(report.items, world.mesh[0].scene->tri_count - 1);
+        assert_int_equal(report.empty_leaves, 1);
+        assert_int_equal(report.faults, 0);
+        free(report.fault);
+        tree_dump_free(&dump);
+        lvp_put(&file.raw, at, was);
+    }
+    for (size_t word = 0; word < 12; word++) {
+        rdv_write(&file, &world, false);
+        lvp_put(&file.raw, rdv_leaf(&file, 0, 0, 80 + 4 * word), 0x7F800000);
+        must_refuse("instance at offset 128: a number of its transform is not finite");
+    }
+    world_free(&world);
+}
+
+static void heads_that_are_wrong_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        bool inner;
+        size_t at;
+        uint32_t word;
+        const char *rule;
+    } tries[] = {
+        {false, 32, 1 << 30, "t: no tree of a known format"},
+        {false, 40, 96, "its head tells "},
+        {false, 48, 20, "its head tells "},
+        {false, 48, 5, "its two heads differ: "},
+        {true, 32, 1024, "its two heads differ: "},
+        {true, 40, 1024, "its two heads differ: "},
+        {true, 88, 3, "its two heads differ: "},
+        {true, 0, 64, "its nodes begin at 64, where no root can be"},
+        {true, 0, 132, "its nodes begin at 132, where no root can be"},
+        {true, 0, 1 << 20, "its nodes begin at 1048576, where no root can be"},
+        {true, 0, 192, "its leaves begin at "},
+        {true, 80, 192, "its leaves begin at 192, and "},
+    };
+    struct world world = lvp_world("placed-turned:count=4");
+    for (size_t i = 0; i < ARRAY_COUNT(tries); i++) {
+        rdv_write(&file, &world, false);
+        lvp_put(&file.raw, (tries[i].inner ? file.raw.body[0] : 0) + tries[i].at, tries[i].word);
+        must_refuse(tries[i].rule);
+    }
+    world_free(&world);
+}
+
+static void other_drivers_and_versions_are_refused_with_both(void **state)
+{
+    (void)state;
+    struct world world = lvp_two_meshes();
+    struct tree_dump dump;
+    struct reason reason = {""};
+    rdv_write(&file, &world, false);
+    memcpy(file.raw.bytes, "AMD-MESA-DRW", 12);
+    assert_int_equal(
+        tree_dump_read("t", (const char *)file.raw.bytes, file.raw.size, DUMP_RADV, &dump, &reason),
+        STATUS_INPUT);
+    assert_non_null(strstr(reason.text, "UUID AMD-MESA-DRW; AMD-MESA-DRV, RADV, is read"));
+    lvp_write(&file.raw, &world, NULL);
+    assert_int_equal(
+        tree_dump_read("t", (const char *)file.raw.bytes, file.raw.size, DUMP_RADV, &dump, &reason),
+        STATUS_INPUT);
+    assert_non_null(strstr(reason.text, "UUID 25.0.7-2~bpo12+1; AMD-MESA-DRV, RADV, is read"));
+    rdv_write(&file, &world, false);
+    assert_int_equal(tree_dump_read("t", (const char *)file.raw.bytes, file.raw.size, DUMP_LAVAPIPE,
+                                    &dump, &reason),
+                     STATUS_INPUT);
+    assert_non_null(strstr(reason.text, "UUID AMD-MESA-DRV; lavapipe 25.0.x is read"));
+    /* Later heads have three words more before the sizes, and one of room. */
+    memmove(file.raw.bytes + file.raw.body[0] + 48, file.raw.bytes + file.raw.body[0] + 32, 16);
+    must_refuse("its head is that of Mesa 25.1 or later, which may be of GFX12; that of Mesa 25.0");
+    rdv_write(&file, &world, false);
+    file.raw.bytes[file.raw.begin[2] + 16] ^= 1;
+    must_refuse("of the build 00fe33206120");
+    must_refuse(", below a top level of the build 01fe33206120");
+    world_free(&world);
+}
+
+/* The handle, what the node points to, and where the nodes begin go together. */
+static void pointers_are_those_of_the_handles(void **state)
+{
+    (void)state;
+    struct world world = lvp_two_meshes();
+    rdv_write(&file, &world, false);
+    lvp_put(&file.raw, 56 + 8 + 4, 0xFFFF9001);
+    must_refuse("instance 1 has the handle 0xffff900100002000, and points to 0xffff90000000");
+    rdv_write(&file, &world, false);
+    lvp_put_long(&file.raw, 56, 0);
+    must_refuse("instance 0 has the handle 0x0, and points to 0x7f000000");
+    rdv_write(&file, &world, false);
+    const uint32_t nodes = lvp_get(&file.raw, rdv_leaf(&file, 0, 0, 68));
+    lvp_put(&file.raw, rdv_leaf(&file, 0, 0, 68), nodes + 64);
+    lvp_put_long(&file.raw, rdv_leaf(&file, 0, 0, 0), (rdv_address(0) + nodes + 64) >> 3);
+    char text[80];
+    snprintf(text, sizeof text, "instance 0 has nodes at %u, its structure at %u", nodes + 64,
+             nodes);
+    must_refuse(text);
+    world_free(&world);
+}
+
+static void structures_below_are_those_of_the_handles(void **state)
+{
+    (void)state;
+    struct world world = lvp_two_meshes();
+    rdv_write(&file, &world, true);
+    for (size_t size = 0; size < file.raw.size; size += 1 + size / 64 % 7) {
+        struct tree_dump dump;
+        struct reason reason = {""};
+        const unsigned char was = file.raw.bytes[size];
+        if (size == file.raw.begin[1])
+            continue;
+        file.raw.bytes[size] = 0;
+        assert_int_equal(lvp_read(&file.raw, size, &dump, &reason), STATUS_INPUT);
+        file.raw.bytes[size] = was;
+    }
+    file.raw.size = file.raw.begin[1];
+    struct tree_dump dump = rdv_read_ok(&file);
+    assert_int_equal(dump.below_count, 0);
+    assert_int_equal(dump.scene.tri_count, 0);
+    for (uint32_t i = 0; i < dump.tri_count; i++)
+        assert_true(dump.instance[i].below == DUMP_NO_TREE);
+    tree_dump_free(&dump);
+    file.raw.size = file.raw.begin[2];
+    must_refuse("t: 1 structures below the top level, whose handles name 2");
+    rdv_write(&file, &world, true);
+    const size_t length = file.raw.begin[2] - file.raw.begin[1], whole = file.raw.size;
+    memcpy(file.raw.bytes + whole, file.raw.bytes + file.raw.begin[1], length);
+    file.raw.size += length;
+    must_refuse("one more than the 2 that handles name");
+    rdv_write(&file, &world, true);
+    memcpy(file.raw.bytes + file.raw.begin[1], file.raw.bytes, file.raw.begin[1]);
+    file.raw.size = 2 * file.raw.begin[1];
+    must_refuse("a top level below another");
+    rdv_write(&file, &world, true);
+    memmove(file.raw.bytes, file.raw.bytes + file.raw.begin[1], file.raw.size - file.raw.begin[1]);
+    file.raw.size -= file.raw.begin[1];
+    must_refuse("bytes behind a bottom level");
+    world_free(&world);
+}
+
+/* Whatever a word says, reading and checking end. */
+static void any_word_may_be_anything(void **state)
+{
+    (void)state;
+    static const uint32_t words[] = {0,  1,    4,          5,          6,          21,        32,
+                                     64, 0x60, 0xFFFFFFFF, 0x7FFFFFFF, 0x7FC00000, 0x7F800000};
+    struct world world = lvp_world("crowd:n=5");
+    rdv_write(&file, &world, true);
+    for (size_t at = 0; at < file.raw.size / 4; at += at < 310 ? 1 : 3)
+        for (size_t i = 0; i < ARRAY_COUNT(words); i++) {
+            const uint32_t was = lvp_get(&file.raw, 4 * at);
+            struct tree_dump dump;
+            struct reason reason = {""};
+            lvp_put(&file.raw, 4 * at, words[i]);
+            const enum status status = lvp_read(&file.raw, file.raw.size, &dump, &reason);
+            assert_true(status == STATUS_OK || status == STATUS_INPUT);
+            if (!status) {
+                struct dump_report report = lvp_found(&dump);
+                free(report.fault);
+                if (dump.scene.tri_count && dump.instance)
+                    (void)lvp_measured(&dump);
+                tree_dump_free(&dump);
+            }
+            lvp_put(&file.raw, 4 * at, was);
+        }
+    world_free(&world);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(children_that_make_no_tree_are_named),
+        cmocka_unit_test(children_that_are_nowhere_are_refused),
+        cmocka_unit_test(doubled_numbers_are_named),
+        cmocka_unit_test(numbers_that_are_not_finite),
+        cmocka_unit_test(heads_that_are_wrong_are_refused),
+        cmocka_unit_test(other_drivers_and_versions_are_refused_with_both),
+        cmocka_unit_test(pointers_are_those_of_the_handles),
+        cmocka_unit_test(structures_below_are_those_of_the_handles),
+        cmocka_unit_test(any_word_may_be_anything),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
