@@ -1,5 +1,5 @@
-/* Files of RADV: one serialised structure, or a top level and then those that its instances are of,
- * each once, in the order in which they first come among the handles. */
+/* Files of RADV: one serialised structure, or a top level and then those that its handles name,
+ * each once, in the order in which they first do. */
 #include "ref/dump/dump_inner.h"
 
 #include "ref/dump/dump_instances.h"
@@ -111,29 +111,35 @@ static uint64_t address_of(uint64_t pointer)
     return shifted >> 16 | (shifted >> 63 ? (uint64_t)0xFFFF << 48 : 0);
 }
 
-/* The handles of the instances that the tree has; others may have anything. */
-static enum status list_handles(const struct radv_level *top, const struct tree_dump *dump,
-                                struct serial_handle **out, uint32_t *count, struct reason *reason)
+/* The handle, what the node points to and where the nodes begin go together. */
+static enum status check_pointers(const struct radv_level *top, const struct tree_dump *dump,
+                                  struct reason *reason)
 {
-    struct serial_handle *list = alloc_zeroed(dump->tri_count, sizeof *list);
-    if (!list)
-        return fail(reason, STATUS_MEMORY, "%s: no memory for %u handles", top->name,
-                    dump->tri_count);
-    *out = list;
     for (uint32_t i = 0; i < dump->tri_count; i++) {
         const uint32_t place = dump->instance[i].below;
-        const uint64_t handle = handle_of(top, place);
-        const uint64_t pointer = serial_long(radv_instance(top, place, RADV_POINTER));
+        const uint64_t handle = handle_of(top, place),
+                       at = address_of(serial_long(radv_instance(top, place, RADV_POINTER)));
         const uint32_t begin = serial_word(radv_instance(top, place, RADV_BEGIN));
-        if (handle == 0 || address_of(pointer) - begin != handle)
+        if (handle == 0 || at - begin != handle)
             return FAIL(top, reason,
                         "instance %u has the handle 0x%llx, and points to 0x%llx less %u",
                         dump->instance[i].number, (unsigned long long)handle,
-                        (unsigned long long)address_of(pointer), begin);
-        list[i] = (struct serial_handle){handle, place, 0};
+                        (unsigned long long)at, begin);
     }
-    *count = serial_handles(list, dump->tri_count);
     return STATUS_OK;
+}
+
+/* All handles, or those of the instances that are in the tree: the others may be inactive ones,
+ * whose handles may be anything. `list` has room for all. Returns how many are left. */
+static uint32_t list_handles(const struct radv_level *top, const struct tree_dump *dump, bool all,
+                             struct serial_handle *list)
+{
+    const uint32_t count = all ? top->handles : dump->tri_count;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t place = all ? i : dump->instance[i].below;
+        list[i] = (struct serial_handle){handle_of(top, place), place, 0};
+    }
+    return serial_handles(list, count);
 }
 
 /* Leads each instance to its tree, whose nodes begin where the instance says. */
@@ -190,10 +196,38 @@ static enum status read_below(const char *name, const char *bytes, size_t size, 
             status = read_one_below(&level, bytes, at, &out->below[out->below_count++], reason);
         }
     }
-    if (!status && out->below_count && out->below_count < most)
-        status = fail(reason, STATUS_INPUT,
-                      "%s: %zu structures below the top level, whose handles name %u", name,
-                      out->below_count, most);
+    return status;
+}
+
+/* Reads what is behind a top level: the structures of all handles, or of those in the tree. */
+static enum status read_behind(const struct radv_level *top, const char *bytes, size_t size,
+                               uint64_t end, struct tree_dump *out, struct reason *reason)
+{
+    struct serial_handle *list = alloc_zeroed(top->handles, sizeof *list);
+    uint32_t *begins = alloc_zeroed(top->handles, sizeof *begins);
+    enum status status = STATUS_OK;
+    if (!list || !begins)
+        status =
+            fail(reason, STATUS_MEMORY, "%s: no memory for %u handles", top->name, top->handles);
+    if (!status)
+        status = check_pointers(top, out, reason);
+    if (!status) {
+        const uint32_t all = list_handles(top, out, true, list);
+        uint32_t count = all;
+        status = read_below(top->name, bytes, size, end, all, begins, out, reason);
+        if (out->below_count != all)
+            count = list_handles(top, out, false, list);
+        if (!status && out->below_count && out->below_count != count)
+            status =
+                fail(reason, STATUS_INPUT,
+                     "%s: %zu structures below the top level, whose handles name %u, and those "
+                     "of instances in boxes %u",
+                     top->name, out->below_count, all, count);
+        if (!status)
+            status = link_instances(top, list, count, begins, out, reason);
+    }
+    free(list);
+    free(begins);
     return status;
 }
 
@@ -201,8 +235,6 @@ enum status dump_read_radv(const char *name, const char *bytes, size_t size, str
                            struct reason *reason)
 {
     struct radv_level level = {.name = name};
-    struct serial_handle *list = NULL;
-    uint32_t *begins = NULL, count = 0;
     uint64_t end = 0;
     enum status status = read_head(&level, bytes, size, &end, reason);
     if (!status)
@@ -210,17 +242,7 @@ enum status dump_read_radv(const char *name, const char *bytes, size_t size, str
     if (!status && !level.handles && end < size)
         status = fail(reason, STATUS_INPUT, "%s: %llu bytes behind a bottom level", name,
                       (unsigned long long)(size - end));
-    if (status || !level.handles)
-        return status;
-    status = list_handles(&level, out, &list, &count, reason);
-    begins = status ? NULL : alloc_zeroed(count, sizeof *begins);
-    if (!status && !begins)
-        status = fail(reason, STATUS_MEMORY, "%s: no memory for %u trees", name, count);
-    if (!status)
-        status = read_below(name, bytes, size, end, count, begins, out, reason);
-    if (!status)
-        status = link_instances(&level, list, count, begins, out, reason);
-    free(list);
-    free(begins);
-    return status ? status : dump_place(out, reason);
+    if (!status && level.handles)
+        status = read_behind(&level, bytes, size, end, out, reason);
+    return status || !level.handles ? status : dump_place(out, reason);
 }

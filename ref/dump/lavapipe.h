@@ -1,9 +1,9 @@
 /* Acceleration structures that lavapipe, Mesa's Vulkan driver on the processor, serialises. For the
  * files of its reader.
  *
- * Both UUIDs are the package's version, cut at 16 characters. Behind the handles comes the structure
- * itself (src/gallium/frontends/lavapipe/lvp_acceleration_structure.h of Mesa 25.0), with offsets
- * counted from its begin:
+ * Both UUIDs are the package's version, cut at 16 characters. Behind the handles comes the
+ * structure itself (src/gallium/frontends/lavapipe/lvp_acceleration_structure.h of Mesa 25.0), with
+ * offsets counted from its begin:
  *   head      40 bytes: bounds (least x y z, most x y z), size of all, handles, offset of the
  *             leaves, a word without meaning
  *   boxes     56 bytes each: bounds of two children, then both as words; the first is the root

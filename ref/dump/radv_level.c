@@ -24,7 +24,7 @@
 #define INSTANCE_NUMBER   64u
 #define INSTANCE_MATRIX   80u
 
-/* What 64 bytes are: nothing is known of them, a node begins there, 1 + its kind, or one goes on. */
+/* What 64 bytes are: not known, 1 + the kind of the node that begins there, or one goes on. */
 #define FREE   0u
 #define MIDDLE 0xFFu
 

@@ -54,6 +54,38 @@ sed -n '/^handles$/,/tri 0 1/p' $lines | sed '/tri 0 1/q' | made
 expect 0 . tree "$dir/made.as" "$dir/a.obj"
 expect 2 'two.json: a tree of one mesh, the world has 2' tree "$dir/made.as" "$dir/two.json"
 
+# The same world as RADV writes it: a top level with halves below its root.
+lines=tests/driver_trees/two.radv.txt
+radv() { perl tests/driver_trees/encode_radv.pl >"$dir/radv.as"; }
+radv <$lines
+expect 0 . tree "$dir/radv.as" "$dir/two.json" --wide
+has 'a top level of RADV' 'a top level of format radv, 3 instances, with the trees below$' '^  leaves   3 instances' \
+    '^  placed   of 3 judged: 0 too small$' ', tree 2 below: a tree of format radv, with its own triangles$' \
+    '^SAME: instances and triangles are those of '
+expect 0 . tree "$dir/radv.as" --format radv --json "$dir/radv.json"
+sed 's/7f00aa00/ffff9000007f0000/g' $lines | radv
+expect 0 . tree "$dir/radv.as" "$dir/two.json"
+# A bound of halves that lacks 0.5.
+sed 's/^half l0 0 0 0 1 1 1/half l0 0 0 0 1 0.5 1/' $lines | radv
+expect 1 . tree "$dir/radv.as" --wide
+has 'a half too small' 'of 3 judged: 1 too small, on 1 sides, by at most 8388608 floats .*: instance 0, whose most y is' \
+    '^FAULT small: node 1: its box is too small: its most y is 0x1p-1, and instance 0 has 0x1p\+0'
+sed 's/l1 -1 0 0 4 2 1/b0 -1 0 0 4 2 1/' $lines | radv
+expect 1 . tree "$dir/radv.as" --wide
+has 'a circle' '^FAULT cycle: node 3: '
+sed 's/l1 -1 0 0 4 2 1/l0 -1 0 0 4 2 1/' $lines | radv
+expect 1 . tree "$dir/radv.as" "$dir/two.json" --wide
+has 'a leaf twice' '^FAULT shared: node 3: ' '^DIFFERS: from .*; first instance 1$'
+sed 's/l1 -1 0 0 4 2 1/=4294967295 nan nan nan nan nan nan/' $lines | radv
+expect 1 . tree "$dir/radv.as" "$dir/two.json" --wide
+has 'an instance in no box' '^DIFFERS: from .*; first instance 1$'
+{ echo 'build 26.1.0'; sed '/^handles$/,$d' $lines; echo 'build 26.0.0'; sed -n '/^handles$/,$p' $lines; } | radv
+expect 2 'of the build 26.0.0, below a top level of the build 26.1.0' tree "$dir/radv.as"
+{ echo 'driver NVIDIA'; cat $lines; } | radv
+expect 2 'of the driver with the UUID NVIDIA; AMD-MESA-DRV, RADV, is read' tree "$dir/radv.as" --format radv
+expect 2 'of the driver with the UUID 25.0.7-1; AMD-MESA-DRV, RADV, is read' tree "$dir/made.as" --format radv
+expect 2 '--from: a driver writes no trees of format radv' tree soup --from rayquery --format radv
+
 expect 2 '--save needs --from' tree "$dir/made.as" --save "$dir/x"
 expect 2 '--driver needs --from' tree "$dir/made.as" --driver stock
 expect 2 '--device needs --from' tree "$dir/made.as" --device 0

@@ -10,6 +10,7 @@
 #   instance N MASK CUSTOM M00 .. M23
 use strict;
 use warnings;
+no warnings 'portable';
 binmode STDOUT;
 my ($driver, $build, @levels) = ('AMD-MESA-DRV', 'a build');
 while (<STDIN>) {

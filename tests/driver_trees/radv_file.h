@@ -1,5 +1,5 @@
-/* Files of RADV, written by the tests from their description (ref/dump/radv.h): of worlds, each mesh
- * with our own tree made four wide, boxes as floats or as halves. */
+/* Files of RADV, written by the tests from their description (ref/dump/radv.h): of worlds, each
+ * mesh with our own tree made four wide, boxes as floats or as halves. */
 #ifndef RADV_FILE_H
 #define RADV_FILE_H
 

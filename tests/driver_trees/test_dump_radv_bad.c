@@ -146,7 +146,7 @@ static void heads_that_are_wrong_are_refused(void **state)
         {true, 0, 64, "its nodes begin at 64, where no root can be"},
         {true, 0, 132, "its nodes begin at 132, where no root can be"},
         {true, 0, 1 << 20, "its nodes begin at 1048576, where no root can be"},
-        {true, 0, 192, "its leaves begin at "},
+        {true, 0, 256, "its leaves begin at "},
         {true, 80, 192, "its leaves begin at 192, and "},
     };
     struct world world = lvp_world("placed-turned:count=4");
@@ -252,6 +252,31 @@ static void structures_below_are_those_of_the_handles(void **state)
     world_free(&world);
 }
 
+/* An inactive instance is in no box, and its handle may be anything. The file then has the
+ * structures of all handles, or of those in boxes. */
+static void handles_of_inactive_instances_may_be_anything(void **state)
+{
+    (void)state;
+    struct world world = lvp_two_meshes();
+    rdv_write(&file, &world, false);
+    const uint32_t last = world.instance_count - 1;
+    const size_t at = file.node[0] + 128 + 128 * (size_t)world.instance_count;
+    assert_int_equal(world.instance_count, 5);
+    /* The root has instances 0 to 2, the other box 3 and 4. */
+    lvp_put(&file.raw, at + 4, 0xFFFFFFFF);
+    struct tree_dump dump = rdv_read_ok(&file);
+    assert_int_equal(dump.tri_count, 4);
+    assert_int_equal(dump.below_count, 2);
+    tree_dump_free(&dump);
+    lvp_put_long(&file.raw, 56 + 8 * (size_t)last, 0x123456789000);
+    dump = rdv_read_ok(&file);
+    assert_int_equal(dump.below_count, 2);
+    for (uint32_t i = 0; i < 4; i++)
+        assert_int_equal(dump.instance[i].below, i % 2);
+    tree_dump_free(&dump);
+    world_free(&world);
+}
+
 /* Whatever a word says, reading and checking end. */
 static void any_word_may_be_anything(void **state)
 {
@@ -291,6 +316,7 @@ int main(void)
         cmocka_unit_test(other_drivers_and_versions_are_refused_with_both),
         cmocka_unit_test(pointers_are_those_of_the_handles),
         cmocka_unit_test(structures_below_are_those_of_the_handles),
+        cmocka_unit_test(handles_of_inactive_instances_may_be_anything),
         cmocka_unit_test(any_word_may_be_anything),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

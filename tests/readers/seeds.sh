@@ -360,6 +360,11 @@ perl "$encode" <"$two" >dump/lavapipe
 sed '/^handles$/,$d' "$two" | perl "$encode" >dump/lavapipe-top
 sed -n '/^handles$/,/tri 0 1/p' "$two" | sed '/tri 0 1/q' | perl "$encode" >dump/lavapipe-mesh
 sed 's/l2 3 0 0/b0 3 0 0/; s/l1 -1 0 0/l0 nan 0 0/; s/tri 0 1/tri 0 0/; s/ 4 0 1 / inf 0 1 /' "$two" | perl "$encode" >dump/lavapipe-faulty
+encode=$repository/tests/driver_trees/encode_radv.pl two=$repository/tests/driver_trees/two.radv.txt
+perl "$encode" <"$two" >dump/radv
+sed '/^handles$/,$d' "$two" | perl "$encode" >dump/radv-top
+sed -n '/^handles$/,/tri 0 1/p' "$two" | sed '/tri 0 1/q' | perl "$encode" >dump/radv-mesh
+sed 's/l2 3 0 0/b0 3 0 0/; s/l1 -1 0 0/l0 nan 0 0/; s/tri 0 1/tri 0 0/; s/ 4 0 1 / inf 0 1 /' "$two" | perl "$encode" >dump/radv-faulty
 perl -e 'print pack("Q2", 1, 1), pack("d6", -1, 1, -1, 1, -1, 1), pack("Q2", 1, 0)' >dump/bvh2-double
 
 # --- logs
