@@ -106,6 +106,23 @@ if "$raydiff" tree sphere:n=2 --from rayquery --driver mesa25 >/dev/null 2>"$dir
         sed 's|^[^:, ]*[:,].*a t|a t|' "$dir/read" | diff "$dir/one" - >"$dir/out" || bad "$world: saved is not built"
         grep '^FAULT ' "$dir/read" | grep -qv '^FAULT small' && bad "$world: other faults than boxes"
     done
+    # Rays through what boxes lack. Instance 1 is that of docs/variants.md, whose box lacks most at one side; no ray
+    # meets instance 0, whose box lacks the same and stands first among the sides.
+    cat >"$dir/one.json" <<END
+{"raydiff_world": 1, "meshes": [{"vertices": [3, 0, 0,  0, -3, 0,  0, 3, 0], "indices": [0, 1, 2]}],
+ "instances": [{"mesh": 0, "mask": 0, "transform": [1.000000834465027, 0, 0, -2.75,  0, 1, 0, 50,  0, 0, 1, 0]},
+               {"mesh": 0, "transform": [1.000000834465027, 0, 0, -2.75,  0, 1, 0, 0,  0, 0, 1, 0]}]}
+END
+    aimed='  aimed    \([0-9]*\) rays; \([0-9]*\) hit an instance .*; of these \([0-9]*\) are lost, and \([0-9]*\) of those .*'
+    "$raydiff" tree "$dir/one.json" --from rayquery --driver mesa25 --aim 2000 --wide --json "$dir/json" >"$dir/out"
+    set -- $(sed -n "s/^$aimed/\1 \2 \3 \4/p" "$dir/out")
+    # Each side has every second ray. Some are lost in a larger box, too: the triangle is missed there.
+    [ "$#" -eq 4 ] && [ "$1" -eq 2000 ] && [ "$2" -gt 100 ] && [ "$2" -lt 1000 ] && [ "$3" -gt 100 ] && [ "$3" -le "$2" ] &&
+        [ "$4" -gt 100 ] && [ "$4" -lt "$3" ] || bad "rays through what boxes lack: $*"
+    for field in "aimed $1" "hit $2" "lost $3" "found $4"; do
+        grep -q "^ *\"${field% *}\": ${field#* },*$" "$dir/json" || bad "aimed: JSON has another number: $field"
+    done
+    grep -q '^LOST: instance 1, most x: ray ' "$dir/out" || bad 'the ray that is lost is told'
     for way in fast_build compact clone update update_into serialise u16:stride20 scaled; do
         expect 0 . tree sphere:n=4 --from "rayquery:$way" --driver mesa25
     done
