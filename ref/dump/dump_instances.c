@@ -116,6 +116,10 @@ static bool measure_side(const struct tree_dump *dump, uint32_t item, unsigned s
         !furthest(mesh_of(dump, item), row, side, bound, &exact->num, &exponent))
         return false;
     size_of(mesh_of(dump, item), row, &exact->den, &size_exponent);
+    if (exact->den.sign == 0) {
+        wide_set(1, &exact->den);
+        size_exponent = -149;
+    }
     exact->scale = exponent - size_exponent + 24;
     fraction_enclose(exact, &low, &high);
     out->u = low + (high - low) / 2;

@@ -182,6 +182,7 @@ static void other_drivers_and_versions_are_refused_with_both(void **state)
     assert_non_null(strstr(reason.text, "UUID AMD-MESA-DRV; lavapipe 25.0.x is read"));
     /* Later heads have three words more before the sizes, and one of room. */
     memmove(file.raw.bytes + file.raw.body[0] + 48, file.raw.bytes + file.raw.body[0] + 32, 16);
+    memset(file.raw.bytes + file.raw.body[0] + 32, 0, 16);
     must_refuse("its head is that of Mesa 25.1 or later, which may be of GFX12; that of Mesa 25.0");
     rdv_write(&file, &world, false);
     file.raw.bytes[file.raw.begin[2] + 16] ^= 1;
@@ -277,6 +278,24 @@ static void handles_of_inactive_instances_may_be_anything(void **state)
     world_free(&world);
 }
 
+/* A transform of zeros: the point 0 beside a box that begins at 1 lacks 1, in u of 2^-24 2^-149. */
+static void sizes_of_nothing_are_the_least_float(void **state)
+{
+    (void)state;
+    struct world world = lvp_world("sphere:n=2");
+    rdv_write(&file, &world, false);
+    const float zeros[12] = {0}, one[6] = {1, 0, 0, 2, 0, 0};
+    lvp_put_floats(&file.raw, rdv_leaf(&file, 0, 0, 80), zeros, 12);
+    lvp_put_floats(&file.raw, file.node[0] + 16, one, 6);
+    struct tree_dump dump = rdv_read_ok(&file);
+    const struct dump_lacks lacks = lvp_measured(&dump);
+    assert_int_equal(lacks.sides, 1);
+    assert_int_equal(lacks.most.side, 0);
+    assert_true(lacks.most.lacks == 1 && lacks.most.u == 0x1p+173);
+    tree_dump_free(&dump);
+    world_free(&world);
+}
+
 /* Whatever a word says, reading and checking end. */
 static void any_word_may_be_anything(void **state)
 {
@@ -317,6 +336,7 @@ int main(void)
         cmocka_unit_test(pointers_are_those_of_the_handles),
         cmocka_unit_test(structures_below_are_those_of_the_handles),
         cmocka_unit_test(handles_of_inactive_instances_may_be_anything),
+        cmocka_unit_test(sizes_of_nothing_are_the_least_float),
         cmocka_unit_test(any_word_may_be_anything),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

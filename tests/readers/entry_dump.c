@@ -1,8 +1,9 @@
-/* Trees of other programs: our text, files of tinybvh and of bvh v2. Whatever a file says of its
+/* Trees of other programs: our text, files of tinybvh, bvh v2, lavapipe and RADV. Whatever a file says of its
  * nodes, the check ends, names faults in printable lines, and the tree goes through our text. */
 #define _POSIX_C_SOURCE 200809L
 #include "tests/readers/reader_entry.h"
 #include "ref/dump/dump_check.h"
+#include "ref/dump/dump_instances.h"
 #include "scenes/scenes.h"
 
 #include <ctype.h>
@@ -79,6 +80,21 @@ static void must_come_again(const struct tree_dump *dump)
     reader_count_limit(true);
 }
 
+/* What the boxes of a top level lack, and the trees below it. */
+static void check_levels(const struct tree_dump *dump)
+{
+    struct dump_lacks lacks;
+    struct reason reason = {""};
+    if (dump->instance && dump->scene.tri_count) {
+        READER_MUST(dump_measure(dump, &lacks, &reason) == STATUS_OK);
+        READER_MUST(lacks.small <= lacks.judged && lacks.small <= lacks.sides);
+        READER_MUST(!lacks.sides || lacks.most.u > 0);
+        free(lacks.side);
+    }
+    for (size_t i = 0; i < dump->below_count; i++)
+        (void)check(&dump->below[i], &dump->below[i].scene);
+}
+
 static bool play(const char *bytes, size_t size)
 {
     struct scene scene;
@@ -101,6 +117,7 @@ static bool play(const char *bytes, size_t size)
         } else {
             (void)check(&dump, &scene);
         }
+        check_levels(&dump);
         if (check(&dump, NULL))
             must_come_again(&dump);
         tree_dump_free(&dump);
