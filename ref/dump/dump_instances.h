@@ -19,8 +19,8 @@ struct dump_lack {
     uint32_t steps; /* floats from there to the least box */
     double lacks;   /* how far the exact vertex is beyond the bound, rounded */
     /* The same in units of 2^-24 times the sum of sizes |M_k0| a_0 + |M_k1| a_1 + |M_k2| a_2 +
-     * |T_k|, a the largest |coordinate| of the mesh's vertices, or 2^-149 if that is 0: exactly, and
-     * rounded. */
+     * |T_k|, a the largest |coordinate| of the mesh's vertices, or of 2^-24 2^-149 if that is 0:
+     * exactly, and rounded. */
     struct fraction exact;
     double u;
 };

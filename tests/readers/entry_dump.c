@@ -1,5 +1,6 @@
-/* Trees of other programs: our text, files of tinybvh, bvh v2, lavapipe and RADV. Whatever a file says of its
- * nodes, the check ends, names faults in printable lines, and the tree goes through our text. */
+/* Trees of other programs: our text, files of tinybvh, bvh v2, lavapipe and RADV. Whatever a file
+ * says of its nodes, the check ends, names faults in printable lines, and the tree goes through our
+ * text. */
 #define _POSIX_C_SOURCE 200809L
 #include "tests/readers/reader_entry.h"
 #include "ref/dump/dump_check.h"
