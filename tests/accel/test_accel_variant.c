@@ -90,6 +90,7 @@ static void words_stand_in_any_order_and_lose_what_changes_nothing(void **state)
         {"rayquery:u16:compact:stride20:update:fast_build",
          "rayquery:fast_build:update:compact:u16:stride20"},
         {"rayquery:stride12", "rayquery"},
+        {"rayquery:stride4096", "rayquery:stride4096"},
         {"rayquery:f16x4:stride8", "rayquery:f16x4"},
         {"rayquery:allow_update:update_into", "rayquery:update_into"},
         {"rayquery:compact:allow_compaction", "rayquery:compact"},

@@ -89,6 +89,9 @@ static void versions_are_parts_or_ranges(void **state)
         {"Embree 4.10.0", "Embree 3..4.3", false},
         {"Embree 4.10.0", "Embree 4.9..5", true},
         {"Embree 4.3", "Embree 4.3.0..4.3.3", true},
+        {"Embree 4.3.3", "Embree 4.3.1..4.3", true}, /* all of 4.3 are up to 4.3 */
+        {"Embree 4.3.0", "Embree 4.3.1..4.3", false},
+        {"Embree 4.3.2", "Embree 4.3.1..4", true},
         {"Mesa 3.5", "Embree 3..4.3.3", false},
         {"OtherEmbree 3.5", "Embree 3..4.3.3", false},
         {"embree: 2 threads\nembree: Embree 4.3.3, 2 threads", "Embree 4..5", true},

@@ -41,6 +41,23 @@ static void children_that_make_no_tree_are_named(void **state)
     world_free(&world);
 }
 
+/* What no box leads to lacks nothing of a box that it does not have. */
+static void leaves_without_a_box_are_not_measured(void **state)
+{
+    (void)state;
+    struct world world = lvp_world("placed-turned:count=4");
+    for (uint32_t i = 0; i + 1 < world.instance_count; i++) {
+        lvp_write(&file, &world, NULL);
+        lvp_put(&file, lvp_box_word(&file, 0, i, 48), 0xFFFFFFFF);
+        struct tree_dump dump = lvp_read_ok(&file);
+        const struct dump_lacks lacks = lvp_measured(&dump);
+        assert_int_equal(lacks.judged, world.instance_count - 1);
+        assert_int_equal(lacks.small + lacks.sides, 0);
+        tree_dump_free(&dump);
+    }
+    world_free(&world);
+}
+
 static void children_that_are_nowhere_are_refused(void **state)
 {
     (void)state;
@@ -219,6 +236,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(children_that_make_no_tree_are_named),
+        cmocka_unit_test(leaves_without_a_box_are_not_measured),
         cmocka_unit_test(children_that_are_nowhere_are_refused),
         cmocka_unit_test(doubled_numbers_are_named),
         cmocka_unit_test(triangles_with_nan_are_no_items),

@@ -252,6 +252,33 @@ static void its_end_is_that_of_the_result_alone(void **state)
     assert_true(ended[0] > 2 && ended[1] > 0);
 }
 
+static uint64_t only; /* the hash of a trial */
+
+static bool itself(const struct fuzz_trial *trial)
+{
+    return fuzz_trial_hash(trial) == only;
+}
+
+/* Where each candidate costs one ask and all are in vain, every budget is spent to the last, unless
+ * what is dearer than a share of it is left out. */
+static void a_budget_may_be_spent_to_the_last(void **state)
+{
+    (void)state;
+    struct fuzz_trial trial = generated(3, 30, 20);
+    size_t spent = 0;
+    assert_true(trial.scene.tri_count < 64 && trial.world.instance_count < 64);
+    only = fuzz_trial_hash(&trial);
+    for (uint64_t asks = 500; asks < 1500; asks += 37) {
+        struct shrink_stats stats;
+        struct fuzz_trial out = shrink(&trial, itself, asks, &stats);
+        assert_int_equal(stats.asks, stats.tried);
+        spent += stats.asks == asks;
+        fuzz_trial_free(&out);
+    }
+    assert_true(spent > 5);
+    fuzz_trial_free(&trial);
+}
+
 static void time_ends_it_and_is_said(void **state)
 {
     (void)state;
@@ -311,6 +338,7 @@ int main(void)
         cmocka_unit_test(finds_the_smallest),
         cmocka_unit_test(the_same_every_time_and_never_more_than_was_allowed),
         cmocka_unit_test(its_end_is_that_of_the_result_alone),
+        cmocka_unit_test(a_budget_may_be_spent_to_the_last),
         cmocka_unit_test(time_ends_it_and_is_said),
         cmocka_unit_test(what_is_not_shown_is_left_alone),
         cmocka_unit_test(an_error_ends_it),

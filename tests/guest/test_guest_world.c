@@ -70,6 +70,39 @@ static void a_guest_has_the_world_to_the_bit(void **state)
         }
 }
 
+/* Requests that get larger, and smaller again: each is answered as it would be alone. */
+static void requests_may_get_larger(void **state)
+{
+    (void)state;
+    static const uint32_t sizes[] = {1, 40, RAYS, 7, RAYS};
+    const struct engine_options options = {.peer_ms = 20000, .peer_mb = UINT32_MAX};
+    const struct world_job job = job_of(QUERY_CLOSEST);
+    behave("model");
+    for (int inside = 0; inside < 2; inside++) {
+        const struct engine *engine = engine_way("guest_bad.so", inside);
+        struct hit hit[RAYS], want;
+        uint32_t tag[RAYS], want_tag;
+        struct trace_report report;
+        struct reason reason = {""};
+        void *self;
+        if (engine->open(&options, &self, &reason) ||
+            engine->worlds->prepare_world(self, &job, &reason))
+            fail_msg("%s", reason.text);
+        for (size_t s = 0; s < ARRAY_COUNT(sizes); s++) {
+            if (engine->worlds->trace_world(self, ray, mode, sizes[s], hit, tag, &report, &reason))
+                fail_msg("%s", reason.text);
+            for (uint32_t i = 0; i < sizes[s]; i++) {
+                want = (struct hit){.prim = ABI_NO_PRIM};
+                want_tag = 0;
+                (void)expected(i, QUERY_CLOSEST, &want, &want_tag);
+                assert_memory_equal(&want, &hit[i], sizeof want);
+                assert_int_equal(want_tag, tag[i]);
+            }
+        }
+        engine->close(self);
+    }
+}
+
 static void a_hit_of_what_is_not_there_is_told(void **state)
 {
     struct hit hit[RAYS];
@@ -131,6 +164,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_guest_has_the_world_to_the_bit),
+        cmocka_unit_test(requests_may_get_larger),
         cmocka_unit_test(a_hit_of_what_is_not_there_is_told),
         cmocka_unit_test(a_guest_without_worlds_is_skipped),
         cmocka_unit_test(a_model_is_of_what_is_prepared_last),

@@ -273,6 +273,28 @@ static void the_library_doubles_subnormals(void **state)
         assert_true(library_holds(number, 16) && library_holds(number, 43));
 }
 
+/* Coordinates reach to 2^126, on each axis and side, and not beyond. */
+static void coordinates_are_within_2_to_126(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 18; i++) {
+        struct scene scene = trees_grid(3);
+        struct packed packed;
+        struct reason reason = {""};
+        const bool beyond = i >= 9;
+        const float most = beyond ? nextafterf(0x1p126f, INFINITY) : 0x1p126f;
+        scene.vertex[3 * (i % 9) + i % 3] = i % 2 ? -most : most;
+        struct bvh bvh = trees_make(&scene, 1, TREES_BALANCED);
+        const enum status status =
+            packed_make(layout_find("hpb64"), &bvh, &scene, &packed, &reason);
+        assert_int_equal(status, beyond ? STATUS_LIMIT : STATUS_OK);
+        if (!status)
+            packed_free(&packed);
+        bvh_free(&bvh);
+        scene_free(&scene);
+    }
+}
+
 /* Where no bound is 0 and the exponents are as large as ours must be, the words of bounds are the
  * library's. */
 static void codes_are_those_of_the_library(void **state)
@@ -319,6 +341,7 @@ int main(void)
         cmocka_unit_test(every_slot_has_the_first_and_the_last_code),
         cmocka_unit_test(the_library_holds_what_is_normal),
         cmocka_unit_test(the_library_doubles_subnormals),
+        cmocka_unit_test(coordinates_are_within_2_to_126),
         cmocka_unit_test(codes_are_those_of_the_library),
     };
     return cmocka_run_group_tests_name("hpb64", tests, NULL, NULL);

@@ -3,6 +3,9 @@
 
 #include "tests/life/lives.h"
 
+#include <float.h>
+#include <math.h>
+
 #define SPEC "soup:n=60"
 
 static bool same_vertices(const struct scene *a, const struct scene *b)
@@ -38,6 +41,63 @@ static void motions_are_finite_the_same_each_time_and_themselves(void **state)
             steps_free(out[1], 1);
             lived_free(&lived);
         }
+}
+
+/* Whatever there is no room for stays where it was. */
+static void motions_of_the_largest_floats_are_finite(void **state)
+{
+    (void)state;
+    uint32_t moved = 0;
+    for (enum life_motion m = 0; m < MOTIONS; m++)
+        for (uint64_t seed = 0; seed < 80; seed++) {
+            struct lived lived = lived_make(SPEC, "");
+            const struct step step = {LIFE_REFIT, m, seed};
+            const struct box box = scene_bounds(&lived.first);
+            struct scene out[LIFE_STEPS_MOST + 1];
+            for (uint32_t i = 0; i < 3 * lived.first.vertex_count; i++) {
+                const float most = fmaxf(fabsf(box.lo[i % 3]), fabsf(box.hi[i % 3]));
+                lived.first.vertex[i] =
+                    (float)((double)lived.first.vertex[i] * 0.999 * (double)FLT_MAX / (double)most);
+                assert_true(float_is_finite(lived.first.vertex[i]));
+            }
+            assert_int_equal(steps_scenes(&lived.first, &step, 1, out, NULL), STATUS_OK);
+            for (uint32_t i = 0; i < 3 * lived.first.vertex_count; i++)
+                assert_true(float_is_finite(out[1].vertex[i]));
+            moved += m == MOTION_ONE && !same_vertices(&out[0], &out[1]);
+            steps_free(out, 1);
+            lived_free(&lived);
+        }
+    assert_true(moved > 20);
+}
+
+/* Of the seeds of a motion that has a size and an axis, each pair is one seed's; those of a size
+ * that is random else move the vertices otherwise. */
+static void seeds_are_each_another_motion(void **state)
+{
+    (void)state;
+    enum { FAR = 72, JITTER = 48 };
+    struct lived far[FAR], jitter[JITTER];
+    char text[60];
+    for (uint32_t i = 0; i < FAR; i++) {
+        uint32_t axes = 0;
+        snprintf(text, sizeof text, "refit:far:%u", i);
+        far[i] = lived_make(SPEC, text);
+        for (uint32_t k = 0; k < 3; k++)
+            axes += far[i].scene[1].vertex[k] != far[i].first.vertex[k];
+        assert_int_equal(axes, 1);
+        for (uint32_t k = 0; k < i; k++)
+            assert_false(same_vertices(&far[i].scene[1], &far[k].scene[1]));
+    }
+    for (uint32_t i = 0; i < JITTER; i++) {
+        snprintf(text, sizeof text, "refit:jitter:%u", i);
+        jitter[i] = lived_make(SPEC, text);
+        for (uint32_t k = 0; k < i; k++)
+            assert_false(same_vertices(&jitter[i].scene[1], &jitter[k].scene[1]));
+    }
+    for (uint32_t i = 0; i < FAR; i++)
+        lived_free(&far[i]);
+    for (uint32_t i = 0; i < JITTER; i++)
+        lived_free(&jitter[i]);
 }
 
 static void some_motions_are_their_own_inverse(void **state)
@@ -299,6 +359,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(motions_are_finite_the_same_each_time_and_themselves),
+        cmocka_unit_test(motions_of_the_largest_floats_are_finite),
+        cmocka_unit_test(seeds_are_each_another_motion),
         cmocka_unit_test(some_motions_are_their_own_inverse),
         cmocka_unit_test(nasty_motions_are_as_nasty_as_they_say),
         cmocka_unit_test(the_triangles_of_a_swap_are_each_others),

@@ -2,6 +2,7 @@
  * other one is, whether it has taken steps or not. */
 #include "fuzz/findings/finding_file.h"
 #include "fuzz/play/player.h"
+#include "ref/explain/judged.h"
 
 #include "tests/life/lived_match.h"
 #include "tests/support/fuzz_trials.h"
@@ -95,9 +96,10 @@ static void a_row_says_what_is_wrong_when_prepared_anew(void **state)
 {
     (void)state;
     struct lived lived = lived_make("soup:n=60", "refit:jitter:1");
-    const struct engine forgets = engine_of("forgets", true, false),
-                        loses = engine_of("loses", false, true),
-                        both = engine_of("both", true, true);
+    static struct engine forgets, loses, both; /* the pool closes them at the end */
+    forgets = engine_of("forgets", true, false);
+    loses = engine_of("loses", false, true);
+    both = engine_of("both", true, true);
     const struct row stale = lived_row(&lived, &forgets, NULL, NULL, &pool),
                      wrong = lived_row(&lived, &loses, NULL, NULL, &pool),
                      mixed = lived_row(&lived, &both, NULL, NULL, &pool),
@@ -113,6 +115,70 @@ static void a_row_says_what_is_wrong_when_prepared_anew(void **state)
     lived_free(&lived);
 }
 
+/* Planted: what it does at the moment. */
+static enum { HONEST, PHANTOM, BY_TURNS, BROKEN } mood;
+static uint32_t traces;
+
+static enum status wavering_trace(void *self, const struct ray *ray, size_t count, struct hit *hit,
+                                  struct trace_report *report, struct reason *reason)
+{
+    if (mood == BROKEN)
+        return (fail)(reason, STATUS_DEVICE, "as planned");
+    enum status status = brute->trace(self, ray, count, hit, report, reason);
+    const bool lies = mood == PHANTOM || (mood == BY_TURNS && traces++ % 2 == 0);
+    for (size_t i = 0; i < count && !status && lies; i++)
+        hit[i] = (struct hit){.t = 1};
+    return status;
+}
+
+/* The cause of an answer that was given in one mood, after the engine is opened in another. */
+static enum cause cause_after(const struct engine *engine, const struct ray *ray, int then, int now)
+{
+    static const struct engine_options options = {.device = -1, .threads = 1};
+    struct lived lived = lived_make("soup:n=30", "");
+    const struct job job = {
+        .scene = &lived.first, .box = box_tests[0], .tri = tri_tests[0], .query = QUERY_CLOSEST};
+    struct judged_job from = {.engine = engine, .job = &job};
+    struct oracle *oracle;
+    struct judged judged;
+    struct judged_ray out;
+    struct reason reason = {""};
+    mood = HONEST;
+    if (oracle_make(&lived.first, &oracle, &reason) ||
+        engine->open(&options, &from.self, &reason) || engine->prepare(from.self, &job, &reason))
+        fail_msg("%s", reason.text);
+    from.oracle = oracle;
+    mood = then;
+    traces = 0;
+    if (judged_make(&from, &judged, &reason) || judged_explain(&judged, ray, &out, &reason))
+        fail_msg("%s", reason.text);
+    mood = now;
+    assert_int_equal(judged_stale(&judged, &options, &out, &reason), STATUS_OK);
+    const enum cause cause = out.why.cause;
+    explain_free(&out.why);
+    judged_free(&judged);
+    engine->close(from.self);
+    oracle_free(oracle);
+    lived_free(&lived);
+    return cause;
+}
+
+/* Stale is what is wrong, the same each time, and right once the engine is opened anew. One that
+ * then answers nothing is not right, though nothing is hit. */
+static void only_what_is_right_anew_is_stale(void **state)
+{
+    (void)state;
+    struct engine engine = engine_of("wavers", false, false);
+    const struct ray away = {.org = {0, 0, 99}, .dir = {0, 0, 1}, .tmax = INFINITY};
+    engine.trace = wavering_trace;
+    assert_int_equal(cause_after(&engine, &away, HONEST, HONEST), CAUSE_NONE);
+    assert_int_equal(cause_after(&engine, &away, PHANTOM, HONEST), CAUSE_STALE);
+    assert_int_not_equal(cause_after(&engine, &away, PHANTOM, PHANTOM), CAUSE_STALE);
+    assert_int_not_equal(cause_after(&engine, &away, PHANTOM, BROKEN), CAUSE_STALE);
+    assert_int_equal(cause_after(&engine, &away, BY_TURNS, HONEST), CAUSE_NOT_REPEATABLE);
+    assert_int_equal(cause_after(&engine, &away, BROKEN, HONEST), CAUSE_STALE);
+}
+
 static int close_pool(void **state)
 {
     (void)state;
@@ -125,6 +191,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_finding_that_needs_steps_is_stale),
         cmocka_unit_test(one_that_needs_none_is_not),
+        cmocka_unit_test(only_what_is_right_anew_is_stale),
         cmocka_unit_test(a_row_says_what_is_wrong_when_prepared_anew),
     };
     brute = engine_find("brute");

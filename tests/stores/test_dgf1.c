@@ -20,9 +20,8 @@
 /* A block as published, and what it holds. */
 struct dgf_block {
     uint8_t byte[BYTES];
-    uint32_t tris, vertices, words, number;
-    uint32_t restarts;
-    float corner[TRIS][3][3]; /* in the strip's order */
+    uint32_t tris, vertices, words, number, restarts, reuse; /* bits of the reuse buffer */
+    float corner[TRIS][3][3];                                /* in the strip's order */
 };
 
 static uint32_t field(const uint8_t *byte, uint32_t at, uint32_t count)
@@ -103,7 +102,8 @@ static void read_strip(struct dgf_block *p, uint32_t front)
             vertex_at(p, three[n], p->corner[i][n]);
     }
     assert_int_equal(counter, p->vertices);
-    assert_true(width * reused <= 8 * 24);
+    p->reuse = width * reused;
+    assert_true(p->reuse <= 8 * 24);
     /* Nothing but zeros between the parts. */
     uint32_t at = 8 * front + width * reused, end = first_end - (index - 3);
     assert_true(at <= end);
@@ -343,6 +343,33 @@ static void what_does_not_fit_is_refused(void **state)
     expect_refused(&scene, 1, "lie on no grid");
 }
 
+/* Of random triangles as many as fit: some leaf has a reuse buffer that is just full. */
+static void a_reuse_buffer_may_be_full(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(9, 10);
+    uint32_t full = 0, prim[TRIS];
+    for (uint32_t round = 0; round < 60; round++) {
+        struct scene scene;
+        struct dgf_block p = {.tris = 0};
+        const uint32_t vertices = 5 + round % 12;
+        assert_int_equal(scene_make(vertices, TRIS, &scene), STATUS_OK);
+        for (uint32_t i = 0; i < 3 * vertices; i++)
+            scene.vertex[i] = (float)(i % 3 ? rng_below(&rng, 4) : i / 3);
+        for (uint32_t i = 0; i < 3 * TRIS; i++)
+            scene.index[i] = rng_below(&rng, vertices), prim[i / 3] = i / 3;
+        for (uint32_t count = TRIS, at; p.tris == 0; count--) {
+            struct packed packed = {.layout = layouts[0], .store = tri_store_find("dgf1")};
+            if (store_put(&scene, prim, count, &packed, &at, NULL) == STATUS_OK)
+                publish(packed.item + at, &p);
+            free(packed.item);
+        }
+        full += p.reuse == 8 * 24;
+        scene_free(&scene);
+    }
+    assert_true(full > 0);
+}
+
 /* Five triangles without a common vertex always fit, whatever the widths. */
 static void five_triangles_fit(void **state)
 {
@@ -366,6 +393,7 @@ int main(void)
         cmocka_unit_test(grids_are_held_to_their_ends),
         cmocka_unit_test(leaves_take_the_words_of_their_parts),
         cmocka_unit_test(what_does_not_fit_is_refused),
+        cmocka_unit_test(a_reuse_buffer_may_be_full),
         cmocka_unit_test(five_triangles_fit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
