@@ -130,6 +130,8 @@ static void any_rate_is_taken(void **state)
     for (size_t i = 0; i < ARRAY_COUNT(odd); i++)
         assert_true(fabs(pacing_make(odd[i], 0).period_ns - 1e9 / 60) < 1e-6);
     assert_true(fabs(pacing_make(INFINITY, 0).period_ns - 1e9 / PACING_FPS_MOST) < 1e-6);
+    for (double fps = 1; fps < 4 * PACING_FPS_MOST; fps += 9.5)
+        assert_true(fabs(pacing_make(fps, 0).period_ns - 1e9 / fmin(fps, PACING_FPS_MOST)) < 1e-6);
     assert_true(fabs(pacing_make(0.5, 0).period_ns - 2e9) < 1e-6);
 }
 
