@@ -23,6 +23,7 @@ our @TIMES = (
     [qr{(?<= time=")[\d.]+(?=")}, '#'],
     [qr{(?<= in )[\d.]+ s\b}, '# s'],
     [qr{(?<=\|turnout=)[\d,]+}, '#'],
+    [qr{ MiB, and \d+ are left}, ' MiB, and # are left'],
 
     [qr/[\d.]+ ms (?=tracing by|tracing each|in all|a frame)/, '# ms '],
     [qr/[\d.]+ times its speed(, within noise)?/, '# times its speed'],

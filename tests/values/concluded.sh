@@ -31,7 +31,7 @@ printf 'm\nm\n' >"$dir/hits"
 expect 1 . judge sphere:n=2 "$dir/rays" "$dir/hits"
 grep -q 'against the exact truth: 2 of 2 answers WRONG' "$dir/out" || bad 'judge: what is WRONG is not counted'
 # A tracer of no formula: its own test, parts that are told apart, words that the glossary has.
-sed 's/q.rays, 1, 0, 0, 0}/q.rays, 0, 0, 0, 0}/' tests/peers/refuser.c >"$dir/unknown.c"
+sed 's/q.rays, 1, 0, /q.rays, 0, 0, /' tests/peers/refuser.c >"$dir/unknown.c"
 cc -O1 -o "$dir/unknown" "$dir/unknown.c" || bad 'a tracer is not compiled'
 expect 1 . check sphere:n=4 $few --engine "pipe:$dir/unknown 1000000"
 grep -q '^WRONG missed closest\.pipe:.*\.-\.own ray ' "$dir/out" || bad 'check: a formula that is unknown is called one of the table'
