@@ -189,7 +189,7 @@ walk "precompute --scene soup:n=40 --builder median --out $files/tree" 'scene=sp
     item-count=1 seed=3 ~optimize=reinsert presplit=3'
 walk 'tree tests/golden/input/faulty.tree' '~format=raydiff faults=1 json=@ ~wide color=always'
 walk 'tree soup:n=9 --from rayquery --driver none' '~from=rayquery:clone ~driver=stock ~device=0 ~aim=9 ~save=@
-    ~format=lavapipe ~format=radv ~faults=1 ~json=@ ~wide ~color=always'
+    ~format=lavapipe ~faults=1 ~json=@ ~wide ~color=always'
 walk 'scene list' ''
 walk 'scene info soup:n=9' 'json seed=3'
 walk 'list builders' ''

@@ -186,7 +186,7 @@ single 1 bench layouts --scene "$dir/one.obj" $few --engine cpu --layout f32,cwb
 [ "$(grep -cE '^(agrees|vacuous) +(f32|cwbvh80|rtrs_rf) +cpu .* f32$' "$dir/out")" -eq 9 ] || bad 'bench layouts: nine rows beside f32'
 single 2 bench layouts --scene "$dir/one.obj" $few --engine cpu --layout f32 --compiler opt
 grep -q 'needs an engine vulkan' "$dir/err" || bad 'bench layouts: --compiler without an engine that has shaders'
-VK_ICD_FILENAMES=/nonexistent single 77 bench layouts --scene sphere:n=4 --count 300 --rounds 1 --engine vulkan,cpu --layout f32
+VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent single 77 bench layouts --scene sphere:n=4 --count 300 --rounds 1 --engine vulkan,cpu --layout f32
 single 1 bench spawn --scene soup:n=1 $few --engine cpu --tri mt
 single 0 bench builders --scene soup:n=1 --rounds 1 --threads 1
 single 0 bench oracle --scene soup:n=1 $few
