@@ -96,7 +96,7 @@ expect 2 'no file given' tree
 expect 2 "unexpected argument 'c'" tree a b c
 expect 2 'No such file' tree "$dir/nothing"
 expect 2 'no tree of a known format' tree $input/tiny.obj
-expect 2 "'rtx' is not raydiff, tinybvh, bvh2, lavapipe or guessed" tree $input/mine.tree --format rtx
+expect 2 "'rtx' is not raydiff, tinybvh, bvh2, lavapipe, radv or guessed" tree $input/mine.tree --format rtx
 expect 2 'too few|tinybvh' tree $input/mine.tree --format tinybvh
 expect 2 'are no file of bvh v2' tree $input/mine.tree --format bvh2
 expect 0 . tree $input/mine.tree --format raydiff
