@@ -54,7 +54,7 @@ fi
 # Without a graphics card the drivers of cards are not loaded: each start of Vulkan would read them all.
 if [ -z "${VK_DRIVER_FILES-}${VK_ICD_FILENAMES-}" ] && ! ls /dev/dri /dev/nvidia0 /dev/kfd /dev/dxg >/dev/null 2>&1; then
     for icd in /usr/share/vulkan/icd.d/lvp_icd*.json; do
-        [ ! -r "$icd" ] || export VK_DRIVER_FILES="$icd" VK_ICD_FILENAMES="$icd"
+        [ ! -r "$icd" ] || export VK_ICD_FILENAMES="$icd" # which tests set, too
     done
 fi
 
