@@ -101,7 +101,7 @@ static enum status list_handles(const struct lvp_level *top, struct serial_handl
     return STATUS_OK;
 }
 
-/* Leads each instance to its tree; put_instance left its place among the leaves. */
+/* Leads each instance to its tree; `below` is the place of its leaf. */
 static enum status link_instances(const struct lvp_level *top, const struct serial_handle *list,
                                   uint32_t count, struct tree_dump *out, struct reason *reason)
 {

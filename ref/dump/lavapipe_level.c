@@ -2,6 +2,8 @@
  * the leaves, in the order of the file. */
 #include "ref/dump/lavapipe.h"
 
+#include "ref/dump/serial_leaves.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,34 +12,17 @@
 #define KIND_TRIANGLE 0u
 #define KIND_BOX      1u
 #define KIND_INSTANCE 2u
-#define GEOMETRY      0x0FFFFFFFu /* the rest are flags */
 
-/* Where words of leaves are. */
-#define TRIANGLE_NUMBER   40u
-#define TRIANGLE_GEOMETRY 44u
-#define INSTANCE_CUSTOM   8u
-#define INSTANCE_BACK     16u
-#define INSTANCE_NUMBER   68u
-#define INSTANCE_MATRIX   72u
-
-/* A leaf, to be put in the order of its geometry and number. */
-struct leaf_key {
-    uint32_t geometry, number, slot;
-};
+static const struct serial_places places = {
+    .number = 40, .geometry = 44, .custom = 8, .back = 16, .instance = 68, .transform = 72};
 
 struct lvp_reading {
     const struct lvp_level *level;
     struct tree_dump *out;
     uint32_t boxes, slots, leaf_bytes; /* slots: room for leaves */
     uint32_t used;                     /* leaves up to the last that a box leads to */
-    struct leaf_key *key;              /* of the leaves that can be hit */
-    uint32_t keys;
+    struct serial_leaves leaves;       /* that can be hit */
 };
-
-static float float_at(const char *at)
-{
-    return float_from_bits(serial_word(at));
-}
 
 static const char *box_at(const struct lvp_reading *r, uint32_t box)
 {
@@ -86,21 +71,11 @@ static uint32_t count_boxes(const struct lvp_reading *r, uint32_t boxes)
     return boxes;
 }
 
-static struct box bounds_at(const char *at)
-{
-    struct box box;
-    for (size_t k = 0; k < 3; k++) {
-        box.lo[k] = float_at(at + 4 * k);
-        box.hi[k] = float_at(at + 12 + 4 * k);
-    }
-    return box;
-}
-
 /* A child's box is in the first of its parents; the root's in the head. */
 static enum status read_boxes(struct lvp_reading *r, bool *boxed, struct reason *reason)
 {
     struct tree_dump *out = r->out;
-    out->node[0].box = bounds_at(r->level->at);
+    out->node[0].box = serial_box(r->level->at);
     boxed[0] = true;
     for (uint32_t i = 0; i < r->boxes; i++) {
         out->node[i].first = (uint32_t)out->child_count;
@@ -114,7 +89,7 @@ static enum status read_boxes(struct lvp_reading *r, bool *boxed, struct reason 
             out->child[out->child_count++] = child;
             out->node[i].count++;
             if (!boxed[child])
-                out->node[child].box = bounds_at(box_at(r, i) + 24 * (size_t)k);
+                out->node[child].box = serial_box(box_at(r, i) + 24 * (size_t)k);
             boxed[child] = true;
         }
     }
@@ -137,115 +112,25 @@ static enum status find_used(struct lvp_reading *r, struct reason *reason)
 
 /* --- leaves ----------------------------------------------------------------------------------- */
 
-static int order_of(const void *a, const void *b)
-{
-    const struct leaf_key *x = a, *y = b;
-    if (x->geometry != y->geometry)
-        return x->geometry < y->geometry ? -1 : 1;
-    if (x->number != y->number)
-        return x->number < y->number ? -1 : 1;
-    return x->slot < y->slot ? -1 : x->slot > y->slot;
-}
-
-static bool are_finite(const char *at, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        if (!float_is_finite(float_at(at + 4 * i)))
-            return false;
-    return true;
-}
-
-/* The keys of leaves that can be hit: a triangle with a vertex that is no number cannot. */
-static enum status find_keys(struct lvp_reading *r, struct reason *reason)
+static enum status find_leaves(struct lvp_reading *r, struct reason *reason)
 {
     for (uint32_t slot = 0; slot < r->used; slot++) {
-        const char *at = leaf_at(r, slot);
-        if (r->level->handles && !are_finite(at + INSTANCE_MATRIX, 12))
+        r->out->node[r->boxes + slot].leaf = true;
+        if (!serial_leaf_add(&r->leaves, leaf_at(r, slot), slot, r->boxes + slot))
             return lavapipe_fail(r->level, reason,
                                  "instance %u: a number of its transform is not finite", slot);
-        if (r->level->handles)
-            r->key[r->keys++] = (struct leaf_key){0, serial_word(at + INSTANCE_NUMBER), slot};
-        else if (are_finite(at, 9))
-            r->key[r->keys++] = (struct leaf_key){serial_word(at + TRIANGLE_GEOMETRY) & GEOMETRY,
-                                                  serial_word(at + TRIANGLE_NUMBER), slot};
     }
-    qsort(r->key, r->keys, sizeof *r->key, order_of);
     return STATUS_OK;
-}
-
-static void put_triangle(const struct lvp_reading *r, uint32_t item, const struct leaf_key *key)
-{
-    struct tree_dump *out = r->out;
-    for (size_t i = 0; i < 9; i++)
-        out->scene.vertex[9 * (size_t)item + i] = float_at(leaf_at(r, key->slot) + 4 * i);
-    for (uint32_t i = 0; i < 3; i++)
-        out->scene.index[3 * (size_t)item + i] = 3 * item + i;
-    out->source[item] = (struct dump_source){key->geometry, key->number};
-}
-
-static void put_instance(const struct lvp_reading *r, uint32_t item, const struct leaf_key *key)
-{
-    const char *at = leaf_at(r, key->slot);
-    struct dump_instance *to = &r->out->instance[item];
-    for (size_t i = 0; i < 12; i++) {
-        to->m[i / 4][i % 4] = float_at(at + INSTANCE_MATRIX + 4 * i);
-        to->inverse[i / 4][i % 4] = float_at(at + INSTANCE_BACK + 4 * i);
-    }
-    to->number = key->number;
-    to->custom = serial_word(at + INSTANCE_CUSTOM) & 0xFFFFFF;
-    to->mask = serial_word(at + INSTANCE_CUSTOM) >> 24;
-    to->below = key->slot; /* until its tree is known */
-}
-
-/* Leaves with the same number are one item. */
-static void put_leaves(struct lvp_reading *r)
-{
-    struct tree_dump *out = r->out;
-    uint32_t items = 0;
-    for (uint32_t i = 0; i < r->keys; i++) {
-        const struct leaf_key *key = &r->key[i];
-        const bool again =
-            i > 0 && key[-1].geometry == key->geometry && key[-1].number == key->number;
-        if (!again) {
-            if (r->level->handles)
-                put_instance(r, items, key);
-            else
-                put_triangle(r, items, key);
-            items++;
-        }
-        out->item[i] = items - 1;
-        out->node[r->boxes + key->slot].first = i;
-        out->node[r->boxes + key->slot].count = 1;
-    }
-    for (uint32_t slot = 0; slot < r->used; slot++)
-        out->node[r->boxes + slot].leaf = true;
-    out->item_count = r->keys;
-    out->tri_count = items;
-    out->tri_known = true;
-    if (!r->level->handles) {
-        out->scene.tri_count = items;
-        out->scene.vertex_count = 3 * items;
-    }
 }
 
 static enum status make_room(struct lvp_reading *r, struct reason *reason)
 {
     struct tree_dump *out = r->out;
     const size_t nodes = (size_t)r->boxes + r->used;
-    const bool top = r->level->handles > 0;
-    enum status status = STATUS_OK;
+    const enum status status = serial_leaves_make(r->used, &r->leaves, out);
     out->node = alloc_zeroed(nodes, sizeof *out->node);
     out->child = alloc_zeroed(2 * (size_t)r->boxes, sizeof *out->child);
-    out->item = alloc_zeroed(r->used, sizeof *out->item);
-    r->key = alloc_zeroed(r->used, sizeof *r->key);
-    if (top)
-        out->instance = alloc_zeroed(r->used, sizeof *out->instance);
-    else
-        out->source = alloc_zeroed(r->used, sizeof *out->source);
-    if (!top)
-        status = scene_make(3 * r->used, r->used, &out->scene);
-    if (status || !out->node || !out->child || !out->item || !r->key ||
-        (top ? !out->instance : !out->source))
+    if (status || !out->node || !out->child)
         return fail(reason, STATUS_MEMORY, "%s: no memory for %zu nodes", r->level->name, nodes);
     out->node_count = nodes;
     out->bytes = LVP_BOX * (uint64_t)r->boxes + r->leaf_bytes * (uint64_t)r->used;
@@ -255,8 +140,10 @@ static enum status make_room(struct lvp_reading *r, struct reason *reason)
 enum status lavapipe_read_level(const struct lvp_level *level, struct tree_dump *out,
                                 struct reason *reason)
 {
-    struct lvp_reading r = {
-        .level = level, .out = out, .leaf_bytes = level->handles ? LVP_INSTANCE : LVP_TRIANGLE};
+    struct lvp_reading r = {.level = level,
+                            .out = out,
+                            .leaf_bytes = level->handles ? LVP_INSTANCE : LVP_TRIANGLE,
+                            .leaves = {.places = &places, .top = level->handles > 0}};
     r.boxes = count_boxes(&r, (level->leaf_at - LVP_HEAD) / LVP_BOX);
     r.slots = (uint32_t)((level->size - level->leaf_at) / r.leaf_bytes);
     enum status status = find_used(&r, reason);
@@ -269,10 +156,10 @@ enum status lavapipe_read_level(const struct lvp_level *level, struct tree_dump 
     if (!status)
         status = read_boxes(&r, boxed, reason);
     if (!status)
-        status = find_keys(&r, reason);
+        status = find_leaves(&r, reason);
     if (!status)
-        put_leaves(&r);
+        serial_leaves_put(&r.leaves, out);
     free(boxed);
-    free(r.key);
+    free(r.leaves.leaf);
     return status;
 }

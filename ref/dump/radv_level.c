@@ -3,6 +3,7 @@
 #include "ref/dump/radv.h"
 
 #include "ref/base/half.h"
+#include "ref/dump/serial_leaves.h"
 
 #include <stdlib.h>
 
@@ -14,33 +15,22 @@
 #define KIND_INSTANCE 6u
 #define KIND_SHADER   7u
 #define WIDTH         4u
-#define GEOMETRY      0x0FFFFFFFu /* the rest are flags */
 
-/* Where words of leaves are. */
-#define TRIANGLE_NUMBER   48u
-#define TRIANGLE_GEOMETRY 52u
-#define INSTANCE_CUSTOM   8u
-#define INSTANCE_BACK     16u
-#define INSTANCE_NUMBER   64u
-#define INSTANCE_MATRIX   80u
+static const struct serial_places places = {
+    .number = 48, .geometry = 52, .custom = 8, .back = 16, .instance = 64, .transform = 80};
 
 /* What 64 bytes are: not known, 1 + the kind of the node that begins there, or one goes on. */
 #define FREE   0u
 #define MIDDLE 0xFFu
 
-/* A leaf, to be put in the order of its geometry and number. */
-struct radv_leaf {
-    uint32_t geometry, number, slot, node;
-};
-
 struct radv_reading {
     const struct radv_level *level;
     struct tree_dump *out;
-    unsigned char *is;      /* by slot */
-    uint32_t *queue;        /* slots of nodes, in the order in which they were met */
-    uint32_t *number;       /* of the node that begins in a slot */
-    uint32_t nodes, leaves; /* leaves that can be hit */
-    struct radv_leaf *leaf;
+    unsigned char *is; /* by slot */
+    uint32_t *queue;   /* slots of nodes, in the order in which they were met */
+    uint32_t *number;  /* of the node that begins in a slot */
+    uint32_t nodes;
+    struct serial_leaves leaves; /* that can be hit */
 };
 
 static const char *slot_at(const struct radv_reading *r, uint32_t slot)
@@ -107,16 +97,6 @@ static enum status find_nodes(struct radv_reading *r, struct reason *reason)
 
 /* --- nodes ------------------------------------------------------------------------------------ */
 
-static struct box box_of_floats(const char *at)
-{
-    struct box box;
-    for (size_t k = 0; k < 3; k++) {
-        box.lo[k] = serial_float(at + 4 * k);
-        box.hi[k] = serial_float(at + 12 + 4 * k);
-    }
-    return box;
-}
-
 static float half_at(const char *at)
 {
     const uint32_t low = (unsigned char)at[0], high = (unsigned char)at[1];
@@ -148,7 +128,7 @@ static void read_box(struct radv_reading *r, uint32_t slot, bool *boxed)
         out->child[out->child_count++] = child;
         node->count++;
         if (!boxed[child])
-            out->node[child].box = r->is[slot] == 1 + KIND_BOX32 ? box_of_floats(at + 16 + 24 * k)
+            out->node[child].box = r->is[slot] == 1 + KIND_BOX32 ? serial_box(at + 16 + 24 * k)
                                                                  : box_of_halves(at + 16 + 12 * k);
         boxed[child] = true;
     }
@@ -156,7 +136,7 @@ static void read_box(struct radv_reading *r, uint32_t slot, bool *boxed)
 
 static void read_boxes(struct radv_reading *r, bool *boxed)
 {
-    r->out->node[0].box = box_of_floats(r->level->at + 8);
+    r->out->node[0].box = serial_box(r->level->at + 8);
     boxed[0] = true;
     for (uint32_t slot = 0; slot < r->level->slots; slot++) {
         if (is_box(r->is[slot]))
@@ -168,95 +148,21 @@ static void read_boxes(struct radv_reading *r, bool *boxed)
 
 /* --- leaves ----------------------------------------------------------------------------------- */
 
-static bool are_finite(const char *at, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        if (!float_is_finite(serial_float(at + 4 * i)))
-            return false;
-    return true;
-}
-
-static int order_of(const void *a, const void *b)
-{
-    const struct radv_leaf *x = a, *y = b;
-    if (x->geometry != y->geometry)
-        return x->geometry < y->geometry ? -1 : 1;
-    if (x->number != y->number)
-        return x->number < y->number ? -1 : 1;
-    return x->slot < y->slot ? -1 : x->slot > y->slot;
-}
-
-/* The leaves that can be hit: a triangle with a vertex that is no number cannot. */
 static enum status find_leaves(struct radv_reading *r, struct reason *reason)
 {
     for (uint32_t slot = 0; slot < r->level->slots; slot++) {
-        const char *at = slot_at(r, slot);
         const uint32_t node = r->number[slot];
         const bool instance = r->is[slot] == 1 + KIND_INSTANCE;
         if (!instance && r->is[slot] != 1 + KIND_TRIANGLE)
             continue;
         r->out->node[node].leaf = true;
-        if (instance && !are_finite(at + INSTANCE_MATRIX, 12))
+        /* Instances have two slots each, behind the root's two. */
+        if (!serial_leaf_add(&r->leaves, slot_at(r, slot), instance ? slot / 2 - 1 : slot, node))
             return serial_fail(r->level->name, r->level->begin, reason,
                                "instance at offset %llu: a number of its transform is not finite",
                                (unsigned long long)slot * RADV_SLOT);
-        if (instance)
-            r->leaf[r->leaves++] =
-                (struct radv_leaf){0, serial_word(at + INSTANCE_NUMBER), slot, node};
-        else if (are_finite(at, 9))
-            r->leaf[r->leaves++] =
-                (struct radv_leaf){serial_word(at + TRIANGLE_GEOMETRY) & GEOMETRY,
-                                   serial_word(at + TRIANGLE_NUMBER), slot, node};
     }
-    qsort(r->leaf, r->leaves, sizeof *r->leaf, order_of);
     return STATUS_OK;
-}
-
-static void put_triangle(const struct radv_reading *r, uint32_t item, const struct radv_leaf *leaf)
-{
-    struct tree_dump *out = r->out;
-    for (size_t i = 0; i < 9; i++)
-        out->scene.vertex[9 * (size_t)item + i] = serial_float(slot_at(r, leaf->slot) + 4 * i);
-    for (uint32_t i = 0; i < 3; i++)
-        out->scene.index[3 * (size_t)item + i] = 3 * item + i;
-    out->source[item] = (struct dump_source){leaf->geometry, leaf->number};
-    out->scene.tri_count = item + 1;
-    out->scene.vertex_count = 3 * (item + 1);
-}
-
-static void put_instance(const struct radv_reading *r, uint32_t item, const struct radv_leaf *leaf)
-{
-    const char *at = slot_at(r, leaf->slot);
-    struct dump_instance *to = &r->out->instance[item];
-    for (size_t i = 0; i < 12; i++) {
-        to->m[i / 4][i % 4] = serial_float(at + INSTANCE_MATRIX + 4 * i);
-        to->inverse[i / 4][i % 4] = serial_float(at + INSTANCE_BACK + 4 * i);
-    }
-    to->number = leaf->number;
-    to->custom = serial_word(at + INSTANCE_CUSTOM) & 0xFFFFFF;
-    to->mask = serial_word(at + INSTANCE_CUSTOM) >> 24;
-    to->below = leaf->slot / 2 - 1; /* until its tree is known */
-}
-
-/* Leaves with the same number are one item. */
-static void put_leaves(struct radv_reading *r)
-{
-    struct tree_dump *out = r->out;
-    for (uint32_t i = 0; i < r->leaves; i++) {
-        const struct radv_leaf *leaf = &r->leaf[i];
-        const bool again =
-            i > 0 && leaf[-1].geometry == leaf->geometry && leaf[-1].number == leaf->number;
-        if (!again && r->level->handles)
-            put_instance(r, out->tri_count, leaf);
-        else if (!again)
-            put_triangle(r, out->tri_count, leaf);
-        out->tri_count += !again;
-        out->item[i] = out->tri_count - 1;
-        out->node[leaf->node].first = i;
-        out->node[leaf->node].count = 1;
-    }
-    out->item_count = r->leaves;
-    out->tri_known = true;
 }
 
 /* --- all -------------------------------------------------------------------------------------- */
@@ -271,27 +177,16 @@ static enum status no_memory(const struct radv_reading *r, struct reason *reason
 static enum status make_room(struct radv_reading *r, struct reason *reason)
 {
     struct tree_dump *out = r->out;
-    const bool top = r->level->handles > 0;
     uint32_t boxes = 0, count = 0;
     for (uint32_t slot = 0; slot < r->level->slots; slot++) {
         boxes += is_box(r->is[slot]);
         if (r->is[slot] != FREE && r->is[slot] != MIDDLE)
             r->number[slot] = count++;
     }
-    const uint32_t leaves = count - boxes;
     out->node = alloc_zeroed(count, sizeof *out->node);
     out->child = alloc_zeroed(WIDTH * (size_t)boxes, sizeof *out->child);
-    out->item = alloc_zeroed(leaves, sizeof *out->item);
-    r->leaf = alloc_zeroed(leaves, sizeof *r->leaf);
-    if (top)
-        out->instance = alloc_zeroed(leaves, sizeof *out->instance);
-    else
-        out->source = alloc_zeroed(leaves, sizeof *out->source);
-    if (!out->node || !out->child || !out->item || !r->leaf ||
-        (top ? !out->instance : !out->source) ||
-        (!top && scene_make(3 * leaves, leaves, &out->scene)))
+    if (serial_leaves_make(count - boxes, &r->leaves, out) || !out->node || !out->child)
         return no_memory(r, reason);
-    out->scene.tri_count = out->scene.vertex_count = 0;
     out->node_count = count;
     return STATUS_OK;
 }
@@ -299,7 +194,8 @@ static enum status make_room(struct radv_reading *r, struct reason *reason)
 enum status radv_read_level(const struct radv_level *level, struct tree_dump *out,
                             struct reason *reason)
 {
-    struct radv_reading r = {.level = level, .out = out};
+    struct radv_reading r = {
+        .level = level, .out = out, .leaves = {.places = &places, .top = level->handles > 0}};
     bool *boxed = alloc_zeroed(level->slots, sizeof *boxed);
     r.is = alloc_zeroed(level->slots, 1);
     r.queue = alloc_zeroed(level->slots, sizeof *r.queue);
@@ -316,11 +212,11 @@ enum status radv_read_level(const struct radv_level *level, struct tree_dump *ou
         status = find_leaves(&r, reason);
     }
     if (!status)
-        put_leaves(&r);
+        serial_leaves_put(&r.leaves, out);
     free(boxed);
     free(r.is);
     free(r.queue);
     free(r.number);
-    free(r.leaf);
+    free(r.leaves.leaf);
     return status;
 }
