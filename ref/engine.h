@@ -167,6 +167,8 @@ static inline uint32_t engine_compiled_loose(const struct engine_compiled *compi
 struct engine {
     const char *name;
     const char *summary;
+    void *named;          /* of an engine that was named while the program runs: what it is, for the
+                          functions that are told their engine */
     bool reference;       /* the C engine that all others are compared with, on a tree or without
                              one */
     bool library;         /* a tracer of another project, linked in */
@@ -190,7 +192,8 @@ struct engine {
     bool recorded;   /* its results are a recording: it cannot trace other rays */
     /* Errors: STATUS_UNSUPPORTED cannot run here (with the reason); STATUS_DEVICE;
      * STATUS_MEMORY. */
-    enum status (*open)(const struct engine_options *options, void **self, struct reason *reason);
+    enum status (*open)(const struct engine *engine, const struct engine_options *options,
+                        void **self, struct reason *reason);
     /* Uploads, builds, compiles. May be called again with another job. Errors: STATUS_LIMIT too
      * large for the engine, STATUS_UNSUPPORTED, _DEVICE, _MEMORY. */
     enum status (*prepare)(void *self, const struct job *job, struct reason *reason);
@@ -236,7 +239,7 @@ struct engine {
      * opened again. */
     enum engine_fault (*fault)(void *self, size_t *ray);
     /* Returns what the judge may assume about the arithmetic of an opened engine with `tri`. */
-    struct model (*model)(void *self, const struct tri_test *tri);
+    struct model (*model)(const struct engine *engine, void *self, const struct tri_test *tri);
     /* Returns how `trace` calls an opened tracer of another project, for tables of speeds, in 36
      * characters at most. NULL: see engine_called. */
     const char *(*called)(const void *self);
@@ -245,8 +248,27 @@ struct engine {
      * "rayquery:nan"); NULL if no variant is called so. NULL: the engine has no variants. */
     const char *(*plain_of)(const char *name);
     /* Writes the text of `raydiff doctor`: versions, limits, or why it cannot run. */
-    void (*describe)(const struct engine_options *options, char *text, size_t text_bytes);
+    void (*describe)(const struct engine *engine, const struct engine_options *options, char *text,
+                     size_t text_bytes);
 };
+
+/* engine.open, model and describe: those that are told which engine they are of, since engines that
+ * were named while the program runs share them. */
+static inline enum status engine_open(const struct engine *engine,
+                                      const struct engine_options *options, void **self,
+                                      struct reason *reason)
+{
+    return engine->open(engine, options, self, reason);
+}
+
+struct model engine_model(const struct engine *engine, void *self, const struct tri_test *tri);
+
+static inline void engine_describe(const struct engine *engine,
+                                   const struct engine_options *options, char *text,
+                                   size_t text_bytes)
+{
+    engine->describe(engine, options, text, text_bytes);
+}
 
 /* Whether an opened engine updates what it holds when vertices have moved. */
 static inline bool engine_moves(const struct engine *engine, const void *self)
@@ -301,9 +323,11 @@ extern const struct engine *const *const engines;
     (3 * ENGINES_OUTSIDE_MOST + 1 + ENGINES_COMPILED_MOST + ENGINES_EMBREE_MOST +                  \
      ENGINES_RAYQUERY_MOST)
 
-/* Adds an engine at the end of the table; it is borrowed until the program ends. Call it only while
- * no other thread reads the table. Errors: STATUS_LIMIT more than ENGINES_ADDED_MOST. */
-enum status engine_add(const struct engine *engine, struct reason *reason) MUST_USE;
+/* Adds a copy of an engine at the end of the table, and puts it into *out; its name and what else
+ * it points to are borrowed until the program ends. Call it only while no other thread reads the
+ * table. Errors, on which *out is unchanged: STATUS_LIMIT more than ENGINES_ADDED_MOST. */
+enum status engine_add(const struct engine *engine, const struct engine **out,
+                       struct reason *reason) MUST_USE;
 
 /* Returns the engine of that name, or NULL. */
 const struct engine *engine_find(const char *name);

@@ -196,7 +196,7 @@ void error_driver(const struct engine_options *options, char *text, size_t text_
     snprintf(text, text_bytes, "%s", "");
     if (!vulkan)
         return;
-    vulkan->describe(options, line, sizeof line);
+    engine_describe(vulkan, options, line, sizeof line);
     line[strcspn(line, "\n")] = '\0';
     /* The line is "0: DEVICE (DRIVER)": DRIVER is the last pair of parentheses. Parentheses inside
      * it depend on the machine, so the text ends there. */

@@ -47,7 +47,7 @@ enum status known_judge(const struct oracle *oracle, const struct known_rays *kn
                         const struct contestant *c, enum query query, const struct hit *hit,
                         struct known_verdicts *sum, struct reason *reason)
 {
-    struct model model = c->engine->model(c->self, c->tri);
+    struct model model = engine_model(c->engine, c->self, c->tri);
     struct judge *judge;
     size_t wrong = 0, allowed = 0, failed = 0;
     double over = 0, displacement = 0;

@@ -146,8 +146,8 @@ static void take_speeds(struct matrix *m, int kind, struct matrix_row **row)
             continue;
         row[i]->mrays[kind] = spread_of(c->mrays, rounds);
         row[i]->ratio[kind] = spread_of(c->ratio, rounds);
-        row[i]->warm[kind] = m->race.warm ? spread_of(c->warm_ratio, rounds)
-                                          : (struct spread){NAN, NAN, NAN};
+        row[i]->warm[kind] =
+            m->race.warm ? spread_of(c->warm_ratio, rounds) : (struct spread){NAN, NAN, NAN};
         row[i]->rays = c->few ? m->race.few_count : m->count;
         if (kind >= MATRIX_MEAN)
             continue;
@@ -315,7 +315,7 @@ static void drop_absent(struct bench *bench)
         struct reason reason = {"no memory"};
         void *self = NULL;
         enum status status =
-            engine->brute ? STATUS_OK : engine->open(&bench->engines, &self, &reason);
+            engine->brute ? STATUS_OK : engine_open(engine, &bench->engines, &self, &reason);
         if (self)
             engine->close(self);
         bench_failed(bench, NULL, status, &reason);

@@ -59,7 +59,7 @@ enum status race_add(struct race *race, const struct contestant *who,
         status = packed_make_stored(c->layout, c->store ? c->store : tri_stores[0], c->bvh,
                                     race->scene, &c->packed, reason);
     if (status == STATUS_OK)
-        status = c->engine->open(options, &c->self, reason);
+        status = engine_open(c->engine, options, &c->self, reason);
     if (status == STATUS_OK) {
         status = prepare(race, c, QUERY_CLOSEST, reason);
         if (status)

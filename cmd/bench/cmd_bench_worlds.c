@@ -185,7 +185,7 @@ static enum status judge_chosen(struct world_race *a, size_t i, enum query query
                                 struct reason *reason)
 {
     const struct contestant *who = &a->race.contestant[i];
-    const struct model model = who->engine->model(who->self, who->tri);
+    const struct model model = engine_model(who->engine, who->self, who->tri);
     struct judge *judge;
     enum status status = judge_make(a->oracle, &model, query, &judge, reason);
     *wrong = 0;

@@ -88,7 +88,7 @@ static struct model model_of(const struct player *p, bool promised)
 {
     const struct match *match = &p->stage->match;
     const struct engine *engine = p->stage->options->engine;
-    struct model model = engine->model(p->self, match->options.tri);
+    struct model model = engine_model(engine, p->self, match->options.tri);
     model.bits = promised && model.bits;
     model.watertight = promised && model.watertight && match_keeps_watertight(match, engine);
     return model;
@@ -124,7 +124,7 @@ static enum status play(struct player *p, bool promised, struct bisect_answers *
     enum status status = STATUS_OK;
     options.compiler = &p->hook;
     if (!p->self)
-        status = engine->open(&options, &p->self, reason);
+        status = engine_open(engine, &options, &p->self, reason);
     if (!status)
         status = match_prepare(&stage->match, engine, p->self, reason);
     if (!status)

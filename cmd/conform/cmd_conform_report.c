@@ -12,7 +12,7 @@ void conform_versions(const struct engine_options *options, char *text, size_t t
     text[0] = '\0';
     for (size_t e = 0; engines[e]; e++) {
         char one[1024] = "";
-        engines[e]->describe(options, one, sizeof one);
+        engine_describe(engines[e], options, one, sizeof one);
         text_append(text, text_bytes, "%s: %s%s", engines[e]->name, one,
                     one[0] && one[strlen(one) - 1] == '\n' ? "" : "\n");
     }

@@ -33,8 +33,8 @@ static void ask_engine(const struct engine *engine, const struct engine_options 
 {
     void *self = NULL;
     out->engine = engine;
-    out->status = engine->open(options, &self, &out->reason);
-    engine->describe(options, out->text, sizeof out->text);
+    out->status = engine_open(engine, options, &self, &out->reason);
+    engine_describe(engine, options, out->text, sizeof out->text);
     if (!out->status)
         engine->close(self);
 }

@@ -303,7 +303,7 @@ enum status explain_list(const struct explain_lists *l, char conclusion[EXPLAIN_
 {
     const struct explain_options *o = l->options;
     const struct screen screen = screen_make(&o->screen);
-    const struct model model = o->of.engine->model(l->self, l->job->tri);
+    const struct model model = engine_model(o->of.engine, l->self, l->job->tri);
     const bool this_one = o->ray_text || o->has_index;
     struct shown_list one = {0};
     struct judge *judge = NULL;

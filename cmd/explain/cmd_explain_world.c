@@ -99,7 +99,7 @@ static enum status judge_and_explain(struct explain_world *e, struct pool *pool,
     enum status status = oracle_make_world(e->world, &oracle, reason);
     void *self = status ? NULL : pool_get(pool, of->engine, &status, reason);
     if (!status) {
-        const struct model model = of->engine->model(self, of->tri);
+        const struct model model = engine_model(of->engine, self, of->tri);
         status = judge_make(oracle, &model, of->query, &judge, reason);
     }
     if (!status)

@@ -182,7 +182,7 @@ static enum status check_engines(const struct fuzz_command *c, struct reason *re
                         engine->name);
         if (!engine->worlds->traces)
             continue;
-        enum status status = engine->open(&c->engines, &self, reason);
+        enum status status = engine_open(engine, &c->engines, &self, reason);
         const bool traces = !status && engine_traces_worlds(engine, self);
         engine->close(self);
         if (status || !traces)

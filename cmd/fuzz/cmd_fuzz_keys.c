@@ -129,7 +129,7 @@ static void probe(struct child *parent, void *user)
         const struct engine *engine = engines[what->list.index[i]];
         struct reason reason = {""};
         void *self = NULL;
-        out.runs[i] = engine->open(&what->options, &self, &reason) == STATUS_OK;
+        out.runs[i] = engine_open(engine, &what->options, &self, &reason) == STATUS_OK;
         if (out.runs[i])
             engine->close(self);
         snprintf(out.why[i], sizeof out.why[i], "%.99s", reason.text);

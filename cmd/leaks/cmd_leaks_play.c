@@ -71,7 +71,7 @@ static void count_row(struct play *play, struct leak_row *row)
     if (!self)
         return;
     bool is_cpu = engine == engine_reference(true);
-    struct model model = engine->model(self, row->tri);
+    struct model model = engine_model(engine, self, row->tri);
     row->promises = model.watertight && job_keeps_watertight(&job) &&
                     !(engine->needs_packed &&
                       (row->layout->faithful || row->builder->faithful || row->box->faithful));
@@ -128,7 +128,8 @@ static const struct tri_test *own_test_of(struct play *play, const struct leak_r
 {
     enum status status;
     void *self = pool_get(play->pool, row->engine, &status, NULL);
-    const char *name = self ? row_formula_name(row->engine->model(self, row->tri).formula) : NULL;
+    const char *name =
+        self ? row_formula_name(engine_model(row->engine, self, row->tri).formula) : NULL;
     return name ? tri_test_find(name) : NULL;
 }
 

@@ -113,7 +113,7 @@ static void count_row(struct leak_world_play *play, struct leak_row *row)
         trace(play, engine, self, row, play->hit, play->tag, &row->leaks.ns, &row->reason);
     if (row->status)
         return;
-    const struct model model = engine->model(self, row->tri);
+    const struct model model = engine_model(engine, self, row->tri);
     const bool own = twin_is_own(model.formula);
     row->promises = !play->result->seams && own && model.watertight && keeps_watertight(play, row);
     count_misses(play, &row->leaks);

@@ -81,7 +81,7 @@ static enum status witness_prepare(const struct showing *showing, const struct r
                               &witness->numbers, reason);
     if (status || showing->show->from != SHOW_FROM_JUDGE)
         return status;
-    struct model model = showing->engine->model(witness->self, job->tri);
+    struct model model = engine_model(showing->engine, witness->self, job->tri);
     if (showing->engine->needs_packed && !job_keeps_watertight(job))
         model.watertight = false;
     witness->unknown = model.formula == TWIN_UNKNOWN;
@@ -175,7 +175,7 @@ static enum status show_layers(struct showing *showing, struct render_stage *sta
     struct progress progress = progress_make("render");
     struct witness witness = {0};
     enum status status =
-        showing->engine->open(&showing->settings->engine_options, &witness.self, reason);
+        engine_open(showing->engine, &showing->settings->engine_options, &witness.self, reason);
     if (status)
         witness.self = NULL;
     for (size_t i = 0; i < showing->layer_count && !status; i++) {

@@ -150,7 +150,7 @@ static enum status ask_driver(const struct tree_command *command, const struct w
     if (!status && strcmp(command->from, engine->name) != 0)
         status = rayquery_named(command->from, &engine, reason);
     if (!status)
-        status = engine->open(&command->engines, &self, reason);
+        status = engine_open(engine, &command->engines, &self, reason);
     const struct world_job job = {
         .world = world, .box = box_tests[0], .tri = tri_tests[0], .query = QUERY_CLOSEST};
     if (!status)

@@ -36,7 +36,7 @@ static struct hit *answers_of(const struct job *job, const struct ray *ray, size
     struct trace_report report;
     struct reason reason;
     void *self = NULL;
-    enum status status = hit ? engine->open(&options, &self, &reason) : STATUS_MEMORY;
+    enum status status = hit ? engine_open(engine, &options, &self, &reason) : STATUS_MEMORY;
     if (!status)
         status = engine->prepare(self, job, &reason);
     if (!status)
@@ -94,7 +94,7 @@ static enum status find_right(const struct explain_page *page, struct web_data *
                               struct reason *reason)
 {
     const struct fuzz_trial trial = {.scene = *page->scene, .query = page->of->query};
-    struct model model = engine_find("webgpu")->model(NULL, page->of->tri);
+    struct model model = engine_model(engine_find("webgpu"), NULL, page->of->tri);
     if (model.formula == TWIN_MT_RTRS)
         model.formula = TWIN_MT;
     return export_rights_make(&trial, &model, out->ray, (uint32_t)out->count, &out->right,

@@ -279,14 +279,15 @@ static enum status ask_here(struct export_case *the)
     if (the->subject == SUBJECT_TRACER || dies(the))
         (void)fail(&why, status, "it was not run here");
     else
-        status = the->engine->open(&the->options->engines, &self, &why);
+        status = engine_open(the->engine, &the->options->engines, &self, &why);
     the->measured = status == STATUS_OK;
     if (the->subject == SUBJECT_TRACER)
         the->model = (struct model){.formula = TWIN_UNKNOWN, .rounding = ROUNDING_VULKAN};
     else if (!the->measured && (the->subject == SUBJECT_VULKAN || the->subject == SUBJECT_BRUTE))
         the->model = specified(the->trial->tri);
     else
-        the->model = the->engine->model(self, the->trial->tri); /* needs no engine of the others */
+        the->model =
+            engine_model(the->engine, self, the->trial->tri); /* needs no engine of the others */
     adjust(the);
     if (!status) {
         the->here = alloc_zeroed(the->ray_count, sizeof *the->here);

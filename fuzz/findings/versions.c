@@ -8,7 +8,7 @@ static void first_line(const struct engine *engine, const struct engine_options 
                        char line[160])
 {
     char what[2048] = "";
-    engine->describe(options, what, sizeof what);
+    engine_describe(engine, options, what, sizeof what);
     const char *from = what + strspn(what, " \t\n");
     snprintf(line, 160, "%.*s", (int)strcspn(from, "\n"), from);
     char *threads = strrchr(line, ','); /* how many there are is no version */

@@ -90,7 +90,7 @@ static enum status add_seat(struct fuzz_player *player, const struct engine *eng
         if (player->seat[i].engine == engine)
             seat->self = player->seat[i].self;
     if (!seat->self) {
-        enum status status = engine->open(&player->options, &seat->self, reason);
+        enum status status = engine_open(engine, &player->options, &seat->self, reason);
         if (status)
             return status;
     }
@@ -106,7 +106,7 @@ static enum status add_references(struct fuzz_player *player, struct reason *rea
     const struct engine *cpu = engine_reference(true);
     for (size_t i = 0; i < player->contestants; i++) {
         struct seat *seat = &player->seat[i];
-        if (!seat->layout || !seat->engine->model(seat->self, tri_tests[0]).bits)
+        if (!seat->layout || !engine_model(seat->engine, seat->self, tri_tests[0]).bits)
             continue;
         size_t k = 0;
         while (k < player->seat_count &&
@@ -190,7 +190,7 @@ void fuzz_player_cast(struct fuzz_player *player, size_t contestant, const struc
         return;
     seat->layout = cpu->layout = layout;
     seat->layout_index = cpu->layout_index = 0;
-    if (seat->engine != cpu->engine && seat->engine->model(seat->self, tri_tests[0]).bits)
+    if (seat->engine != cpu->engine && engine_model(seat->engine, seat->self, tri_tests[0]).bits)
         seat->reference = player->contestants;
 }
 

@@ -10,7 +10,7 @@
 
 struct model seat_model(const struct seat *seat, const struct fuzz_trial *trial, bool split)
 {
-    struct model model = seat->engine->model(seat->self, trial->tri);
+    struct model model = engine_model(seat->engine, seat->self, trial->tri);
     if (model.formula == TWIN_MT_RTRS)
         model.formula = TWIN_MT; /* its threshold is one of the faults to be found */
     if (seat->layout && (split || !trial->box->watertight))
@@ -42,7 +42,7 @@ static enum status revive(struct fuzz_player *player, size_t seat, struct reason
     const struct engine *engine = player->seat[seat].engine;
     void *self = NULL;
     engine->close(player->seat[seat].self);
-    enum status status = engine->open(&player->options, &self, reason);
+    enum status status = engine_open(engine, &player->options, &self, reason);
     for (size_t i = 0; i < player->seat_count; i++)
         if (player->seat[i].engine == engine)
             player->seat[i].self = status ? NULL : self;

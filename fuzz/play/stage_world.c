@@ -251,7 +251,7 @@ enum status stage_world_explain(const struct play_stage *stage, const struct sea
     bool same = (status == STATUS_OK) == finished;
     if (finished && same)
         same = memcmp(&hit, &finding->answer, sizeof hit) == 0 && tag == finding->tag;
-    const struct model model = seat->engine->model(seat->self, stage->trial->tri);
+    const struct model model = engine_model(seat->engine, seat->self, stage->trial->tri);
     finding->signature.cause = !same                        ? CAUSE_NOT_REPEATABLE
                                : twin_is_own(model.formula) ? CAUSE_UNEXPLAINED
                                                             : CAUSE_WORLD;

@@ -16,10 +16,6 @@ struct compiled_place {
     struct engine_compiled facts;
 };
 
-static struct compiled_place places[ENGINES_COMPILED_MOST];
-static struct engine engine_of[ENGINES_COMPILED_MOST];
-static size_t place_count;
-
 /* Called before a pipeline is made or found. */
 static enum status compile(void *user, struct vk_shader *shader, struct reason *reason)
 {
@@ -59,11 +55,12 @@ static bool repeats(const struct engine *raw, const struct model *model)
     return raw->own_tri || (raw->brute && model->rounding.div <= 1.0);
 }
 
-static struct model model_place(size_t i, void *self, const struct tri_test *tri)
+static struct model compiled_model(const struct engine *engine, void *self,
+                                   const struct tri_test *tri)
 {
-    struct compiled_place *place = &places[i];
+    struct compiled_place *place = engine->named;
     const struct engine *raw = place->facts.raw;
-    struct model model = raw->model(self, tri);
+    struct model model = engine_model(raw, self, tri);
     const bool keeps = promised(place);
     place->facts.equal = keeps && (model.bits || repeats(raw, &model));
     model.bits = keeps && model.bits;
@@ -71,39 +68,14 @@ static struct model model_place(size_t i, void *self, const struct tri_test *tri
     return model;
 }
 
-static enum status open_place(size_t i, const struct engine_options *options, void **self,
-                              struct reason *reason)
+static enum status compiled_open(const struct engine *engine, const struct engine_options *options,
+                                 void **self, struct reason *reason)
 {
+    struct compiled_place *place = engine->named;
     struct engine_options own = *options;
-    own.compiler = &places[i].hook;
-    return places[i].facts.raw->open(&own, self, reason);
+    own.compiler = &place->hook;
+    return engine_open(place->facts.raw, &own, self, reason);
 }
-
-/* One set of functions for each place. */
-#define COMPILED_PLACES(each)                                                                      \
-    each(0) each(1) each(2) each(3) each(4) each(5) each(6) each(7) each(8) each(9) each(10)       \
-        each(11) each(12) each(13) each(14) each(15) each(16) each(17) each(18) each(19) each(20)  \
-            each(21) each(22) each(23) each(24) each(25) each(26) each(27) each(28) each(29)       \
-                each(30) each(31)
-_Static_assert(ENGINES_COMPILED_MOST == 32, "a place for each");
-
-#define COMPILED_PLACE(n)                                                                          \
-    static enum status open_##n(const struct engine_options *options, void **self,                 \
-                                struct reason *reason)                                             \
-    {                                                                                              \
-        return open_place(n, options, self, reason);                                               \
-    }                                                                                              \
-    static struct model model_##n(void *self, const struct tri_test *tri)                          \
-    {                                                                                              \
-        return model_place(n, self, tri);                                                          \
-    }
-COMPILED_PLACES(COMPILED_PLACE)
-
-#define COMPILED_FUNCTIONS(n) {open_##n, model_##n},
-static const struct {
-    enum status (*open)(const struct engine_options *options, void **self, struct reason *reason);
-    struct model (*model)(void *self, const struct tri_test *tri);
-} functions[] = {COMPILED_PLACES(COMPILED_FUNCTIONS)};
 
 bool compiled_takes(const struct engine *engine)
 {
@@ -127,11 +99,12 @@ const struct engine *compiled_base(const char *name)
 static enum status add(const struct engine *raw, const struct compiler *compiler, const char *name,
                        const struct engine **out, struct reason *reason)
 {
+    static struct compiled_place places[ENGINES_COMPILED_MOST];
+    static size_t place_count;
     if (place_count == ARRAY_COUNT(places))
         return fail(reason, STATUS_LIMIT, "%.80s: more than %d engines with compiled shaders", name,
                     ENGINES_COMPILED_MOST);
     struct compiled_place *place = &places[place_count];
-    struct engine *engine = &engine_of[place_count];
     snprintf(place->name, sizeof place->name, "%s", name);
     place->compiler = *compiler;
     compiler_name(compiler, place->compiler_text);
@@ -140,19 +113,17 @@ static enum status add(const struct engine *raw, const struct compiler *compiler
                                             .raw = raw,
                                             .translates = compiler_translates(compiler),
                                             .free = compiler->decorate == DECORATE_NONE};
-    *engine = *raw;
-    engine->name = place->name;
-    engine->summary = "its shaders as a compiler makes them";
-    engine->open = functions[place_count].open;
-    engine->model = functions[place_count].model;
-    engine->compiled = &place->facts;
-    engine->compiles = true;
-    enum status status = engine_add(engine, reason);
-    if (status)
-        return status;
-    place_count++;
-    *out = engine;
-    return STATUS_OK;
+    struct engine engine = *raw;
+    engine.name = place->name;
+    engine.summary = "its shaders as a compiler makes them";
+    engine.named = place;
+    engine.open = compiled_open;
+    engine.model = compiled_model;
+    engine.compiled = &place->facts;
+    engine.compiles = true;
+    enum status status = engine_add(&engine, out, reason);
+    place_count += !status;
+    return status;
 }
 
 enum status compiled_make(const struct engine *raw, const struct compiler *compiler,
@@ -189,9 +160,8 @@ enum status compiled_engine(const char *name, const struct engine **out, struct 
 static struct compiler compiler_of(const struct engine *engine, enum memory *memory)
 {
     struct compiler compiler = {.decorate = DECORATE_SOURCE};
-    for (size_t i = 0; i < place_count; i++)
-        if (&engine_of[i] == engine)
-            compiler = places[i].compiler;
+    if (engine->compiled)
+        compiler = ((const struct compiled_place *)engine->named)->compiler;
     *memory = compiler.memory;
     compiler.memory = MEMORY_STORAGE;
     return compiler;

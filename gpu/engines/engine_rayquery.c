@@ -126,8 +126,10 @@ enum status rayquery_open(const struct engine_options *options, const struct acc
     return status;
 }
 
-static enum status open(const struct engine_options *options, void **self, struct reason *reason)
+static enum status open(const struct engine *engine, const struct engine_options *options,
+                        void **self, struct reason *reason)
 {
+    (void)engine;
     static const struct accel_variant plain = {.split = 0};
     return rayquery_open(options, &plain, self, reason);
 }
@@ -315,15 +317,17 @@ static const struct world_tracer worlds = {
 };
 
 /* Vulkan requires tmin < t < tmax; that closed fans are watertight is only a "should". */
-static struct model model(void *self, const struct tri_test *tri)
+static struct model model(const struct engine *engine, void *self, const struct tri_test *tri)
 {
-    (void)self;
+    (void)engine, (void)self;
     (void)tri;
     return (struct model){.formula = TWIN_UNKNOWN, .rounding = ROUNDING_VULKAN, .open = true};
 }
 
-static void describe(const struct engine_options *options, char *text, size_t text_bytes)
+static void describe(const struct engine *engine, const struct engine_options *options, char *text,
+                     size_t text_bytes)
 {
+    (void)engine;
     struct vk_options vk_options = vulkan_options(options);
     struct vk *vk;
     struct reason reason;

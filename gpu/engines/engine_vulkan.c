@@ -26,8 +26,10 @@ static void close(void *self)
     free(v);
 }
 
-static enum status open(const struct engine_options *options, void **self, struct reason *reason)
+static enum status open(const struct engine *engine, const struct engine_options *options,
+                        void **self, struct reason *reason)
 {
+    (void)engine;
     struct vk_options vk_options = vulkan_options(options);
     struct vulkan *v = alloc_zeroed(1, sizeof *v);
     *self = v;
@@ -71,8 +73,9 @@ static enum status trace_all(void *self, const struct ray *ray, size_t ray_count
                             hit_count, reason);
 }
 
-static struct model model(void *self, const struct tri_test *tri)
+static struct model model(const struct engine *engine, void *self, const struct tri_test *tri)
 {
+    (void)engine;
     struct arithmetic arithmetic = tracer_arithmetic(((struct vulkan *)self)->tracer);
     return model_of_tri(tri, arithmetic.rounding, arithmetic.bits);
 }

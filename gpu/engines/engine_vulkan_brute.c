@@ -112,8 +112,10 @@ static enum status answer(struct batch_engine *engine, struct batch *batch, cons
                       reason);
 }
 
-static enum status open(const struct engine_options *options, void **self, struct reason *reason)
+static enum status open(const struct engine *engine, const struct engine_options *options,
+                        void **self, struct reason *reason)
 {
+    (void)engine;
     struct brute *b = alloc_zeroed(1, sizeof *b);
     *self = NULL;
     if (!b)
@@ -203,8 +205,9 @@ static enum status trace_world_all(void *self, const struct ray *ray, const stru
                               tag, hit_count, &unused, reason);
 }
 
-static struct model model(void *self, const struct tri_test *tri)
+static struct model model(const struct engine *engine, void *self, const struct tri_test *tri)
 {
+    (void)engine;
     struct brute *b = self;
     if (!b->measured)
         b->arithmetic = probe_measure(b->base.vk);

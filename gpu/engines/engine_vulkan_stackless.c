@@ -12,8 +12,10 @@ static void close(void *self)
     (void)tracer_close(self, NULL);
 }
 
-static enum status open(const struct engine_options *options, void **self, struct reason *reason)
+static enum status open(const struct engine *engine, const struct engine_options *options,
+                        void **self, struct reason *reason)
 {
+    (void)engine;
     struct vk_options vk_options = vulkan_options(options);
     struct tracer *tracer;
     enum status status = tracer_open(&vk_options, options->workgroup, &tracer, reason);
@@ -47,8 +49,9 @@ static enum status trace_all(void *self, const struct ray *ray, size_t ray_count
     return tracer_trace_all(self, ray, ray_count, capacity, hit, hit_count, reason);
 }
 
-static struct model model(void *self, const struct tri_test *tri)
+static struct model model(const struct engine *engine, void *self, const struct tri_test *tri)
 {
+    (void)engine;
     struct arithmetic arithmetic = tracer_arithmetic(self);
     return model_of_tri(tri, arithmetic.rounding, arithmetic.bits);
 }

@@ -28,8 +28,10 @@ static void close(void *self)
     free(w);
 }
 
-static enum status open(const struct engine_options *options, void **self, struct reason *reason)
+static enum status open(const struct engine *engine, const struct engine_options *options,
+                        void **self, struct reason *reason)
 {
+    (void)engine;
     struct webgpu *w = alloc_zeroed(1, sizeof *w);
     *self = NULL;
     if (w)
@@ -110,14 +112,16 @@ static enum engine_fault fault(void *self, size_t *ray)
     return w->peer.pipe.fault;
 }
 
-static struct model model(void *self, const struct tri_test *tri)
+static struct model model(const struct engine *engine, void *self, const struct tri_test *tri)
 {
-    (void)self;
+    (void)engine, (void)self;
     return model_of_tri(tri, ROUNDING_WGSL, false);
 }
 
-static void describe(const struct engine_options *options, char *text, size_t text_bytes)
+static void describe(const struct engine *engine, const struct engine_options *options, char *text,
+                     size_t text_bytes)
 {
+    (void)engine;
     struct webgpu_card card;
     struct reason reason;
     text[0] = '\0';

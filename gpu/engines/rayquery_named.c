@@ -14,35 +14,17 @@ struct variant_place {
     struct accel_variant variant;
 };
 
-static struct variant_place places[ENGINES_RAYQUERY_MOST];
-static struct engine engine_of[ENGINES_RAYQUERY_MOST];
-static size_t place_count;
-
-/* One function for each place, as an engine is not told its name when it is opened. */
-#define ROW(each, h)                                                                               \
-    each(0x##h##0) each(0x##h##1) each(0x##h##2) each(0x##h##3) each(0x##h##4) each(0x##h##5)      \
-        each(0x##h##6) each(0x##h##7) each(0x##h##8) each(0x##h##9) each(0x##h##A) each(0x##h##B)  \
-            each(0x##h##C) each(0x##h##D) each(0x##h##E) each(0x##h##F)
-#define PLACES(each)                                                                               \
-    ROW(each, 0)                                                                                   \
-    ROW(each, 1) ROW(each, 2) ROW(each, 3) ROW(each, 4) ROW(each, 5) ROW(each, 6) ROW(each, 7)
-
-#define OPEN(n)                                                                                    \
-    static enum status open_##n(const struct engine_options *options, void **self,                 \
-                                struct reason *reason)                                             \
-    {                                                                                              \
-        return rayquery_open(options, &places[n].variant, self, reason);                           \
-    }
-PLACES(OPEN)
-
-#define NAME_OF_OPEN(n) open_##n,
-static enum status (*const opens[])(const struct engine_options *options, void **self,
-                                    struct reason *reason) = {PLACES(NAME_OF_OPEN)};
-_Static_assert(ARRAY_COUNT(opens) == ENGINES_RAYQUERY_MOST, "a function for each place");
+static enum status variant_open(const struct engine *engine, const struct engine_options *options,
+                                void **self, struct reason *reason)
+{
+    return rayquery_open(options, rayquery_variant_of(engine), self, reason);
+}
 
 static enum status add(const struct accel_variant *variant, const char *name,
                        const struct engine **out, struct reason *reason)
 {
+    static struct variant_place places[ENGINES_RAYQUERY_MOST];
+    static size_t place_count;
     struct accel_variant original;
     const struct engine *plain = &engine_rayquery;
     const bool copy = accel_original(variant, &original);
@@ -56,24 +38,21 @@ static enum status add(const struct accel_variant *variant, const char *name,
         return fail(reason, STATUS_LIMIT, "%.80s: more than %d variants of rayquery", name,
                     ENGINES_RAYQUERY_MOST);
     struct variant_place *place = &places[place_count];
-    struct engine *engine = &engine_of[place_count];
     snprintf(place->name, sizeof place->name, "%s", name);
     place->variant = *variant;
-    *engine = engine_rayquery;
-    engine->plain = plain;
-    engine->plain_bits = copy;
-    engine->name = place->name;
-    engine->summary = "a variant of rayquery";
-    engine->open = opens[place_count];
-    engine->move = variant->how.update != VK_ACCEL_UPDATE_NONE ? rayquery_move : NULL;
+    struct engine engine = engine_rayquery;
+    engine.plain = plain;
+    engine.plain_bits = copy;
+    engine.name = place->name;
+    engine.summary = "a variant of rayquery";
+    engine.named = &place->variant;
+    engine.open = variant_open;
+    engine.move = variant->how.update != VK_ACCEL_UPDATE_NONE ? rayquery_move : NULL;
     if (variant->split) /* the geometries of a world are its own */
-        engine->worlds = NULL;
-    status = engine_add(engine, reason);
-    if (status)
-        return status;
-    place_count++;
-    *out = engine;
-    return STATUS_OK;
+        engine.worlds = NULL;
+    status = engine_add(&engine, out, reason);
+    place_count += !status;
+    return status;
 }
 
 enum status rayquery_named(const char *name, const struct engine **out, struct reason *reason)
@@ -107,8 +86,5 @@ enum status rayquery_named_all(const char *pattern, struct reason *reason)
 
 const struct accel_variant *rayquery_variant_of(const struct engine *engine)
 {
-    for (size_t i = 0; i < place_count; i++)
-        if (&engine_of[i] == engine)
-            return &places[i].variant;
-    return NULL;
+    return engine->open == variant_open ? engine->named : NULL;
 }

@@ -5,7 +5,6 @@
 #include "gpu/trace/batch.h"
 #include "gpu/trace/vulkan_options.h"
 #include "ref/files/file.h"
-#include "ref/outside/named_engines.h"
 #include "ref/outside/shared_object.h"
 #include "ref/twin/model.h"
 
@@ -46,8 +45,6 @@ struct outsider {
 };
 
 static shader_tracer_compile_fn *compile_with;
-static struct shader_named named[ENGINES_OUTSIDE_MOST];
-static size_t named_count;
 
 void shader_tracer_compile_with(shader_tracer_compile_fn *compile)
 {
@@ -133,10 +130,10 @@ static enum status make_pipeline(struct outsider *o, struct reason *reason)
     return vk_pipeline_make(o->base.vk, &make, &o->pipeline, reason);
 }
 
-static enum status outsider_open(const struct shader_named *of,
-                                 const struct engine_options *options, void **self,
-                                 struct reason *reason)
+static enum status outsider_open(const struct engine *engine, const struct engine_options *options,
+                                 void **self, struct reason *reason)
 {
+    const struct shader_named *of = engine->named;
     struct outsider *o = alloc_zeroed(1, sizeof *o);
     const struct vk_options vk_options = vulkan_options(options);
     const uint32_t own = of->interface.local[0] ? of->interface.local[0] : 1;
@@ -185,42 +182,26 @@ static enum status outsider_prepare(void *self, const struct job *job, struct re
 }
 
 /* Its formula is its own, and a driver may fuse its operations. */
-static struct model outsider_model(void *self, const struct tri_test *tri)
+static struct model outsider_model(const struct engine *engine, void *self,
+                                   const struct tri_test *tri)
 {
-    (void)self, (void)tri;
+    (void)engine, (void)self, (void)tri;
     return (struct model){.formula = TWIN_UNKNOWN, .rounding = ROUNDING_VULKAN};
 }
 
 /* --- the engines ------------------------------------------------------------------------------ */
 
-static enum status open_place(size_t place, const struct engine_options *options, void **self,
-                              struct reason *reason)
-{
-    return outsider_open(&named[place], options, self, reason);
-}
-
-static void describe_place(size_t place, const struct engine_options *options, char *text,
-                           size_t text_bytes)
-{
-    (void)place;
-    vulkan_describe(options, text, text_bytes);
-}
-
-ENGINE_PLACES(ENGINE_PLACE)
-
-#define ENGINE(n)                                                                                  \
-    {.name = named[n].name,                                                                        \
-     .summary = "a compute shader from outside",                                                   \
-     .gpu = true,                                                                                  \
-     .own_tri = true,                                                                              \
-     .open = open_##n,                                                                             \
-     .prepare = outsider_prepare,                                                                  \
-     .trace = batch_trace,                                                                         \
-     .model = outsider_model,                                                                      \
-     .close = outsider_close,                                                                      \
-     .describe = describe_##n},
-
-static const struct engine engine_of[] = {ENGINE_PLACES(ENGINE)};
+static const struct engine outsiders = {
+    .summary = "a compute shader from outside",
+    .gpu = true,
+    .own_tri = true,
+    .open = outsider_open,
+    .prepare = outsider_prepare,
+    .trace = batch_trace,
+    .model = outsider_model,
+    .close = outsider_close,
+    .describe = vulkan_describe,
+};
 
 static enum status read_spirv(const char *path, uint32_t **word, size_t *count,
                               struct reason *reason)
@@ -265,6 +246,8 @@ static enum status read_module(const char *path, struct shader_named *out, struc
 
 enum status shader_tracer(const char *name, const struct engine **out, struct reason *reason)
 {
+    static struct shader_named named[ENGINES_OUTSIDE_MOST];
+    static size_t named_count;
     const size_t prefix = strlen(SHADER_PREFIX);
     *out = engine_find(name);
     if (*out)
@@ -280,8 +263,12 @@ enum status shader_tracer(const char *name, const struct engine **out, struct re
     struct shader_named *one = &named[named_count];
     strcpy(one->name, name);
     enum status status = read_module(name + prefix, one, reason);
+    struct engine engine = outsiders;
+    engine.name = one->name;
+    engine.named = one;
     if (!status)
-        status = engine_place_take(engine_of, &named_count, out, reason);
+        status = engine_add(&engine, out, reason);
+    named_count += !status;
     if (status) {
         free(one->word);
         *one = (struct shader_named){.count = 0};

@@ -19,8 +19,10 @@ struct vk_options vulkan_options(const struct engine_options *options)
     };
 }
 
-void vulkan_describe(const struct engine_options *options, char *text, size_t text_bytes)
+void vulkan_describe(const struct engine *engine, const struct engine_options *options, char *text,
+                     size_t text_bytes)
 {
+    (void)engine;
     struct vk_options vk_options = vulkan_options(options);
     struct vk *vk;
     struct reason reason;

@@ -11,6 +11,7 @@
 struct vk_options vulkan_options(const struct engine_options *options);
 
 /* As engine.describe: lists the devices, and what the judge assumes of the chosen one. */
-void vulkan_describe(const struct engine_options *options, char *text, size_t text_bytes);
+void vulkan_describe(const struct engine *engine, const struct engine_options *options, char *text,
+                     size_t text_bytes);
 
 #endif

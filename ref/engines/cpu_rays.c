@@ -113,8 +113,8 @@ void cpu_rays_close(void *self)
     free(rays);
 }
 
-struct model cpu_rays_model(void *self, const struct tri_test *tri)
+struct model cpu_rays_model(const struct engine *engine, void *self, const struct tri_test *tri)
 {
-    (void)self;
+    (void)engine, (void)self;
     return model_of_tri(tri, ROUNDING_IEEE, false);
 }

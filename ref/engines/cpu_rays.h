@@ -41,6 +41,6 @@ enum status cpu_rays_trace_all(void *self, const struct ray *ray, size_t ray_cou
 void cpu_rays_tasks(void *self, void (*run)(struct engine_task *task), struct engine_task *task,
                     size_t count);
 void cpu_rays_close(void *self);
-struct model cpu_rays_model(void *self, const struct tri_test *tri);
+struct model cpu_rays_model(const struct engine *engine, void *self, const struct tri_test *tri);
 
 #endif

@@ -283,8 +283,10 @@ enum status embree_trace_all(void *self, const struct ray *ray, size_t ray_count
     return embree_error(embree, "tracing", reason);
 }
 
-void embree_describe(const struct engine_options *options, char *text, size_t text_bytes)
+void embree_describe(const struct engine *engine, const struct engine_options *options, char *text,
+                     size_t text_bytes)
 {
+    (void)engine;
     RTCDevice device = rtcNewDevice("threads=1");
     if (!device) {
         snprintf(text, text_bytes, "no device for this processor");

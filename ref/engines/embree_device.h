@@ -60,6 +60,7 @@ void embree_close(void *self);
  * instance); the quality is low, whose builder asserts that boxes have an extent. */
 extern const struct world_tracer embree_worlds;
 
-void embree_describe(const struct engine_options *options, char *text, size_t text_bytes);
+void embree_describe(const struct engine *engine, const struct engine_options *options, char *text,
+                     size_t text_bytes);
 
 #endif

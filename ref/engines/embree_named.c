@@ -20,34 +20,11 @@ struct named_mode {
     struct embree_mode mode;
 };
 
-static struct named_mode places[ENGINES_EMBREE_MOST];
-static struct engine engine_of[ENGINES_EMBREE_MOST];
-static size_t place_count;
-
-/* One function for each place, as an engine is not told its name when it is opened. */
-#define ROW(each, h)                                                                               \
-    each(0x##h##0) each(0x##h##1) each(0x##h##2) each(0x##h##3) each(0x##h##4) each(0x##h##5)      \
-        each(0x##h##6) each(0x##h##7) each(0x##h##8) each(0x##h##9) each(0x##h##A) each(0x##h##B)  \
-            each(0x##h##C) each(0x##h##D) each(0x##h##E) each(0x##h##F)
-#define PLACES(each)                                                                               \
-    ROW(each, 0)                                                                                   \
-    ROW(each, 1)                                                                                   \
-    ROW(each, 2)                                                                                   \
-    ROW(each, 3) ROW(each, 4) ROW(each, 5) ROW(each, 6) ROW(each, 7) ROW(each, 8) ROW(each, 9)     \
-        ROW(each, A) ROW(each, B) ROW(each, C) ROW(each, D) ROW(each, E)
-
-#define OPEN(n)                                                                                    \
-    static enum status open_##n(const struct engine_options *options, void **self,                 \
-                                struct reason *reason)                                             \
-    {                                                                                              \
-        return embree_open_mode(options, &places[n].mode, self, reason);                           \
-    }
-PLACES(OPEN)
-
-#define NAME_OF_OPEN(n) open_##n,
-static enum status (*const opens[])(const struct engine_options *options, void **self,
-                                    struct reason *reason) = {PLACES(NAME_OF_OPEN)};
-_Static_assert(ARRAY_COUNT(opens) == ENGINES_EMBREE_MOST, "a function for each place");
+static enum status mode_open(const struct engine *engine, const struct engine_options *options,
+                             void **self, struct reason *reason)
+{
+    return embree_open_mode(options, embree_mode_of(engine), self, reason);
+}
 
 /* How rays are given to Embree. */
 #define CALLED(n)                                                                                  \
@@ -178,27 +155,26 @@ void embree_named_write(const struct embree_mode *mode, char name[EMBREE_NAME_MO
 static enum status add(const struct embree_mode *mode, const char *name, const struct engine **out,
                        struct reason *reason)
 {
+    static struct named_mode places[ENGINES_EMBREE_MOST];
+    static size_t place_count;
     if (place_count == ENGINES_EMBREE_MOST)
         return fail(reason, STATUS_LIMIT, "%s: more than %d modes of Embree", name,
                     ENGINES_EMBREE_MOST);
     struct named_mode *place = &places[place_count];
-    struct engine *engine = &engine_of[place_count];
     snprintf(place->name, sizeof place->name, "%s", name);
     place->mode = *mode;
-    *engine = mode->robust ? engine_embree_robust : engine_embree;
-    engine->plain = mode->robust ? &engine_embree_robust : &engine_embree;
-    engine->name = place->name;
-    engine->summary = "a mode of Embree";
-    engine->open = opens[place_count];
-    engine->called = called[form_of(mode)];
+    struct engine engine = mode->robust ? engine_embree_robust : engine_embree;
+    engine.plain = mode->robust ? &engine_embree_robust : &engine_embree;
+    engine.name = place->name;
+    engine.summary = "a mode of Embree";
+    engine.named = &place->mode;
+    engine.open = mode_open;
+    engine.called = called[form_of(mode)];
     if (mode->packet)
-        engine->worlds = NULL;
-    enum status status = engine_add(engine, reason);
-    if (status)
-        return status;
-    place_count++;
-    *out = engine;
-    return STATUS_OK;
+        engine.worlds = NULL;
+    const enum status status = engine_add(&engine, out, reason);
+    place_count += !status;
+    return status;
 }
 
 enum status embree_named(const char *name, const struct engine **out, struct reason *reason)
@@ -252,8 +228,5 @@ enum status embree_named_all(const char *pattern, struct reason *reason)
 
 const struct embree_mode *embree_mode_of(const struct engine *engine)
 {
-    for (size_t i = 0; i < place_count; i++)
-        if (&engine_of[i] == engine)
-            return &places[i].mode;
-    return NULL;
+    return engine->open == mode_open ? engine->named : NULL;
 }

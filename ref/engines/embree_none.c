@@ -67,9 +67,10 @@ void embree_close(void *self)
     (void)self;
 }
 
-void embree_describe(const struct engine_options *options, char *text, size_t text_bytes)
+void embree_describe(const struct engine *engine, const struct engine_options *options, char *text,
+                     size_t text_bytes)
 {
-    (void)options;
+    (void)engine, (void)options;
     snprintf(text, text_bytes, "built without Embree: install libembree-dev and build again");
 }
 

@@ -21,14 +21,17 @@ static enum status brute_ray_all(const struct job *job, const struct ray *ray, u
     return STATUS_OK;
 }
 
-static enum status brute_open(const struct engine_options *options, void **self,
-                              struct reason *reason)
+static enum status brute_open(const struct engine *engine, const struct engine_options *options,
+                              void **self, struct reason *reason)
 {
+    (void)engine;
     return cpu_rays_open(options, brute_ray, brute_ray_all, self, reason);
 }
 
-static void brute_describe(const struct engine_options *options, char *text, size_t text_bytes)
+static void brute_describe(const struct engine *engine, const struct engine_options *options,
+                           char *text, size_t text_bytes)
 {
+    (void)engine;
     snprintf(text, text_bytes, "%u threads, every triangle for every ray",
              cpu_rays_threads(options));
 }

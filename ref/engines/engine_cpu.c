@@ -33,21 +33,24 @@ static enum status cpu_ray_all(const struct job *job, const struct ray *ray, uin
     return trace_ray_all(job, ray, capacity, hit, count, NULL);
 }
 
-static enum status cpu_open(const struct engine_options *options, void **self,
-                            struct reason *reason)
+static enum status cpu_open(const struct engine *engine, const struct engine_options *options,
+                            void **self, struct reason *reason)
 {
+    (void)engine;
     return cpu_rays_open(options, trace_ray, cpu_ray_all, self, reason);
 }
 
-static struct model cpu_model(void *self, const struct tri_test *tri)
+static struct model cpu_model(const struct engine *engine, void *self, const struct tri_test *tri)
 {
-    struct model model = cpu_rays_model(self, tri);
+    struct model model = cpu_rays_model(engine, self, tri);
     model.bits = true;
     return model;
 }
 
-static void cpu_describe(const struct engine_options *options, char *text, size_t text_bytes)
+static void cpu_describe(const struct engine *engine, const struct engine_options *options,
+                         char *text, size_t text_bytes)
 {
+    (void)engine;
     snprintf(text, text_bytes, "%u threads, reference traversal over any layout",
              cpu_rays_threads(options));
 }

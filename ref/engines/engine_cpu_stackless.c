@@ -29,9 +29,10 @@ static void stackless_close(void *self)
     free(s);
 }
 
-static enum status stackless_open(const struct engine_options *options, void **self,
-                                  struct reason *reason)
+static enum status stackless_open(const struct engine *engine, const struct engine_options *options,
+                                  void **self, struct reason *reason)
 {
+    (void)engine;
     struct stackless *s = alloc_zeroed(1, sizeof *s);
     *self = s;
     if (!s)
@@ -73,15 +74,18 @@ static enum status stackless_trace_all(void *self, const struct ray *ray, size_t
                               hit_count, reason);
 }
 
-static struct model stackless_model(void *self, const struct tri_test *tri)
+static struct model stackless_model(const struct engine *engine, void *self,
+                                    const struct tri_test *tri)
 {
-    struct model model = cpu_rays_model(self, tri);
+    struct model model = cpu_rays_model(engine, self, tri);
     model.bits = true;
     return model;
 }
 
-static void stackless_describe(const struct engine_options *options, char *text, size_t text_bytes)
+static void stackless_describe(const struct engine *engine, const struct engine_options *options,
+                               char *text, size_t text_bytes)
 {
+    (void)engine;
     snprintf(text, text_bytes, "%u threads, reference traversal over binary layouts, no stack",
              cpu_rays_threads(options));
 }

@@ -13,9 +13,10 @@ struct dual {
     unsigned threads;
 };
 
-static enum status dual_open(const struct engine_options *options, void **self,
-                             struct reason *reason)
+static enum status dual_open(const struct engine *engine, const struct engine_options *options,
+                             void **self, struct reason *reason)
 {
+    (void)engine;
     struct dual *dual = alloc_zeroed(1, sizeof *dual);
     *self = dual;
     if (!dual)
@@ -92,8 +93,10 @@ static enum status dual_trace_all(void *self, const struct ray *ray, size_t ray_
     return STATUS_OK;
 }
 
-static void dual_describe(const struct engine_options *options, char *text, size_t text_bytes)
+static void dual_describe(const struct engine *engine, const struct engine_options *options,
+                          char *text, size_t text_bytes)
 {
+    (void)engine;
     snprintf(text, text_bytes, "%u threads, dual-split trees of binary layouts",
              cpu_rays_threads(options));
 }

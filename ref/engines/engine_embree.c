@@ -4,45 +4,54 @@
 #include "ref/engines/embree_named.h"
 #include "ref/twin/model.h"
 
-static enum status embree_open(const struct engine_options *options, void **self,
-                               struct reason *reason)
+static enum status embree_open(const struct engine *engine, const struct engine_options *options,
+                               void **self, struct reason *reason)
 {
+    (void)engine;
     const struct embree_mode mode = {0};
     return embree_open_mode(options, &mode, self, reason);
 }
 
-static enum status embree_robust_open(const struct engine_options *options, void **self,
+static enum status embree_robust_open(const struct engine *engine,
+                                      const struct engine_options *options, void **self,
                                       struct reason *reason)
 {
+    (void)engine;
     const struct embree_mode mode = {.robust = true};
     return embree_open_mode(options, &mode, self, reason);
 }
 
-static enum status embree_packets_open(const struct engine_options *options, void **self,
+static enum status embree_packets_open(const struct engine *engine,
+                                       const struct engine_options *options, void **self,
                                        struct reason *reason)
 {
+    (void)engine;
     const struct embree_mode mode = {.packet = 16};
     return embree_open_mode(options, &mode, self, reason);
 }
 
-static enum status embree_high_open(const struct engine_options *options, void **self,
+static enum status embree_high_open(const struct engine *engine,
+                                    const struct engine_options *options, void **self,
                                     struct reason *reason)
 {
+    (void)engine;
     const struct embree_mode mode = {.quality = EMBREE_HIGH};
     return embree_open_mode(options, &mode, self, reason);
 }
 
 /* Each mode of Embree has one triangle test, whatever `tri` is. */
-static struct model embree_model(void *self, const struct tri_test *tri)
+static struct model embree_model(const struct engine *engine, void *self,
+                                 const struct tri_test *tri)
 {
-    (void)self, (void)tri;
+    (void)engine, (void)self, (void)tri;
     return (struct model){
         .formula = TWIN_EMBREE, .rounding = ROUNDING_EMBREE, .slab = true, .any_unnamed = true};
 }
 
-static struct model embree_robust_model(void *self, const struct tri_test *tri)
+static struct model embree_robust_model(const struct engine *engine, void *self,
+                                        const struct tri_test *tri)
 {
-    (void)self, (void)tri;
+    (void)engine, (void)self, (void)tri;
     return (struct model){
         .formula = TWIN_EMBREE_ROBUST, .rounding = ROUNDING_EMBREE, .any_unnamed = true};
 }

@@ -23,9 +23,10 @@ enum status fast_engine_open(const struct engine_options *options, bool small, v
     return STATUS_OK;
 }
 
-static enum status fast_open(const struct engine_options *options, void **self,
-                             struct reason *reason)
+static enum status fast_open(const struct engine *engine, const struct engine_options *options,
+                             void **self, struct reason *reason)
 {
+    (void)engine;
     return fast_engine_open(options, false, self, reason);
 }
 
@@ -107,14 +108,16 @@ enum status fast_trace_all(void *self, const struct ray *ray, size_t ray_count, 
     return STATUS_OK;
 }
 
-struct model fast_model(void *self, const struct tri_test *tri)
+struct model fast_model(const struct engine *engine, void *self, const struct tri_test *tri)
 {
     (void)tri;
-    return cpu_rays_model(self, tri_test_find("woop"));
+    return cpu_rays_model(engine, self, tri_test_find("woop"));
 }
 
-static void fast_describe(const struct engine_options *options, char *text, size_t text_bytes)
+static void fast_describe(const struct engine *engine, const struct engine_options *options,
+                          char *text, size_t text_bytes)
 {
+    (void)engine;
     snprintf(text, text_bytes, "%u threads, kernel %s, triangle test woop",
              cpu_rays_threads(options), fast_kernel_best()->name);
 }

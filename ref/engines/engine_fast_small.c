@@ -6,14 +6,17 @@
 
 #include <stdio.h>
 
-static enum status small_open(const struct engine_options *options, void **self,
-                              struct reason *reason)
+static enum status small_open(const struct engine *engine, const struct engine_options *options,
+                              void **self, struct reason *reason)
 {
+    (void)engine;
     return fast_engine_open(options, true, self, reason);
 }
 
-static void small_describe(const struct engine_options *options, char *text, size_t text_bytes)
+static void small_describe(const struct engine *engine, const struct engine_options *options,
+                           char *text, size_t text_bytes)
 {
+    (void)engine;
     snprintf(text, text_bytes, "%u threads, kernel %s, triangle test woop",
              cpu_rays_threads(options), fast_small_kernel_best()->name);
 }

@@ -15,8 +15,10 @@ struct kd {
     unsigned threads;
 };
 
-static enum status kd_open(const struct engine_options *options, void **self, struct reason *reason)
+static enum status kd_open(const struct engine *engine, const struct engine_options *options,
+                           void **self, struct reason *reason)
 {
+    (void)engine;
     struct kd *kd = alloc_zeroed(1, sizeof *kd);
     *self = kd;
     if (!kd)
@@ -106,15 +108,17 @@ static enum status kd_trace_all(void *self, const struct ray *ray, size_t ray_co
     return lost ? fail(reason, STATUS_MEMORY, "no memory for the hits of a ray") : STATUS_OK;
 }
 
-static struct model kd_model(void *self, const struct tri_test *tri)
+static struct model kd_model(const struct engine *engine, void *self, const struct tri_test *tri)
 {
-    (void)self;
+    (void)engine, (void)self;
     (void)tri;
     return (struct model){.formula = TWIN_TRI_ACCEL, .rounding = ROUNDING_IEEE};
 }
 
-static void kd_describe(const struct engine_options *options, char *text, size_t text_bytes)
+static void kd_describe(const struct engine *engine, const struct engine_options *options,
+                        char *text, size_t text_bytes)
 {
+    (void)engine;
     snprintf(text, text_bytes, "%u threads, k-d tree by surface areas, triangle test tri_accel",
              cpu_rays_threads(options));
 }

@@ -1,5 +1,7 @@
 #include "ref/engine.h"
 
+#include "ref/twin/model.h"
+
 #include "counts.h"
 
 #include <string.h>
@@ -18,19 +20,28 @@ static const struct engine *table[OWN + ENGINES_ADDED_MOST + 1] = {
     &engine_kd,         &engine_dual_split,
 };
 static size_t count = OWN;
+static struct engine added[ENGINES_ADDED_MOST];
 
 /* Update the number when the table above changes. */
 _Static_assert(OWN == 14, "an engine_*.c is in no table");
 
 const struct engine *const *const engines = table;
 
-enum status engine_add(const struct engine *engine, struct reason *reason)
+enum status engine_add(const struct engine *engine, const struct engine **out,
+                       struct reason *reason)
 {
     if (count == OWN + ENGINES_ADDED_MOST)
         return fail(reason, STATUS_LIMIT, "%.80s: more than %d engines beside the program's own",
                     engine->name, ENGINES_ADDED_MOST);
-    table[count++] = engine;
+    added[count - OWN] = *engine;
+    *out = table[count] = &added[count - OWN];
+    count++;
     return STATUS_OK;
+}
+
+struct model engine_model(const struct engine *engine, void *self, const struct tri_test *tri)
+{
+    return engine->model(engine, self, tri);
 }
 
 const struct engine *engine_reference(bool packed)

@@ -35,7 +35,7 @@ enum status fast_trace(void *self, const struct ray *ray, size_t ray_count, stru
                        struct trace_report *report, struct reason *reason) MUST_USE;
 enum status fast_trace_all(void *self, const struct ray *ray, size_t ray_count, uint32_t capacity,
                            struct hit *hit, uint32_t *hit_count, struct reason *reason) MUST_USE;
-struct model fast_model(void *self, const struct tri_test *tri);
+struct model fast_model(const struct engine *engine, void *self, const struct tri_test *tri);
 void fast_close(void *self);
 
 /* Errors: STATUS_UNSUPPORTED a layout as published. */

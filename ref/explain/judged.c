@@ -18,7 +18,7 @@ enum status judged_make(const struct judged_job *from, struct judged *out, struc
     const struct job *job = from->job;
     enum status status = STATUS_OK;
     *out = (struct judged){.from = *from};
-    out->model = from->engine->model(from->self, job->tri);
+    out->model = engine_model(from->engine, from->self, job->tri);
     if (out->model.formula == TWIN_MT_RTRS)
         out->model.formula = TWIN_MT;
     if (!job_keeps_watertight(job))

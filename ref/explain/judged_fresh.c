@@ -25,7 +25,7 @@ enum status judged_fresh(const struct judged *judged, const struct engine_option
     struct reason why = {""};
     *right = false;
     from.self = NULL;
-    enum status status = from.engine->open(options, &from.self, &why);
+    enum status status = engine_open(from.engine, options, &from.self, &why);
     if (!status)
         status = from.engine->prepare(from.self, from.job, &why);
     if (status == STATUS_OK)

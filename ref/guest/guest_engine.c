@@ -1,7 +1,6 @@
 #include "ref/guest/guest_engine.h"
 
 #include "ref/guest/guest.h"
-#include "ref/outside/named_engines.h"
 #include "ref/outside/pipe.h"
 #include "ref/outside/pipe_world.h"
 #include "ref/outside/shared_object.h"
@@ -37,14 +36,14 @@ static void inmate_close(void *self)
     free(inmate);
 }
 
-static enum status inmate_open(const char *name, const struct engine_options *options, void **self,
-                               struct reason *reason)
+static enum status inmate_open(const struct engine *engine, const struct engine_options *options,
+                               void **self, struct reason *reason)
 {
     struct inmate *inmate = alloc_zeroed(1, sizeof *inmate);
     *self = NULL;
     if (!inmate)
         return fail(reason, STATUS_MEMORY, "no memory for an engine");
-    enum status status = guest_load(name + strlen(GUEST_PREFIX), &inmate->guest, reason);
+    enum status status = guest_load(engine->name + strlen(GUEST_PREFIX), &inmate->guest, reason);
     if (!status)
         status = guest_open(&inmate->guest, options->threads, reason);
     if (!status)
@@ -281,8 +280,10 @@ static const struct world_tracer inmate_worlds = {.prepare_world = inmate_prepar
 /* --- the engines ------------------------------------------------------------------------------ */
 
 /* In worlds transforms are its own, and no formula of ours has these. */
-static struct model inmate_model(void *self, const struct tri_test *tri)
+static struct model inmate_model(const struct engine *engine, void *self,
+                                 const struct tri_test *tri)
 {
+    (void)engine;
     const struct inmate *inmate = self;
     struct model model = inmate->model;
     (void)tri;
@@ -298,45 +299,34 @@ static const char *inmate_called(const void *self)
                : "trace of raydiff's rays";
 }
 
-static char name_of[ENGINES_OUTSIDE_MOST][GUEST_PATH_MOST + sizeof GUEST_PREFIX];
-static size_t name_count;
-
-static enum status open_place(size_t place, const struct engine_options *options, void **self,
-                              struct reason *reason)
-{
-    return inmate_open(name_of[place], options, self, reason);
-}
-
-static void describe_place(size_t place, const struct engine_options *options, char *text,
-                           size_t text_bytes)
+static void inmate_describe(const struct engine *engine, const struct engine_options *options,
+                            char *text, size_t text_bytes)
 {
     (void)options;
-    snprintf(text, text_bytes, "the shared object %s", name_of[place] + strlen(GUEST_PREFIX));
+    snprintf(text, text_bytes, "the shared object %s", engine->name + strlen(GUEST_PREFIX));
 }
 
-ENGINE_PLACES(ENGINE_PLACE)
-
-#define ENGINE(n)                                                                                  \
-    {.name = name_of[n],                                                                           \
-     .summary = "a tracer in a shared object",                                                     \
-     .own_tri = true,                                                                              \
-     .open = open_##n,                                                                             \
-     .prepare = inmate_prepare,                                                                    \
-     .move = inmate_move,                                                                          \
-     .moves = inmate_moves,                                                                        \
-     .trace = inmate_trace,                                                                        \
-     .trace_all = inmate_trace_all,                                                                \
-     .lists = inmate_lists,                                                                        \
-     .model = inmate_model,                                                                        \
-     .worlds = &inmate_worlds,                                                                     \
-     .called = inmate_called,                                                                      \
-     .close = inmate_close,                                                                        \
-     .describe = describe_##n},
-
-static const struct engine engine_of[] = {ENGINE_PLACES(ENGINE)};
+static const struct engine inmates = {
+    .summary = "a tracer in a shared object",
+    .own_tri = true,
+    .open = inmate_open,
+    .prepare = inmate_prepare,
+    .move = inmate_move,
+    .moves = inmate_moves,
+    .trace = inmate_trace,
+    .trace_all = inmate_trace_all,
+    .lists = inmate_lists,
+    .model = inmate_model,
+    .worlds = &inmate_worlds,
+    .called = inmate_called,
+    .close = inmate_close,
+    .describe = inmate_describe,
+};
 
 enum status guest_engine(const char *name, const struct engine **out, struct reason *reason)
 {
+    static char names[ENGINES_OUTSIDE_MOST][GUEST_PATH_MOST + sizeof GUEST_PREFIX];
+    static size_t count;
     *out = engine_find(name);
     if (*out)
         return STATUS_OK;
@@ -346,9 +336,12 @@ enum status guest_engine(const char *name, const struct engine **out, struct rea
     if (strlen(name) >= GUEST_PATH_MOST + strlen(GUEST_PREFIX))
         return fail(reason, STATUS_INPUT, "'%.40s...' is a path of over %d characters", name,
                     GUEST_PATH_MOST - 1);
-    if (name_count == ARRAY_COUNT(engine_of))
+    if (count == ARRAY_COUNT(names))
         return fail(reason, STATUS_LIMIT, "%.80s: more than %d engines from outside", name,
                     ENGINES_OUTSIDE_MOST);
-    strcpy(name_of[name_count], name);
-    return engine_place_take(engine_of, &name_count, out, reason);
+    struct engine engine = inmates;
+    engine.name = strcpy(names[count], name);
+    enum status status = engine_add(&engine, out, reason);
+    count += !status;
+    return status;
 }

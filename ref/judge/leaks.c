@@ -297,7 +297,7 @@ static enum status count_lists(const struct leak_rays *rays, const struct engine
     enum status status = engine->prepare(self, &every, reason);
     struct lister lister = {rays, {.formula = TWIN_UNKNOWN}};
     if (!status && engine->model)
-        lister.model = engine->model(self, job->tri);
+        lister.model = engine_model(engine, self, job->tri);
     for (size_t at = 0; at < rays->ray_count && !status; at += all.done) {
         uint64_t start = time_ns();
         status = all_hits_next(engine, self, rays->ray + at, rays->ray_count - at, &all, reason);

@@ -40,7 +40,7 @@ enum status match_again(const struct match *match, const struct engine *engine, 
         match->options.query == QUERY_ALL)
         return STATUS_OK;
     const struct job job = match_job(match, engine);
-    enum status status = engine->open(&match->pool->options, &self, &reason);
+    enum status status = engine_open(engine, &match->pool->options, &self, &reason);
     if (!status)
         status = engine->prepare(self, &job, &reason);
     if (status == STATUS_OK)

@@ -32,7 +32,7 @@ static enum life_fate fate_of(const struct match *match, const struct engine *en
 struct model match_model(const struct match *match, const struct engine *engine, void *self,
                          struct row *row)
 {
-    struct model model = engine->model(self, match->options.tri);
+    struct model model = engine_model(engine, self, match->options.tri);
     row->unknown = model.formula == TWIN_UNKNOWN || /* as the judge of worlds has it */
                    (match->world && !twin_is_own(model.formula));
     row->formula = row_formula_name(model.formula);

@@ -20,7 +20,7 @@ void *pool_get(struct pool *pool, const struct engine *engine, enum status *stat
         pool->count++;
         pool->entry[i].engine = engine;
         pool->entry[i].status =
-            engine->open(&pool->options, &pool->entry[i].self, &pool->entry[i].reason);
+            engine_open(engine, &pool->options, &pool->entry[i].self, &pool->entry[i].reason);
     }
     *status = pool->entry[i].status;
     if (*status && reason)

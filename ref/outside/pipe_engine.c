@@ -1,5 +1,4 @@
 /* The engine "pipe:COMMAND". */
-#include "ref/outside/named_engines.h"
 #include "ref/outside/pipe_peer.h"
 #include "ref/outside/pipe_world.h"
 #include "ref/outside/shared_object.h"
@@ -34,15 +33,15 @@ static void tracer_close(void *self)
     free(tracer);
 }
 
-static enum status tracer_open(const char *name, const struct engine_options *options, void **self,
-                               struct reason *reason)
+static enum status tracer_open(const struct engine *engine, const struct engine_options *options,
+                               void **self, struct reason *reason)
 {
     struct pipe_tracer *tracer = alloc_zeroed(1, sizeof *tracer);
     *self = NULL;
     if (!tracer)
         return fail(reason, STATUS_MEMORY, "no memory for an engine");
     struct pipe_peer *peer = &tracer->peer;
-    peer->name = name;
+    peer->name = engine->name;
     peer->options = *options;
     peer->options.peer_ms = options->peer_ms ? options->peer_ms : PEER_MS;
     peer->options.peer_mb = options->peer_mb ? options->peer_mb : PEER_MB;
@@ -323,8 +322,10 @@ static enum engine_fault tracer_fault(void *self, size_t *ray)
 }
 
 /* In worlds transforms are its own, and no formula of ours has these. */
-static struct model tracer_model(void *self, const struct tri_test *tri)
+static struct model tracer_model(const struct engine *engine, void *self,
+                                 const struct tri_test *tri)
 {
+    (void)engine;
     const struct pipe_tracer *tracer = self;
     struct model model = tracer->peer.model;
     (void)tri;
@@ -333,50 +334,38 @@ static struct model tracer_model(void *self, const struct tri_test *tri)
     return model;
 }
 
-static char name_of[ENGINES_OUTSIDE_MOST][PIPE_NAME_MOST];
-static size_t name_count;
-
-static enum status open_place(size_t place, const struct engine_options *options, void **self,
-                              struct reason *reason)
+static void tracer_describe(const struct engine *engine, const struct engine_options *options,
+                            char *text, size_t text_bytes)
 {
-    return tracer_open(name_of[place], options, self, reason);
-}
-
-static void describe_place(size_t place, const struct engine_options *options, char *text,
-                           size_t text_bytes)
-{
-    const char *name = name_of[place];
     const size_t prefix = strlen(PIPE_PREFIX);
     (void)options;
-    if (strncmp(name, PIPE_PREFIX, prefix) == 0)
-        snprintf(text, text_bytes, "the command %s", name + prefix);
+    if (strncmp(engine->name, PIPE_PREFIX, prefix) == 0)
+        snprintf(text, text_bytes, "the command %s", engine->name + prefix);
     else
-        snprintf(text, text_bytes, "the shared object %s, in a process of its own", name);
+        snprintf(text, text_bytes, "the shared object %s, in a process of its own", engine->name);
 }
 
-ENGINE_PLACES(ENGINE_PLACE)
-
-#define ENGINE(n)                                                                                  \
-    {.name = name_of[n],                                                                           \
-     .summary = "a tracer in a process of its own",                                                \
-     .own_tri = true,                                                                              \
-     .open = open_##n,                                                                             \
-     .prepare = tracer_prepare,                                                                    \
-     .move = tracer_move,                                                                          \
-     .moves = tracer_moves,                                                                        \
-     .trace = tracer_trace,                                                                        \
-     .trace_all = tracer_trace_all,                                                                \
-     .lists = tracer_lists,                                                                        \
-     .model = tracer_model,                                                                        \
-     .fault = tracer_fault,                                                                        \
-     .worlds = &tracer_worlds,                                                                     \
-     .close = tracer_close,                                                                        \
-     .describe = describe_##n},
-
-static const struct engine engine_of[] = {ENGINE_PLACES(ENGINE)};
+static const struct engine tracers = {
+    .summary = "a tracer in a process of its own",
+    .own_tri = true,
+    .open = tracer_open,
+    .prepare = tracer_prepare,
+    .move = tracer_move,
+    .moves = tracer_moves,
+    .trace = tracer_trace,
+    .trace_all = tracer_trace_all,
+    .lists = tracer_lists,
+    .model = tracer_model,
+    .fault = tracer_fault,
+    .worlds = &tracer_worlds,
+    .close = tracer_close,
+    .describe = tracer_describe,
+};
 
 enum status pipe_engine(const char *name, const struct engine **out, struct reason *reason)
 {
+    static char names[ENGINES_OUTSIDE_MOST][PIPE_NAME_MOST];
+    static size_t count;
     *out = engine_find(name);
     if (*out)
         return STATUS_OK;
@@ -386,8 +375,11 @@ enum status pipe_engine(const char *name, const struct engine **out, struct reas
     if (length >= PIPE_NAME_MOST)
         return fail(reason, STATUS_INPUT, "'%.40s...' is longer than %d characters", name,
                     PIPE_NAME_MOST - 1);
-    if (name_count == ARRAY_COUNT(engine_of))
+    if (count == ARRAY_COUNT(names))
         return fail(reason, STATUS_LIMIT, "%.80s: more than %d peers", name, ENGINES_OUTSIDE_MOST);
-    memcpy(name_of[name_count], name, length + 1);
-    return engine_place_take(engine_of, &name_count, out, reason);
+    struct engine engine = tracers;
+    engine.name = memcpy(names[count], name, length + 1);
+    enum status status = engine_add(&engine, out, reason);
+    count += !status;
+    return status;
 }

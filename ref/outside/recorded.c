@@ -28,18 +28,18 @@ static bool set_model(struct tape *tape, struct reason *reason)
     return pipe_model(a->formula, a->rounding, a->flags, &tape->model, reason) == STATUS_OK;
 }
 
-static enum status open_file(const struct engine_options *options, void **self,
-                             struct reason *reason)
+static enum status open_file(const struct engine *engine, const struct engine_options *options,
+                             void **self, struct reason *reason)
 {
-    (void)options, (void)reason;
+    (void)engine, (void)options, (void)reason;
     *self = &of_file;
     return STATUS_OK;
 }
 
-static enum status open_ray(const struct engine_options *options, void **self,
-                            struct reason *reason)
+static enum status open_ray(const struct engine *engine, const struct engine_options *options,
+                            void **self, struct reason *reason)
 {
-    (void)options, (void)reason;
+    (void)engine, (void)options, (void)reason;
     *self = &of_ray;
     return STATUS_OK;
 }
@@ -106,8 +106,9 @@ static const struct world_tracer worlds = {
     .prepare_world = prepare_world, .trace_world = trace_world, .traces = traces_worlds};
 
 /* As of a pipe: in worlds transforms are its own. */
-static struct model model(void *self, const struct tri_test *tri)
+static struct model model(const struct engine *engine, void *self, const struct tri_test *tri)
 {
+    (void)engine;
     const struct tape *tape = self;
     struct model model = tape->model;
     (void)tri;
@@ -121,9 +122,10 @@ static void close_tape(void *self)
     (void)self;
 }
 
-static void describe(const struct engine_options *options, char *text, size_t text_bytes)
+static void describe(const struct engine *engine, const struct engine_options *options, char *text,
+                     size_t text_bytes)
 {
-    (void)options;
+    (void)engine, (void)options;
     snprintf(text, text_bytes, "recorded answers");
 }
 
@@ -252,10 +254,9 @@ enum status recorded_find(const char *name, const struct engine **out, struct re
     if (strncmp(name, RECORDED_PREFIX, strlen(RECORDED_PREFIX)) != 0 || !take_name(name, NULL))
         return fail(reason, STATUS_INPUT,
                     "'%.100s' is not answer:FORMULA:ROUNDING:FLAGS:T:U:V:TRIANGLE, or :miss", name);
-    enum status status = engine_add(&ray_engine, reason);
+    enum status status = engine_add(&ray_engine, out, reason);
     if (status)
         return status;
     strcpy(of_ray.name, name);
-    *out = &ray_engine;
     return STATUS_OK;
 }

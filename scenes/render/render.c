@@ -275,7 +275,7 @@ enum status renderer_open(const struct engine *engine, const struct engine_optio
     made->waves = waves || !engine->renderer;
     made->threads = cpu_rays_threads(options);
     made->watched_rays = WATCHED_RAYS;
-    enum status status = engine->open(options, &made->closest, reason);
+    enum status status = engine_open(engine, options, &made->closest, reason);
     if (status)
         free(made);
     else
@@ -327,7 +327,7 @@ enum status renderer_prepare(struct renderer *renderer, const struct frame_job *
     status = engine->prepare(renderer->closest, &rays, reason);
     bool any = job->look.profile == PROFILE_REPAIRED && job->light_count > 0;
     if (!status && any && !renderer->any)
-        status = engine->open(&renderer->options, &renderer->any, reason);
+        status = engine_open(engine, &renderer->options, &renderer->any, reason);
     rays.query = QUERY_ANY;
     if (!status && any)
         status = engine->prepare(renderer->any, &rays, reason);
@@ -367,7 +367,7 @@ enum status renderer_ask(struct renderer *renderer, enum query query, const stru
 
 struct model renderer_model(struct renderer *renderer, const struct tri_test *tri)
 {
-    return renderer->engine->model(renderer->closest, tri);
+    return engine_model(renderer->engine, renderer->closest, tri);
 }
 
 void renderer_watch(struct renderer *renderer, void (*step)(void *user, double share), void *user)

@@ -120,7 +120,7 @@ static void play(void *user, size_t first, int to)
     void *self;
     if (asked->unguarded) /* what it says when it dies is known */
         assert_non_null(freopen("/dev/null", "w", stderr));
-    enum status status = asked->engine->open(&options, &self, &reason);
+    enum status status = engine_open(asked->engine, &options, &self, &reason);
     for (size_t c = first; c < BAD_CLASSES; c++) {
         enum fate fate = status == STATUS_UNSUPPORTED ? FATE_SKIPPED
                          : status                     ? FATE_FAILED

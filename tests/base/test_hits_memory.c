@@ -54,7 +54,7 @@ static long fail_each(const struct engine *engine, const struct job *job, bool o
         struct all_hits all = {.once = once};
         struct reason reason = {""};
         void *self = NULL;
-        assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
+        assert_int_equal(engine_open(engine, &options, &self, &reason), STATUS_OK);
         assert_int_equal(engine->prepare(self, job, &reason), STATUS_OK);
         long before = atomic_load(&held);
         fail_after(n);
@@ -116,7 +116,7 @@ static void an_engine_that_does_not_open_is_none(void **state)
             void *self = &reason;
             long before = atomic_load(&held);
             fail_after(n);
-            enum status status = engine->open(&options, &self, &reason);
+            enum status status = engine_open(engine, &options, &self, &reason);
             atomic_store(&until_failure, -1);
             assert_int_equal(status, has_failed ? STATUS_MEMORY : STATUS_OK);
             assert_int_equal(has_failed, self == NULL);

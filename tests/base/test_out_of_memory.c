@@ -192,7 +192,7 @@ static enum status do_engine(const struct memory_work *work, struct reason *reas
     struct hit hit[RAYS];
     struct trace_report report;
     void *self = NULL;
-    enum status status = work->engine->open(&options, &self, reason);
+    enum status status = engine_open(work->engine, &options, &self, reason);
     if (!status)
         status = work->engine->prepare(self, &job, reason);
     if (!status)

@@ -40,8 +40,10 @@ struct spoilt {
     enum query query;
 };
 
-static enum status open(const struct engine_options *options, void **self, struct reason *reason)
+static enum status open(const struct engine *engine, const struct engine_options *options,
+                        void **self, struct reason *reason)
 {
+    (void)engine;
     struct spoilt *s = calloc(1, sizeof *s);
     assert_non_null(s);
     *self = NULL;
@@ -50,7 +52,7 @@ static enum status open(const struct engine_options *options, void **self, struc
         return (fail)(reason, STATUS_UNSUPPORTED, "not here");
     }
     s->threads = options->threads;
-    enum status status = engine_find("cpu")->open(options, &s->cpu, reason);
+    enum status status = engine_open(engine_find("cpu"), options, &s->cpu, reason);
     *self = s;
     return status;
 }
@@ -121,9 +123,10 @@ static enum status trace_all(void *self, const struct ray *ray, size_t ray_count
     return status;
 }
 
-static struct model model(void *self, const struct tri_test *tri)
+static struct model model(const struct engine *engine, void *self, const struct tri_test *tri)
 {
-    return engine_find("cpu")->model(((struct spoilt *)self)->cpu, tri);
+    (void)engine;
+    return engine_model(engine_find("cpu"), ((struct spoilt *)self)->cpu, tri);
 }
 
 static void close(void *self)

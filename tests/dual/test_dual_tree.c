@@ -221,7 +221,7 @@ static void published_layouts_are_refused(void **state)
     assert_int_equal(packed_make(layout_find("rtrs_rf"), &s.bvh, &s.scene, &packed, NULL),
                      STATUS_OK);
     const struct job job = {.scene = &s.scene, .packed = &packed, .tri = tri_test_find("woop")};
-    assert_int_equal(engine->open(&options, &self, NULL), STATUS_OK);
+    assert_int_equal(engine_open(engine, &options, &self, NULL), STATUS_OK);
     assert_int_equal(engine->prepare(self, &job, &reason), STATUS_UNSUPPORTED);
     assert_string_equal(reason.text, "dual_split has no layout that loses hits, as rtrs_rf");
     for (size_t i = 0; layouts_all[i]; i++)

@@ -114,7 +114,7 @@ static enum status do_judged(const void *of, struct reason *reason)
     struct judged judged = {0};
     struct oracle *oracle = NULL;
     void *self = NULL;
-    enum status status = s->engine->open(&options, &self, reason);
+    enum status status = engine_open(s->engine, &options, &self, reason);
     if (status)
         return status;
     status = s->engine->prepare(self, &job, reason);

@@ -31,10 +31,10 @@ static enum plan plan;
 static atomic_uint *deaths; /* shared */
 static struct job given;
 
-static enum status fragile_open(const struct engine_options *options, void **self,
-                                struct reason *why)
+static enum status fragile_open(const struct engine *engine, const struct engine_options *options,
+                                void **self, struct reason *why)
 {
-    (void)options;
+    (void)engine, (void)options;
     *self = &given;
     if (plan == PLAN_DIE_OPEN)
         _exit(7);
@@ -110,9 +110,10 @@ static enum status fragile_trace(void *self, const struct ray *ray, size_t count
     return STATUS_OK;
 }
 
-static struct model fragile_model(void *self, const struct tri_test *tri)
+static struct model fragile_model(const struct engine *engine, void *self,
+                                  const struct tri_test *tri)
 {
-    (void)self;
+    (void)engine, (void)self;
     return (struct model){.formula = twin_of_tri(tri->id),
                           .rounding = ROUNDING_IEEE,
                           .watertight = tri->watertight,
@@ -124,9 +125,10 @@ static void fragile_close(void *self)
     (void)self;
 }
 
-static void fragile_describe(const struct engine_options *options, char *text, size_t text_bytes)
+static void fragile_describe(const struct engine *engine, const struct engine_options *options,
+                             char *text, size_t text_bytes)
 {
-    (void)options;
+    (void)engine, (void)options;
     snprintf(text, text_bytes, "fragile 1");
 }
 

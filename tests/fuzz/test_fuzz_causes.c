@@ -43,10 +43,10 @@ static uint32_t hash_of(const struct ray *ray)
     return hash;
 }
 
-static enum status planned_open(const struct engine_options *options, void **self,
-                                struct reason *reason)
+static enum status planned_open(const struct engine *engine, const struct engine_options *options,
+                                void **self, struct reason *reason)
 {
-    (void)options, (void)reason;
+    (void)engine, (void)options, (void)reason;
     *self = &planned;
     planned.asked = 0;
     return STATUS_OK;
@@ -84,9 +84,10 @@ static enum status planned_trace(void *self, const struct ray *ray, size_t count
     return STATUS_OK;
 }
 
-static struct model planned_model(void *self, const struct tri_test *tri)
+static struct model planned_model(const struct engine *engine, void *self,
+                                  const struct tri_test *tri)
 {
-    (void)self, (void)tri;
+    (void)engine, (void)self, (void)tri;
     return (struct model){.formula = TWIN_UNKNOWN, .rounding = ROUNDING_IEEE};
 }
 

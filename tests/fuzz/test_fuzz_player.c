@@ -21,7 +21,7 @@ static size_t runnable(const struct engine **engine)
         struct reason reason;
         void *self;
         const struct engine *one = engine_find(engine_names[i]);
-        if (one->open(&options, &self, &reason))
+        if (engine_open(one, &options, &self, &reason))
             continue;
         one->close(self);
         engine[count++] = one;
@@ -119,10 +119,10 @@ static struct job planned;
 static size_t opened;
 #define AT 7u /* the ray at which */
 
-static enum status planned_open(const struct engine_options *options, void **self,
-                                struct reason *reason)
+static enum status planned_open(const struct engine *engine, const struct engine_options *options,
+                                void **self, struct reason *reason)
 {
-    (void)options, (void)reason;
+    (void)engine, (void)options, (void)reason;
     *self = &planned;
     dead = false;
     opened++;
@@ -168,9 +168,10 @@ static enum status planned_trace(void *self, const struct ray *ray, size_t count
     return STATUS_OK;
 }
 
-static struct model planned_model(void *self, const struct tri_test *tri)
+static struct model planned_model(const struct engine *engine, void *self,
+                                  const struct tri_test *tri)
 {
-    (void)self;
+    (void)engine, (void)self;
     return (struct model){.formula = twin_of_tri(tri->id),
                           .rounding = ROUNDING_IEEE,
                           .bits = true,
@@ -292,10 +293,10 @@ static void layouts_that_an_engine_does_not_take_are_refused(void **state)
 
 /* --- promises --------------------------------------------------------------------------------- */
 
-static enum status hitter_open(const struct engine_options *options, void **self,
-                               struct reason *why)
+static enum status hitter_open(const struct engine *engine, const struct engine_options *options,
+                               void **self, struct reason *why)
 {
-    (void)options, (void)why;
+    (void)engine, (void)options, (void)why;
     *self = NULL;
     return STATUS_OK;
 }
@@ -321,15 +322,16 @@ static void hitter_close(void *self)
     (void)self;
 }
 
-static struct model closed_model(void *self, const struct tri_test *tri)
+static struct model closed_model(const struct engine *engine, void *self,
+                                 const struct tri_test *tri)
 {
-    (void)self, (void)tri;
+    (void)engine, (void)self, (void)tri;
     return (struct model){.formula = TWIN_MT, .rounding = ROUNDING_IEEE};
 }
 
-static struct model open_model(void *self, const struct tri_test *tri)
+static struct model open_model(const struct engine *engine, void *self, const struct tri_test *tri)
 {
-    struct model model = closed_model(self, tri);
+    struct model model = closed_model(engine, self, tri);
     model.open = true;
     return model;
 }
@@ -339,9 +341,13 @@ static struct model open_model(void *self, const struct tri_test *tri)
 static void each_is_held_to_its_own_range(void **state)
 {
     (void)state;
-    struct engine closed = {.name = "closed", .own_tri = true, .open = hitter_open,
-                            .prepare = hitter_prepare, .trace = hitter_trace,
-                            .model = closed_model, .close = hitter_close};
+    struct engine closed = {.name = "closed",
+                            .own_tri = true,
+                            .open = hitter_open,
+                            .prepare = hitter_prepare,
+                            .trace = hitter_trace,
+                            .model = closed_model,
+                            .close = hitter_close};
     struct engine open = closed;
     open.name = "open", open.model = open_model;
     for (int turn = 0; turn < 2; turn++) {

@@ -21,10 +21,10 @@ static enum apart_plan { PLAN_DIE, PLAN_EXIT, PLAN_HANG, PLAN_EAT, PLAN_MISS } p
 static bool openable = true;
 static struct job planned;
 
-static enum status planned_open(const struct engine_options *options, void **self,
-                                struct reason *reason)
+static enum status planned_open(const struct engine *engine, const struct engine_options *options,
+                                void **self, struct reason *reason)
 {
-    (void)options;
+    (void)engine, (void)options;
     *self = &planned;
     return openable ? STATUS_OK : (fail)(reason, STATUS_UNSUPPORTED, "not here");
 }
@@ -79,9 +79,10 @@ static enum status planned_trace(void *self, const struct ray *ray, size_t count
     return STATUS_OK;
 }
 
-static struct model planned_model(void *self, const struct tri_test *tri)
+static struct model planned_model(const struct engine *engine, void *self,
+                                  const struct tri_test *tri)
 {
-    (void)self, (void)tri;
+    (void)engine, (void)self, (void)tri;
     return (struct model){.formula = TWIN_MT, .rounding = ROUNDING_IEEE};
 }
 
@@ -90,9 +91,10 @@ static void planned_close(void *self)
     (void)self;
 }
 
-static void planned_describe(const struct engine_options *options, char *text, size_t bytes)
+static void planned_describe(const struct engine *engine, const struct engine_options *options,
+                             char *text, size_t bytes)
 {
-    (void)options;
+    (void)engine, (void)options;
     snprintf(text, bytes, "made for this test");
 }
 

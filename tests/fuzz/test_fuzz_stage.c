@@ -84,10 +84,10 @@ static void each_layout_has_the_tree_of_its_bytes(void **state)
 
 static size_t prepared, memory; /* how often; how often it may be */
 
-static enum status short_open(const struct engine_options *options, void **self,
-                              struct reason *reason)
+static enum status short_open(const struct engine *engine, const struct engine_options *options,
+                              void **self, struct reason *reason)
 {
-    (void)options, (void)reason;
+    (void)engine, (void)options, (void)reason;
     *self = &memory;
     return STATUS_OK;
 }
@@ -107,9 +107,9 @@ static enum status short_trace(void *self, const struct ray *ray, size_t count, 
     return STATUS_OK;
 }
 
-static struct model short_model(void *self, const struct tri_test *tri)
+static struct model short_model(const struct engine *engine, void *self, const struct tri_test *tri)
 {
-    (void)self;
+    (void)engine, (void)self;
     return (struct model){.formula = twin_of_tri(tri->id), .rounding = ROUNDING_IEEE};
 }
 

@@ -11,21 +11,24 @@
 #include <stdio.h>
 #include <string.h>
 
-static void describe_first(const struct engine_options *options, char *text, size_t text_bytes)
+static void describe_first(const struct engine *engine, const struct engine_options *options,
+                           char *text, size_t text_bytes)
 {
-    (void)options;
+    (void)engine, (void)options;
     snprintf(text, text_bytes, " \n\tDriver 1.5 (a card)\nand more about it");
 }
 
-static void describe_threads(const struct engine_options *options, char *text, size_t text_bytes)
+static void describe_threads(const struct engine *engine, const struct engine_options *options,
+                             char *text, size_t text_bytes)
 {
-    (void)options;
+    (void)engine, (void)options;
     snprintf(text, text_bytes, "Library 3.1, kernel x, 16 threads");
 }
 
-static void describe_comma(const struct engine_options *options, char *text, size_t text_bytes)
+static void describe_comma(const struct engine *engine, const struct engine_options *options,
+                           char *text, size_t text_bytes)
 {
-    (void)options;
+    (void)engine, (void)options;
     snprintf(text, text_bytes, "Tracer 2, of threads, and cloth");
 }
 

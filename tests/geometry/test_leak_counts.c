@@ -57,9 +57,9 @@ static enum status told_trace_all(void *self, const struct ray *ray, size_t coun
     return STATUS_OK;
 }
 
-static struct model told_model(void *self, const struct tri_test *tri)
+static struct model told_model(const struct engine *engine, void *self, const struct tri_test *tri)
 {
-    (void)tri;
+    (void)engine, (void)tri;
     return ((const struct leak_told *)self)->model;
 }
 

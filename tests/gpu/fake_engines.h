@@ -61,7 +61,7 @@ static inline enum status engine_play(const struct engine *engine, const struct 
     struct engine_task task[2];
     void *self = NULL;
     *reason = (struct reason){""};
-    enum status status = engine->open(&options, &self, reason);
+    enum status status = engine_open(engine, &options, &self, reason);
     if (!status)
         status = engine->prepare(self, &job, reason);
     if (!status)
@@ -99,7 +99,7 @@ static inline enum status world_play(const struct engine *engine, const struct f
                             .box = box_test_find("robust"),
                             .tri = tri_test_find("mt"),
                             .query = QUERY_CLOSEST};
-    status = engine->open(&options, &self, reason);
+    status = engine_open(engine, &options, &self, reason);
     if (!status)
         status = engine->worlds->prepare_world(self, &job, reason);
     if (!status)

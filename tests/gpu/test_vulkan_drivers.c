@@ -330,7 +330,7 @@ static void drivers_brute_force_has_the_bits_of_c(void **state)
     struct reason reason = {""};
     void *c = NULL;
     size_t opened = 0;
-    gpu_must(engine_find("brute")->open(&options, &c, &reason), &reason);
+    gpu_must(engine_open(engine_find("brute"), &options, &c, &reason), &reason);
     for (size_t d = 0; d < ARRAY_COUNT(cpu_drivers); d++) {
         void *self = driver_open("vulkan_brute", cpu_drivers[d]);
         if (!self)
@@ -340,7 +340,8 @@ static void drivers_brute_force_has_the_bits_of_c(void **state)
             compare_brute(cpu_drivers[d], self, c, &view);
             view_free(&view);
         }
-        assert_false(engine_find("vulkan_brute")->model(self, tri_tests[0]).bits); /* no tree */
+        assert_false(
+            engine_model(engine_find("vulkan_brute"), self, tri_tests[0]).bits); /* no tree */
         engine_find("vulkan_brute")->close(self);
         opened++;
     }

@@ -98,7 +98,7 @@ static bool can_run(const char *name, const char *driver)
     const struct engine_options options = {.device = -1, .driver = driver};
     struct reason reason;
     void *self;
-    if (engine->open(&options, &self, &reason)) {
+    if (engine_open(engine, &options, &self, &reason)) {
         printf("SKIP %s: %s\n", name, reason.text);
         return false;
     }

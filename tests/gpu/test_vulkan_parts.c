@@ -81,7 +81,7 @@ static void must_part(const struct portion_case *c, const struct scene *scene,
     takes = c->takes;
     parts = 0;
     sum_ns = 0;
-    gpu_must(engine->open(&options, &self, &reason), &reason);
+    gpu_must(engine_open(engine, &options, &self, &reason), &reason);
     gpu_must(engine->prepare(self, &job, &reason), &reason);
     if (c->capacity)
         gpu_must(engine->trace_all(self, ray, c->rays, capacity, hit, found, &reason), &reason);
@@ -210,7 +210,7 @@ static void list_that_no_buffer_holds_is_refused(void **state)
         fake_reset();
         fake.run = all_done;
         fake.device[0].allocation = 32000;
-        gpu_must(engine->open(&options, &self, &reason), &reason);
+        gpu_must(engine_open(engine, &options, &self, &reason), &reason);
         gpu_must(engine->prepare(self, &job, &reason), &reason);
         gpu_must(engine->trace_all(self, s.ray, 1, 2000, hit, &found, &reason), &reason);
         assert_int_equal(engine->trace_all(self, s.ray, 1, 2001, hit, &found, &reason),
@@ -307,7 +307,7 @@ static bool must_name(const struct engine *engine, const struct fake_stage *s,
     fake.run = lose_one;
     if (way != TASKS)
         fake.device[0].base.limits.maxComputeWorkGroupCount[0] = 1;
-    gpu_must(engine->open(&options, &self, &reason), &reason);
+    gpu_must(engine_open(engine, &options, &self, &reason), &reason);
     enum status status = in_world
                              ? trace_world_in(engine, self, world, way == WORLD_LISTS, ray, &reason)
                              : trace_in(engine, self, s, way, ray, &reason);

@@ -203,7 +203,7 @@ static void engine_model_is_measured(void **state)
         void *self = driver_open("vulkan", cpu_drivers[d]);
         if (!self)
             continue;
-        struct model model = engine_find("vulkan")->model(self, tri_test_find("woop"));
+        struct model model = engine_model(engine_find("vulkan"), self, tri_test_find("woop"));
         struct rounding want =
             model.rounding.tiny == ROUNDING_IEEE.tiny ? ROUNDING_IEEE : ROUNDING_FLUSHED;
         assert_true(model.bits);

@@ -34,14 +34,14 @@ static void rayquery_says_who_has_none(void **state)
     struct reason reason = {""};
     char text[1024] = "";
     void *self = text;
-    enum status status = rayquery()->open(&options, &self, &reason);
+    enum status status = engine_open(rayquery(), &options, &self, &reason);
     if (status == STATUS_OK) /* a later SwiftShader may have them */
         rayquery()->close(self);
     else
         assert_int_equal(status, STATUS_UNSUPPORTED);
     if (status && !strstr(reason.text, "make drivers") && !strstr(reason.text, "no loader"))
         assert_non_null(strstr(reason.text, "VK_KHR_ray_query"));
-    rayquery()->describe(&options, text, sizeof text);
+    engine_describe(rayquery(), &options, text, sizeof text);
     assert_true(strlen(text) > 10);
     rayquery()->close(NULL);
 }
@@ -201,7 +201,7 @@ static void rayquery_needs_to_be_prepared(void **state)
     struct scene scene = parallel(1);
     trace_job(self, &scene, QUERY_CLOSEST, &ray, 1, &hit);
     assert_int_equal(rayquery()->trace_all(self, &ray, 1, 1, &hit, &found, &reason), STATUS_DEVICE);
-    struct model model = rayquery()->model(self, tri_tests[0]);
+    struct model model = engine_model(rayquery(), self, tri_tests[0]);
     assert_true(model.formula == TWIN_UNKNOWN && model.open && !model.bits && !model.watertight);
     rayquery()->close(self);
     scene_free(&scene);

@@ -35,10 +35,10 @@ static enum status play(const struct guest_play *how, struct guest_played *out)
     const struct job job = {.scene = &scene, .tri = tri_test_find("mt"), .query = how->query};
     void *self;
     *out = (struct guest_played){.ray = 0};
-    enum status status = engine->open(&options, &self, &out->reason);
+    enum status status = engine_open(engine, &options, &self, &out->reason);
     if (status)
         return status;
-    out->model = engine->model(self, job.tri);
+    out->model = engine_model(engine, self, job.tri);
     status = engine->prepare(self, &job, &out->reason);
     if (!status)
         status = engine->trace(self, rays, RAYS, out->hit, &out->report, &out->reason);
@@ -227,7 +227,7 @@ static void an_engine_lives_on_after_a_crash(void **state)
     struct reason reason = {""};
     void *self;
     behave("crash");
-    assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
+    assert_int_equal(engine_open(engine, &options, &self, &reason), STATUS_OK);
     assert_int_equal(engine->prepare(self, &job, &reason), STATUS_OK);
     assert_int_equal(engine->trace(self, rays, RAYS, hit, &report, &reason), STATUS_DEVICE);
     behave("good");
@@ -255,7 +255,7 @@ static void a_refusal_is_of_one_scene(void **state)
         const struct engine *engine = engine_way("guest_bad.so", inside);
         const struct engine_options options = {.peer_ms = 20000, .peer_mb = UINT32_MAX};
         void *self;
-        assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
+        assert_int_equal(engine_open(engine, &options, &self, &reason), STATUS_OK);
         for (size_t i = 0; i < ARRAY_COUNT(turns); i++) {
             const struct scene *of = turns[i].large ? &scene : &small;
             const struct job job = {.scene = of, .tri = tri_test_find("mt")};

@@ -14,7 +14,7 @@ static void *opened(const struct engine *engine)
 {
     void *self;
     struct reason reason = {""};
-    if (engine->open(&options, &self, &reason))
+    if (engine_open(engine, &options, &self, &reason))
         fail_msg("%s", reason.text);
     return self;
 }

@@ -34,7 +34,7 @@ static void *opened(const struct engine *engine, const char *what)
     struct reason reason = {""};
     void *self = NULL;
     behave(what);
-    if (engine->open(&options, &self, &reason))
+    if (engine_open(engine, &options, &self, &reason))
         fail_msg("%s", reason.text);
     return self;
 }

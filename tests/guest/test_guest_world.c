@@ -85,7 +85,7 @@ static void requests_may_get_larger(void **state)
         struct trace_report report;
         struct reason reason = {""};
         void *self;
-        if (engine->open(&options, &self, &reason) ||
+        if (engine_open(engine, &options, &self, &reason) ||
             engine->worlds->prepare_world(self, &job, &reason))
             fail_msg("%s", reason.text);
         for (size_t s = 0; s < ARRAY_COUNT(sizes); s++) {
@@ -146,14 +146,14 @@ static void a_model_is_of_what_is_prepared_last(void **state)
     for (int inside = 0; inside < 2; inside++) {
         const struct engine *engine = engine_way("guest_bad.so", inside);
         void *self;
-        if (engine->open(&options, &self, &reason))
+        if (engine_open(engine, &options, &self, &reason))
             fail_msg("%s", reason.text);
-        assert_int_equal(engine->model(self, job.tri).formula, TWIN_WOOP);
+        assert_int_equal(engine_model(engine, self, job.tri).formula, TWIN_WOOP);
         for (int turn = 0; turn < 2; turn++) {
             assert_int_equal(engine->worlds->prepare_world(self, &placed, &reason), STATUS_OK);
-            assert_int_equal(engine->model(self, job.tri).formula, TWIN_UNKNOWN);
+            assert_int_equal(engine_model(engine, self, job.tri).formula, TWIN_UNKNOWN);
             assert_int_equal(engine->prepare(self, &job, &reason), STATUS_OK);
-            assert_int_equal(engine->model(self, job.tri).formula, TWIN_WOOP);
+            assert_int_equal(engine_model(engine, self, job.tri).formula, TWIN_WOOP);
         }
         engine->close(self);
     }

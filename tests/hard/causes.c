@@ -133,7 +133,7 @@ static enum status explain_closed(const struct judged_job *from, const struct ha
 
 static bool is_closed(const struct hard_member *member, void *self)
 {
-    enum twin_formula formula = member->engine->model(self, member->tri).formula;
+    enum twin_formula formula = engine_model(member->engine, self, member->tri).formula;
     return formula == TWIN_EMBREE || formula == TWIN_EMBREE_ROBUST || formula == TWIN_UNKNOWN;
 }
 

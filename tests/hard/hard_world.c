@@ -79,7 +79,7 @@ static void check_want(struct hard_play *play, size_t i)
 static struct model model_of(const struct hard_play *play)
 {
     const struct hard_member *m = play->member;
-    struct model model = m->engine->model(play->self, m->tri);
+    struct model model = engine_model(m->engine, play->self, m->tri);
     model.watertight = model.watertight && (!m->box || m->box->watertight) &&
                        !(m->layout && play->cache->match.packed_world.split);
     return model;

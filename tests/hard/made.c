@@ -208,22 +208,24 @@ static enum status no_list(const struct job *job, const struct ray *ray, uint32_
     return STATUS_UNSUPPORTED;
 }
 
-static enum status open_last_wins(const struct engine_options *options, void **self,
-                                  struct reason *reason)
+static enum status open_last_wins(const struct engine *engine, const struct engine_options *options,
+                                  void **self, struct reason *reason)
 {
+    (void)engine;
     return cpu_rays_open(options, ray_last_wins, no_list, self, reason);
 }
 
-static enum status open_padded_4u(const struct engine_options *options, void **self,
-                                  struct reason *reason)
+static enum status open_padded_4u(const struct engine *engine, const struct engine_options *options,
+                                  void **self, struct reason *reason)
 {
+    (void)engine;
     return cpu_rays_open(options, ray_padded_4u, no_list, self, reason);
 }
 
 /* The traversal differs from cpu's: where triangles tie, another may win. */
-static struct model model_cpu(void *self, const struct tri_test *tri)
+static struct model model_cpu(const struct engine *engine, void *self, const struct tri_test *tri)
 {
-    struct model model = cpu_rays_model(self, tri);
+    struct model model = cpu_rays_model(engine, self, tri);
     model.watertight = false;
     return model;
 }

@@ -175,7 +175,7 @@ static enum status play_part(struct hard_play *play)
     if (status)
         return status;
     play->result->played++;
-    play->model = m->engine->model(play->self, m->tri);
+    play->model = engine_model(m->engine, play->self, m->tri);
     if (!job_keeps_watertight(&play->job))
         play->model.watertight = false; /* the triangle test is, but its boxes are not */
     if (m->query == QUERY_ALL)

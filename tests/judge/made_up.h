@@ -22,10 +22,10 @@ static inline enum status act(enum status status, const char *what, struct reaso
     return status ? (fail)(reason, status, "made up: %s", what) : STATUS_OK;
 }
 
-static enum status made_up_open(const struct engine_options *options, void **self,
-                                struct reason *reason)
+static enum status made_up_open(const struct engine *engine, const struct engine_options *options,
+                                void **self, struct reason *reason)
 {
-    (void)options;
+    (void)engine, (void)options;
     script.opened++;
     *self = script.open ? NULL : &script;
     return act(script.open, "open", reason);
@@ -62,9 +62,10 @@ static enum status made_up_trace(void *self, const struct ray *ray, size_t ray_c
     return STATUS_OK;
 }
 
-static struct model made_up_model(void *self, const struct tri_test *tri)
+static struct model made_up_model(const struct engine *engine, void *self,
+                                  const struct tri_test *tri)
 {
-    struct model model = cpu_rays_model(self, tri);
+    struct model model = cpu_rays_model(engine, self, tri);
     model.bits = true;
     return model;
 }

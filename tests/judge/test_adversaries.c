@@ -27,10 +27,11 @@ static struct {
     size_t calls, spoilt, hits; /* of the first call */
 } now;
 
-static enum status open_cpu(const struct engine_options *options, void **self,
-                            struct reason *reason)
+static enum status open_cpu(const struct engine *engine, const struct engine_options *options,
+                            void **self, struct reason *reason)
 {
-    return engine_find("cpu")->open(options, self, reason);
+    (void)engine;
+    return engine_open(engine_find("cpu"), options, self, reason);
 }
 
 static enum status prepare_cpu(void *self, const struct job *job, struct reason *reason)
@@ -75,9 +76,9 @@ static enum status trace_all_and_spoil(void *self, const struct ray *ray, size_t
     return status;
 }
 
-static struct model model_of(void *self, const struct tri_test *tri)
+static struct model model_of(const struct engine *engine, void *self, const struct tri_test *tri)
 {
-    (void)self, (void)tri;
+    (void)engine, (void)self, (void)tri;
     return now.cheat->model;
 }
 

@@ -215,9 +215,9 @@ static void findings_are_few_and_all_are_counted(void **state)
     done(f);
 }
 
-static struct model no_model(void *self, const struct tri_test *tri)
+static struct model no_model(const struct engine *engine, void *self, const struct tri_test *tri)
 {
-    (void)self, (void)tri;
+    (void)engine, (void)self, (void)tri;
     return (struct model){.formula = TWIN_UNKNOWN};
 }
 

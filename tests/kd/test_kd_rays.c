@@ -38,7 +38,7 @@ static void stand_of(struct kd_stand *s, struct scene scene)
     s->tree = kd_tree_of(&s->scene, s->what);
     const struct job job = {.scene = &s->scene, .query = QUERY_ALL};
     assert_int_equal(oracle_make(&s->scene, &s->oracle, NULL), STATUS_OK);
-    assert_int_equal(kd->open(&options, &s->engine, NULL), STATUS_OK);
+    assert_int_equal(engine_open(kd, &options, &s->engine, NULL), STATUS_OK);
     assert_int_equal(kd->prepare(s->engine, &job, NULL), STATUS_OK);
     s->every = calloc(s->scene.tri_count, sizeof *s->every);
     s->surely = calloc(s->scene.tri_count, sizeof *s->surely);

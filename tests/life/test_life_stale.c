@@ -145,7 +145,8 @@ static enum cause cause_after(const struct engine *engine, const struct ray *ray
     struct reason reason = {""};
     mood = HONEST;
     if (oracle_make(&lived.first, &oracle, &reason) ||
-        engine->open(&options, &from.self, &reason) || engine->prepare(from.self, &job, &reason))
+        engine_open(engine, &options, &from.self, &reason) ||
+        engine->prepare(from.self, &job, &reason))
         fail_msg("%s", reason.text);
     from.oracle = oracle;
     mood = then;

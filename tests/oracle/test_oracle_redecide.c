@@ -132,7 +132,7 @@ static void bounds_hold_for_embree(void **state)
         struct trace_report report;
         void *self;
         double largest = 0;
-        if (engine->open(&options, &self, &reason) == STATUS_UNSUPPORTED) {
+        if (engine_open(engine, &options, &self, &reason) == STATUS_UNSUPPORTED) {
             printf("SKIP %s\n", reason.text);
             scene_free(&scene);
             skip();
@@ -142,7 +142,7 @@ static void bounds_hold_for_embree(void **state)
         if (engine->prepare(self, &job, &reason) ||
             engine->trace(self, ray, RAYS, hit, &report, &reason))
             fail_msg("%s", reason.text);
-        struct model model = engine->model(self, job.tri);
+        struct model model = engine_model(engine, self, job.tri);
         struct gmp_bounds bounds;
         gmp_bounds_init(&bounds);
         for (int i = 0; i < RAYS; i++) {

@@ -37,11 +37,11 @@ static enum status play(const char *what, enum query query, uint32_t ms, struct 
     struct job job = job_of(query);
     struct trace_report report;
     void *self;
-    enum status status = engine->open(&options, &self, reason);
+    enum status status = engine_open(engine, &options, &self, reason);
     if (status)
         return status;
     if (model)
-        *model = engine->model(self, job.tri);
+        *model = engine_model(engine, self, job.tri);
     status = engine->prepare(self, &job, reason);
     if (!status)
         status = engine->trace(self, rays, RAYS, hit, &report, reason);
@@ -167,7 +167,7 @@ static void a_peer_that_died_is_started_again(void **state)
     struct reason reason = {""};
     struct hit hit[RAYS];
     void *self;
-    assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
+    assert_int_equal(engine_open(engine, &options, &self, &reason), STATUS_OK);
     assert_int_equal(engine->prepare(self, &job, &reason), STATUS_OK);
     assert_int_equal(engine->trace(self, rays, RAYS, hit, &report, &reason), STATUS_DEVICE);
     assert_int_equal(setenv("PEER", "honest", 1), 0);
@@ -231,7 +231,8 @@ static void commands_that_are_not_there_cannot_run_here(void **state)
     struct reason reason = {""};
     void *self;
     assert_int_equal(pipe_engine("pipe:no-such-tracer-here", &engine, &reason), STATUS_OK);
-    assert_int_equal(engine->open(&(struct engine_options){0}, &self, &reason), STATUS_UNSUPPORTED);
+    assert_int_equal(engine_open(engine, &(struct engine_options){0}, &self, &reason),
+                     STATUS_UNSUPPORTED);
     assert_non_null(strstr(reason.text, "exit code 127"));
     assert_non_null(strstr(reason.text, "not found"));
     assert_null(self);
@@ -248,7 +249,7 @@ static void memory_is_limited(void **state)
     assert_int_equal(pipe_engine("pipe:head -c 999999999 /dev/zero | tail", &engine, &reason),
                      STATUS_OK);
     struct engine_options options = {.peer_ms = 60000, .peer_mb = 64};
-    assert_int_equal(engine->open(&options, &self, &reason), STATUS_DEVICE);
+    assert_int_equal(engine_open(engine, &options, &self, &reason), STATUS_DEVICE);
     assert_non_null(strstr(reason.text, "memory"));
 }
 

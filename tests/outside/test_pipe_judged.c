@@ -136,7 +136,7 @@ static void recorded_answers_are_of_their_modes(void **state)
     struct reason reason = {""};
     void *self;
     assert_int_equal(recorded_engine(&recorded, &engine, &reason), STATUS_OK);
-    assert_int_equal(engine->open(NULL, &self, &reason), STATUS_OK);
+    assert_int_equal(engine_open(engine, NULL, &self, &reason), STATUS_OK);
     assert_int_equal(engine->worlds->prepare_world(self, &job, &reason), STATUS_OK);
     assert_int_equal(
         engine->worlds->trace_world(self, ray, mode, 2, out, out_tag, &report, &reason), STATUS_OK);
@@ -187,7 +187,7 @@ static void requests_of_version_1_are_what_they_were(void **state)
     assert_int_equal(setenv("PEER_FILE", path, 1), 0);
     snprintf(name, sizeof name, "pipe:tee \"$PEER_FILE\" | %.100s --scenes", program);
     assert_int_equal(pipe_engine(name, &engine, &reason), STATUS_OK);
-    assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
+    assert_int_equal(engine_open(engine, &options, &self, &reason), STATUS_OK);
     assert_int_equal(engine->worlds->prepare_world(self, &world_job, &reason), STATUS_UNSUPPORTED);
     assert_int_equal(engine->prepare(self, &job, &reason), STATUS_OK);
     if (engine->trace(self, two, 2, hit, &report, &reason) ||

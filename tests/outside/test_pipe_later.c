@@ -44,7 +44,7 @@ static void places_are_counted_over_all_requests(void **state)
         size_t told = 0;
         void *self;
         job.scene = &one;
-        assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
+        assert_int_equal(engine_open(engine, &options, &self, &reason), STATUS_OK);
         assert_int_equal(engine->prepare(self, &job, &reason), STATUS_OK);
         assert_int_equal(engine->trace(self, many, count, hit, &report, &reason), STATUS_DEVICE);
         if (!strstr(reason.text, later[i].said))
@@ -65,9 +65,9 @@ static void a_fault_is_that_of_the_last_call(void **state)
     static const struct {
         const char *what;
         enum engine_fault fault;
-    } turns[] = {{"hangs", ENGINE_LATE},  {"range", ENGINE_NONSENSE}, {"exits", ENGINE_ENDED},
-                 {"hangs", ENGINE_LATE},  {"exits", ENGINE_ENDED},    {"range", ENGINE_NONSENSE},
-                 {"exits", ENGINE_ENDED}, {"long", ENGINE_NONSENSE},  {"hangs", ENGINE_LATE},
+    } turns[] = {{"hangs", ENGINE_LATE},   {"range", ENGINE_NONSENSE}, {"exits", ENGINE_ENDED},
+                 {"hangs", ENGINE_LATE},   {"exits", ENGINE_ENDED},    {"range", ENGINE_NONSENSE},
+                 {"exits", ENGINE_ENDED},  {"long", ENGINE_NONSENSE},  {"hangs", ENGINE_LATE},
                  {"long", ENGINE_NONSENSE}};
     const struct engine *engine = peer_engine(turns[0].what);
     struct engine_options options = {.peer_ms = 400, .peer_mb = UINT32_MAX};
@@ -77,7 +77,7 @@ static void a_fault_is_that_of_the_last_call(void **state)
     struct hit hit[RAYS];
     size_t ray;
     void *self;
-    assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
+    assert_int_equal(engine_open(engine, &options, &self, &reason), STATUS_OK);
     assert_int_equal(engine->prepare(self, &job, &reason), STATUS_OK);
     for (size_t i = 0; i < ARRAY_COUNT(turns); i++) { /* each ends the process: another begins */
         assert_int_equal(setenv("PEER", turns[i].what, 1), 0);

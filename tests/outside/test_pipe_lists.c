@@ -106,7 +106,7 @@ static const struct engine *open_peer(const char *what, enum query query, void *
 {
     const struct engine *engine = peer_engine(what);
     const struct job job = job_of(query);
-    assert_int_equal(engine->open(&options, self, reason), STATUS_OK);
+    assert_int_equal(engine_open(engine, &options, self, reason), STATUS_OK);
     *status = engine->prepare(*self, &job, reason);
     return engine;
 }
@@ -119,7 +119,7 @@ static void brute_lists(struct all_hits *out)
     const struct job job = job_of(QUERY_ALL);
     struct reason reason = {""};
     void *self;
-    assert_int_equal(brute->open(&one, &self, &reason), STATUS_OK);
+    assert_int_equal(engine_open(brute, &one, &self, &reason), STATUS_OK);
     assert_int_equal(brute->prepare(self, &job, &reason), STATUS_OK);
     assert_int_equal(all_hits_next(brute, self, rays, RAYS, out, &reason), STATUS_OK);
     brute->close(self);
@@ -145,8 +145,7 @@ static void lists_arrive_as_they_were_sent(void **state)
             const size_t number = want.first[i + 1] - want.first[i];
             assert_int_equal(count[i], number);
             for (size_t k = 0; k < number && k < room; k++) /* both go through the triangles */
-                assert_memory_equal(&hit[i * room + k], &want.hit[want.first[i] + k],
-                                    sizeof *hit);
+                assert_memory_equal(&hit[i * room + k], &want.hit[want.first[i] + k], sizeof *hit);
         }
         assert_int_equal(hit[RAYS * (size_t)room].prim, 0x77777777);
     }

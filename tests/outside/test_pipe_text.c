@@ -256,12 +256,12 @@ static void a_written_answer_is_an_engine(void **state)
     assert_string_equal(name, "answer:mt:embree:1:0x1.8p+1:0x1p-1:0x1p-2:17");
     assert_int_equal(recorded_find(name, &engine, &reason), STATUS_OK);
     assert_ptr_equal(engine_find(name), engine);
-    assert_int_equal(engine->open(&(struct engine_options){0}, &self, &reason), STATUS_OK);
+    assert_int_equal(engine_open(engine, &(struct engine_options){0}, &self, &reason), STATUS_OK);
     assert_int_equal(engine->trace(self, ray, 1, &hit, &report, &reason), STATUS_OK);
     assert_memory_equal(&hit, &given, sizeof hit);
     assert_int_equal(engine->trace(self, ray + 1, 1, &hit, &report, &reason), STATUS_UNSUPPORTED);
     assert_int_equal(engine->trace(self, ray, 1, &hit, &report, &reason), STATUS_OK);
-    struct model model = engine->model(self, NULL);
+    struct model model = engine_model(engine, self, NULL);
     assert_true(model.formula == TWIN_MT && model.rounding.div == 5.5 && model.open);
     engine->close(self);
     assert_int_equal(recorded_find("answer:mt:ieee:0:miss", &engine, &reason), STATUS_LIMIT);

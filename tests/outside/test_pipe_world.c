@@ -53,7 +53,7 @@ static void rays_without_modes_meet_everything(void **state)
     uint32_t tag[RAYS], own_tag;
     void *self;
     const struct hit none = {.prim = ABI_NO_PRIM};
-    assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
+    assert_int_equal(engine_open(engine, &options, &self, &reason), STATUS_OK);
     assert_int_equal(engine->worlds->prepare_world(self, &job, &reason), STATUS_OK);
     assert_int_equal(engine->worlds->trace_world(self, ray, NULL, RAYS, hit, tag, &report, &reason),
                      STATUS_OK);
@@ -128,13 +128,13 @@ static void a_peer_of_scenes_is_left_as_it_was(void **state)
     const struct job empty = {.scene = &none, .tri = job.tri};
     struct reason reason = {""};
     void *self;
-    assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
+    assert_int_equal(engine_open(engine, &options, &self, &reason), STATUS_OK);
     assert_false(engine_traces_worlds(engine, self));
     assert_int_equal(engine->worlds->prepare_world(self, &job, &reason), STATUS_UNSUPPORTED);
     assert_int_equal(engine->prepare(self, &empty, &reason), STATUS_OK);
     engine->close(self);
     engine = peer_engine("honest");
-    assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
+    assert_int_equal(engine_open(engine, &options, &self, &reason), STATUS_OK);
     assert_true(engine_traces_worlds(engine, self));
     engine->close(self);
 }
@@ -194,7 +194,7 @@ static void a_peer_that_died_has_the_world_again(void **state)
     uint32_t tag[RAYS];
     size_t at;
     void *self;
-    assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
+    assert_int_equal(engine_open(engine, &options, &self, &reason), STATUS_OK);
     assert_int_equal(engine->worlds->prepare_world(self, &job, &reason), STATUS_OK);
     assert_int_equal(engine->worlds->trace_world(self, ray, mode, RAYS, hit, tag, &report, &reason),
                      STATUS_DEVICE);

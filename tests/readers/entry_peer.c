@@ -137,7 +137,7 @@ static bool play(const char *bytes, size_t size)
     peer.end = bytes + size;
     READER_MUST(pipe_engine("pipe:peer", &engine, &reason) == STATUS_OK);
     READER_MUST(scene_open("soup:n=4,seed=1", 1, &scene, &reason) == STATUS_OK);
-    enum status status = engine->open(&options, &self, &reason);
+    enum status status = engine_open(engine, &options, &self, &reason);
     if (status) {
         READER_MUST(status == STATUS_DEVICE || status == STATUS_UNSUPPORTED);
         reader_must_be_reason(&reason);

@@ -51,12 +51,12 @@ static void stand_make(struct show_stand *s, const char *spec, const char *layou
     s->view = camera_view(&camera, PROFILE_REPAIRED, WIDTH, HEIGHT);
     const struct engine *cpu = engine_find("cpu");
     struct engine_options options = {.threads = 2, .device = -1};
-    assert_int_equal(cpu->open(&options, &s->self, &reason), STATUS_OK);
+    assert_int_equal(engine_open(cpu, &options, &s->self, &reason), STATUS_OK);
     assert_int_equal(cpu->prepare(s->self, &s->job.job, &reason), STATUS_OK);
     assert_int_equal(numbers_make(&s->scene, &s->subject.bvh, &s->subject.packed, s->job.job.box,
                                   s->job.job.tri, &s->numbers, &reason),
                      STATUS_OK);
-    struct model model = cpu->model(s->self, s->job.job.tri);
+    struct model model = engine_model(cpu, s->self, s->job.job.tri);
     assert_int_equal(oracle_make(&s->scene, &s->oracle, &reason), STATUS_OK);
     assert_int_equal(judge_make(s->oracle, &model, QUERY_CLOSEST, &s->judge, &reason), STATUS_OK);
 }

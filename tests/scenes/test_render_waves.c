@@ -45,15 +45,16 @@ static enum status may_fail(struct reason *why)
     return (fail)(why, STATUS_DEVICE, "call %zu fails", did.calls - 1);
 }
 
-static enum status counted_open(const struct engine_options *options, void **self,
-                                struct reason *why)
+static enum status counted_open(const struct engine *engine, const struct engine_options *options,
+                                void **self, struct reason *why)
 {
+    (void)engine;
     enum status status = may_fail(why);
     if (status)
         return status;
     struct wave_instance *made = alloc_zeroed(1, sizeof *made);
     assert_non_null(made);
-    assert_int_equal(engine_find("cpu")->open(options, &made->cpu, why), STATUS_OK);
+    assert_int_equal(engine_open(engine_find("cpu"), options, &made->cpu, why), STATUS_OK);
     did.opened++;
     *self = made;
     return STATUS_OK;

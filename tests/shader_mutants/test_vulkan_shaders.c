@@ -301,7 +301,7 @@ static void trace_by(const char *engine, const struct gpu_case *f, const struct 
     struct reason reason = {""};
     struct trace_report report;
     void *self;
-    gpu_must(engine_find(engine)->open(&options, &self, &reason), &reason);
+    gpu_must(engine_open(engine_find(engine), &options, &self, &reason), &reason);
     gpu_must(engine_find(engine)->prepare(self, job, &reason), &reason);
     gpu_must(engine_find(engine)->trace(self, f->ray, f->ray_count, hit, &report, &reason),
              &reason);

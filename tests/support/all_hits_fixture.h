@@ -73,7 +73,7 @@ static inline void *stand_open(const struct engine *engine)
     struct engine_options options = {.threads = 2, .device = -1};
     struct reason reason = {""};
     void *self = NULL;
-    enum status status = engine->open(&options, &self, &reason);
+    enum status status = engine_open(engine, &options, &self, &reason);
     if (status == STATUS_UNSUPPORTED) {
         print_message("SKIP %s\n", reason.text);
         skip();

@@ -171,7 +171,7 @@ static inline void *driver_open(const char *engine, const char *driver)
     const struct engine_options options = {.driver = driver, .device = -1};
     struct reason reason = {""};
     void *self = NULL;
-    enum status status = engine_find(engine)->open(&options, &self, &reason);
+    enum status status = engine_open(engine_find(engine), &options, &self, &reason);
     if (status == STATUS_UNSUPPORTED) {
         print_message("SKIP %s\n", reason.text);
         return NULL;

@@ -78,7 +78,7 @@ static inline void *open_engine(const struct engine *engine)
     const struct engine_options options = {.device = -1, .threads = 2};
     struct reason reason;
     void *self;
-    enum status status = engine->open(&options, &self, &reason);
+    enum status status = engine_open(engine, &options, &self, &reason);
     if (status == STATUS_UNSUPPORTED)
         return NULL;
     if (status)

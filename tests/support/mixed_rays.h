@@ -22,20 +22,20 @@ static inline struct world_job job_of(enum query query)
  * not OK. */
 static inline enum status play_world(const struct engine *engine,
                                      const struct engine_options *options, enum query query,
-                                     int times, struct hit *hit, uint32_t *tag,
-                                     struct model *model, struct reason *reason)
+                                     int times, struct hit *hit, uint32_t *tag, struct model *model,
+                                     struct reason *reason)
 {
     const struct world_job job = job_of(query);
     struct trace_report report;
     void *self;
-    enum status status = engine->open(options, &self, reason);
+    enum status status = engine_open(engine, options, &self, reason);
     if (status)
         return status;
     status = engine->worlds->prepare_world(self, &job, reason);
     for (int i = 0; i < times && !status; i++)
         status = engine->worlds->trace_world(self, ray, mode, RAYS, hit, tag, &report, reason);
     if (model)
-        *model = engine->model(self, job.tri);
+        *model = engine_model(engine, self, job.tri);
     engine->close(self);
     return status;
 }

@@ -96,7 +96,7 @@ static inline void judged_sort(struct hit *hit, uint32_t *tag, uint32_t count)
 static inline void judged_lists(const struct match *match, const struct engine *engine, void *self,
                                 const char *what, struct judged_sum *sum)
 {
-    const struct model model = engine->model(self, tri_tests[0]);
+    const struct model model = engine_model(engine, self, tri_tests[0]);
     const size_t rays = match->ray_count;
     size_t wrong[WRONG_COUNT] = {0};
     struct judge *judge;

@@ -37,7 +37,7 @@ static struct opened open_named(size_t which)
     const struct engine_options options = {.threads = 2, .device = -1};
     struct opened o = {.engine = engine_find(names[which])};
     assert_non_null(o.engine);
-    enum status status = o.engine->open(&options, &o.self, &o.reason);
+    enum status status = engine_open(o.engine, &options, &o.self, &o.reason);
     if (status == STATUS_UNSUPPORTED) {
         assert_null(o.self);
         assert_true(strlen(o.reason.text) > 10);
@@ -81,7 +81,7 @@ static struct scene generated(const char *spec)
 static size_t judged_hits(struct opened *o, const struct scene *scene, enum query query,
                           const struct ray *ray, size_t count)
 {
-    struct model model = o->engine->model(o->self, tri_tests[0]);
+    struct model model = engine_model(o->engine, o->self, tri_tests[0]);
     struct oracle *oracle;
     struct judge *judge;
     struct oracle_answer *truth = calloc(count, sizeof *truth);
@@ -152,7 +152,7 @@ static void modes_answer_as_single_rays(void **state)
             struct opened a = open_named(0), b = {.engine = embree_modes[mode]};
             const struct engine_options options = {.threads = 2, .device = -1};
             size_t same = 0, hits = 0;
-            assert_int_equal(b.engine->open(&options, &b.self, &b.reason), STATUS_OK);
+            assert_int_equal(engine_open(b.engine, &options, &b.self, &b.reason), STATUS_OK);
             prepare(&a, &scene, (enum query)query);
             prepare(&b, &scene, (enum query)query);
             hit[COUNT].prim = 12345;
@@ -373,10 +373,10 @@ static void embree_says_what_it_is(void **state)
     for (size_t which = 0; which < ARRAY_COUNT(names); which++) {
         const struct engine *engine = engine_find(names[which]);
         char text[200] = "", cut[8];
-        assert_false(engine->needs_packed || engine->model(NULL, tri_tests[0]).bits);
-        engine->describe(&options, text, sizeof text);
+        assert_false(engine->needs_packed || engine_model(engine, NULL, tri_tests[0]).bits);
+        engine_describe(engine, &options, text, sizeof text);
         assert_non_null(strstr(text, HAVE_EMBREE ? "Embree " : "built without Embree"));
-        engine->describe(&options, cut, sizeof cut);
+        engine_describe(engine, &options, cut, sizeof cut);
         assert_true(strlen(cut) < sizeof cut);
     }
 }

@@ -42,7 +42,7 @@ static void prepare(bool bare, enum query query)
     const struct world_job job = {
         .world = &world, .box = box_tests[0], .tri = tri_tests[0], .query = query, .bare = bare};
     calls_forget();
-    assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
+    assert_int_equal(engine_open(engine, &options, &self, &reason), STATUS_OK);
     assert_int_equal(engine->worlds->prepare_world(self, &job, &reason), STATUS_OK);
 }
 

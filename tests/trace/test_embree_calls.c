@@ -26,7 +26,7 @@ static void *opened(const struct engine *engine, const struct engine_options *op
 {
     struct reason reason = {""};
     void *self = NULL;
-    if (engine->open(options, &self, &reason))
+    if (engine_open(engine, options, &self, &reason))
         fail_msg("%s: %s", engine->name, reason.text);
     return self;
 }
@@ -84,11 +84,11 @@ static void without_a_device_there_is_no_engine(void **state)
         calls_forget();
         calls.no_device = true;
         calls.error = RTC_ERROR_UNSUPPORTED_CPU;
-        assert_int_equal(mode_at(which)->open(&one, &self, &reason), STATUS_UNSUPPORTED);
+        assert_int_equal(engine_open(mode_at(which), &one, &self, &reason), STATUS_UNSUPPORTED);
         assert_null(self);
         assert_string_equal(reason.text, "Embree: no device for this processor (error 5)");
         mode_at(which)->close(self);
-        mode_at(which)->describe(&one, text, sizeof text);
+        engine_describe(mode_at(which), &one, text, sizeof text);
         assert_string_equal(text, "no device for this processor");
         assert_int_equal(calls.made, 0);
         expect_alive(0, 0);
@@ -106,7 +106,7 @@ static void what_it_is_is_described(void **state)
                 calls_forget();
                 calls.no_ray_masks = without;
                 calls.version[0] = 7, calls.version[1] = 11, calls.version[2] = 13;
-                mode_at(which)->describe(&options, text, sizeof text);
+                engine_describe(mode_at(which), &options, text, sizeof text);
                 snprintf(want, sizeof want, "Embree 7.11.13, %u threads%s", threads,
                          without ? ", without masks of rays" : "");
                 assert_string_equal(text, want);

@@ -31,7 +31,7 @@ static void *opened(bool unguarded, bool without_masks)
     calls_forget();
     calls.no_ray_masks = without_masks;
     engine = engine_find("embree");
-    if (engine->open(&options, &self, &reason))
+    if (engine_open(engine, &options, &self, &reason))
         fail_msg("%s", reason.text);
     return self;
 }

@@ -20,10 +20,10 @@ static void need_embree(void)
     char text[200] = "";
     void *self;
     struct reason reason;
-    if (embree->open(&options, &self, &reason))
+    if (engine_open(embree, &options, &self, &reason))
         skip();
     embree->close(self);
-    embree->describe(&options, text, sizeof text);
+    engine_describe(embree, &options, text, sizeof text);
     if (!version_told(text, "Embree 3..4.3.3"))
         skip();
 }

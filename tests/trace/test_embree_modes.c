@@ -82,7 +82,7 @@ static const struct engine *opened(const char *name, void **self)
     enum status status = embree_named(name, &engine, &reason);
     if (status == STATUS_UNSUPPORTED)
         return NULL;
-    if (status || engine->open(&options, self, &reason))
+    if (status || engine_open(engine, &options, self, &reason))
         fail_msg("%s: %s", name, reason.text);
     return engine;
 }
@@ -143,7 +143,7 @@ static void every_mode_is_what_it_is_called(void **state)
                         continue;
                     snprintf(called, sizeof called, "rtcIntersect%u or rtcOccluded%u", wide, wide);
                     assert_string_equal(engine->called(self), called);
-                    const struct model model = engine->model(self, tri_tests[0]);
+                    const struct model model = engine_model(engine, self, tri_tests[0]);
                     assert_int_equal(model.formula, mode.robust ? TWIN_EMBREE_ROBUST : TWIN_EMBREE);
                     assert_ptr_equal(engine->plain,
                                      engine_find(mode.robust ? "embree_robust" : "embree"));

@@ -103,7 +103,7 @@ static void measure(const struct oracle *oracle, const struct ray *ray, const st
 
 static void play(const struct engine *engine, void *self)
 {
-    const struct model model = engine->model(self, NULL);
+    const struct model model = engine_model(engine, self, NULL);
     const struct job job = {.scene = &now.scene, .query = QUERY_CLOSEST};
     struct oracle *oracle;
     struct judge *judge;
@@ -140,7 +140,7 @@ static void what_embree_loses_among_layers_is_within_its_errors(void **state)
     void *self;
     const char *scenes = getenv("RAYDIFF_NEAR_SCENES");
     long count = scenes ? strtol(scenes, NULL, 10) : SCENES;
-    if (engine->open(&options, &self, &reason))
+    if (engine_open(engine, &options, &self, &reason))
         skip();
     for (long i = 0; i < count; i++) {
         draw_scene(&rng);

@@ -26,7 +26,7 @@ static void prepare(enum query query)
     const struct job job = {
         .scene = mesh.scene, .box = box_tests[0], .tri = tri_tests[0], .query = query};
     calls_forget();
-    assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
+    assert_int_equal(engine_open(engine, &options, &self, &reason), STATUS_OK);
     assert_int_equal(engine->prepare(self, &job, &reason), STATUS_OK);
 }
 
@@ -206,7 +206,7 @@ static void hits_are_those_of_their_lanes(void **state)
     prepare(QUERY_CLOSEST);
     const struct job job = {.scene = mesh.scene, .box = box_tests[0], .tri = tri_tests[0]};
     void *packets;
-    assert_int_equal(embree_modes[0]->open(&options, &packets, NULL), STATUS_OK);
+    assert_int_equal(engine_open(embree_modes[0], &options, &packets, NULL), STATUS_OK);
     assert_int_equal(embree_modes[0]->prepare(packets, &job, NULL), STATUS_OK);
     calls.answer16 = answer_lanes;
     for (uint32_t i = 0; i < 40; i++)
@@ -270,7 +270,7 @@ static void every_ray_of_several_batches_has_its_answer(void **state)
                 const struct job job = {.scene = mesh.scene, .query = (enum query)query};
                 engine->close(self);
                 engine = embree_modes[mode - 1];
-                assert_int_equal(engine->open(&options, &self, NULL), STATUS_OK);
+                assert_int_equal(engine_open(engine, &options, &self, NULL), STATUS_OK);
                 assert_int_equal(engine->prepare(self, &job, NULL), STATUS_OK);
             }
             for (size_t i = 0; i < COUNT; i++)

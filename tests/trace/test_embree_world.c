@@ -22,7 +22,7 @@ static struct laws open_named(size_t which)
     struct reason reason = {""};
     assert_non_null(laws.engine);
     assert_non_null(laws.engine->worlds);
-    enum status status = laws.engine->open(&options, &laws.self, &reason);
+    enum status status = engine_open(laws.engine, &options, &laws.self, &reason);
     if (status == STATUS_UNSUPPORTED) {
         printf("SKIP %s\n", reason.text);
         skip();
@@ -45,7 +45,7 @@ static void the_laws_are_those_of_brute(void **state)
 {
     (void)state;
     struct laws laws = {.engine = engine_find("brute")};
-    assert_int_equal(laws.engine->open(&options, &laws.self, NULL), STATUS_OK);
+    assert_int_equal(engine_open(laws.engine, &options, &laws.self, NULL), STATUS_OK);
     laws_of_names(&laws);
     laws_of_masks(&laws);
     laws_of_flags(&laws);
@@ -123,7 +123,7 @@ static struct world two_sizes(float scale)
 static bool has_masks(const struct engine *engine)
 {
     char text[200];
-    engine->describe(&options, text, sizeof text);
+    engine_describe(engine, &options, text, sizeof text);
     return !strstr(text, "without masks");
 }
 

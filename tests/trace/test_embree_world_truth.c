@@ -18,7 +18,7 @@ static void no_generator_has_what_rounding_does_not_explain(void **state)
         struct reason reason = {""};
         void *self;
         assert_non_null(engine);
-        enum status status = engine->open(&options, &self, &reason);
+        enum status status = engine_open(engine, &options, &self, &reason);
         if (status == STATUS_UNSUPPORTED) {
             printf("SKIP %s\n", reason.text);
             skip();

@@ -126,7 +126,7 @@ static void engines_find_what_is_there(const char *name, const char *const *layo
     const struct engine *engine = engine_find(name);
     struct reason reason = {""};
     void *self = NULL;
-    enum status status = engine->open(&options, &self, &reason);
+    enum status status = engine_open(engine, &options, &self, &reason);
     if (status == STATUS_UNSUPPORTED) {
         print_message("SKIP %s\n", reason.text);
         skip();

@@ -81,7 +81,7 @@ static void *opened(const struct engine *engine, unsigned count)
     const struct engine_options options = {.threads = count, .device = -1};
     struct reason reason = {""};
     void *self = NULL;
-    if (engine->open(&options, &self, &reason))
+    if (engine_open(engine, &options, &self, &reason))
         fail_msg("%s: %s", engine->name, reason.text);
     return self;
 }

@@ -118,7 +118,7 @@ static void each_task_has_its_own_job_and_answers(void **state)
             struct engine_task task[TASKS];
             struct reason reason = {""};
             void *self;
-            assert_int_equal(engine->open(&options, &self, &reason), STATUS_OK);
+            assert_int_equal(engine_open(engine, &options, &self, &reason), STATUS_OK);
             for (uint32_t i = 0; i < TASKS; i++)
                 task[i] = task_of(i, &got[i]);
             assert_int_equal(engine->trace_tasks(self, task, count, &reason), STATUS_OK);
@@ -218,8 +218,8 @@ static void engines_are_judged_by_their_triangle_test(void **state)
             const struct engine *engine = engine_find(names[e]);
             const struct tri_test *tri = engine->own_tri ? tri_test_find("woop") : tri_tests[t];
             void *self;
-            assert_int_equal(engine->open(&options, &self, NULL), STATUS_OK);
-            struct model got = engine->model(self, tri_tests[t]);
+            assert_int_equal(engine_open(engine, &options, &self, NULL), STATUS_OK);
+            struct model got = engine_model(engine, self, tri_tests[t]);
             struct model want = model_of_tri(tri, ROUNDING_IEEE, false);
             want.bits = e >= 3;
             expect_model(&got, want);
@@ -231,8 +231,8 @@ static void embree_is_judged_by_its_mode(void **state)
 {
     (void)state;
     for (size_t t = 0; tri_tests[t]; t++) {
-        struct model plain = engine_find("embree")->model(NULL, tri_tests[t]);
-        struct model robust = engine_find("embree_robust")->model(NULL, tri_tests[t]);
+        struct model plain = engine_model(engine_find("embree"), NULL, tri_tests[t]);
+        struct model robust = engine_model(engine_find("embree_robust"), NULL, tri_tests[t]);
         expect_model(&plain, (struct model){.formula = TWIN_EMBREE,
                                             .rounding = ROUNDING_EMBREE,
                                             .slab = true,
@@ -250,7 +250,7 @@ static void check_refused(const char *name)
     const struct engine *engine = engine_find(name);
     uint32_t refused = 0, taken = 0;
     void *self;
-    assert_int_equal(engine->open(&options, &self, NULL), STATUS_OK);
+    assert_int_equal(engine_open(engine, &options, &self, NULL), STATUS_OK);
     for (size_t l = 0; layouts_all[l]; l++) {
         struct packed packed;
         struct reason reason = {""};
@@ -289,11 +289,11 @@ static void engines_say_what_they_are(void **state)
     for (size_t e = 0; e < ARRAY_COUNT(what); e++) {
         const struct engine_options options = {.threads = 7, .device = -1}, all = {.device = -1};
         char text[200] = "", cut[6] = "";
-        engine_find(what[e][0])->describe(&options, text, sizeof text);
+        engine_describe(engine_find(what[e][0]), &options, text, sizeof text);
         assert_string_equal(text, what[e][1]);
-        engine_find(what[e][0])->describe(&options, cut, sizeof cut);
+        engine_describe(engine_find(what[e][0]), &options, cut, sizeof cut);
         assert_string_equal(cut, "7 thr");
-        engine_find(what[e][0])->describe(&all, text, sizeof text);
+        engine_describe(engine_find(what[e][0]), &all, text, sizeof text);
         assert_int_equal(atoi(text), omp_get_max_threads());
     }
 }

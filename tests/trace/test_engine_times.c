@@ -66,7 +66,7 @@ static void expect_time(const struct engine *engine, struct timed *t, bool world
     struct trace_report report = {0};
     struct reason reason = {""};
     void *self = NULL;
-    if (engine->open(&options, &self, &reason))
+    if (engine_open(engine, &options, &self, &reason))
         return;
     enum status status = world ? engine->worlds->prepare_world(self, &world_job, &reason)
                                : engine->prepare(self, &job, &reason);

@@ -231,7 +231,7 @@ static bool play(const struct engine *engine, const char *box, uint32_t rays)
     struct engine_options options = {.threads = 2, .device = -1};
     struct reason reason = {""};
     void *self = NULL;
-    enum status status = engine->open(&options, &self, &reason);
+    enum status status = engine_open(engine, &options, &self, &reason);
     for (enum query query = 0; query < QUERY_COUNT && !status; query++) {
         struct job job = {.scene = &stand.scene,
                           .packed = &stand.packed,

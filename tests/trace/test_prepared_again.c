@@ -78,7 +78,7 @@ static void check_engine(const struct engine *engine, const struct ray *ray)
     const struct engine_options options = {.threads = 2, .device = -1};
     struct reason reason = {""};
     void *self, *fresh;
-    if (engine->open(&options, &self, &reason) == STATUS_UNSUPPORTED) {
+    if (engine_open(engine, &options, &self, &reason) == STATUS_UNSUPPORTED) {
         print_message("SKIP %s: %s\n", engine->name, reason.text);
         return;
     }
@@ -88,7 +88,7 @@ static void check_engine(const struct engine *engine, const struct ray *ray)
         struct again_stage stage;
         const char *spec = specs[turn % ARRAY_COUNT(specs)];
         stage_make(&stage, spec, engine, turn / 3 % 2 ? QUERY_ANY : QUERY_CLOSEST);
-        gpu_must(engine->open(&options, &fresh, &reason), &reason);
+        gpu_must(engine_open(engine, &options, &fresh, &reason), &reason);
         size_t hits = play(engine, fresh, &stage.job, ray, wanted);
         engine->close(fresh);
         (void)play(engine, self, &stage.job, ray, hit);

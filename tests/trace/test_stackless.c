@@ -80,7 +80,7 @@ static void the_device_has_the_same_bits(void **state)
         struct job job = stand_job(&s, "robust", "mt", QUERY_CLOSEST);
         enum status status = cpu->prepare(self_a, &job, &reason);
         assert_int_equal(gpu->prepare(self_b, &job, &reason), status);
-        if (!status && gpu->model(self_b, tri_tests[0]).bits) {
+        if (!status && engine_model(gpu, self_b, tri_tests[0]).bits) {
             assert_int_equal(cpu->trace(self_a, s.ray, RAYS, a, &report, &reason), STATUS_OK);
             assert_int_equal(gpu->trace(self_b, s.ray, RAYS, b, &report, &reason), STATUS_OK);
             assert_memory_equal(a, b, sizeof a);

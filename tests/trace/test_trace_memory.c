@@ -23,7 +23,7 @@ static uint64_t told(const char *name, const struct fixture_stand *s, const stru
     struct hit hit[RAYS];
     void *self;
     job.packed = packed;
-    stand_must(engine->open(&options, &self, &reason), &reason);
+    stand_must(engine_open(engine, &options, &self, &reason), &reason);
     enum status status = engine->prepare(self, &job, &reason);
     if (!status)
         stand_must(engine->trace(self, s->ray, s->ray_count, hit, &report, &reason), &reason);

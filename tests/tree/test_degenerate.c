@@ -174,7 +174,7 @@ static void engines_open(struct degenerate_asked *a)
 {
     const struct engine_options options = {.threads = 1, .device = -1};
     for (size_t e = 0; e < ENGINES; e++)
-        assert_int_equal(engine_find(engine_name[e])->open(&options, &a->engine[e], NULL),
+        assert_int_equal(engine_open(engine_find(engine_name[e]), &options, &a->engine[e], NULL),
                          STATUS_OK);
 }
 

@@ -173,7 +173,7 @@ static void every_member_has_the_bits_of_c(void **state)
     const struct engine_options options = {.device = -1};
     struct reason reason = {""};
     void *self = NULL;
-    enum status status = engine_find("vulkan")->open(&options, &self, &reason);
+    enum status status = engine_open(engine_find("vulkan"), &options, &self, &reason);
     if (status == STATUS_UNSUPPORTED) {
         print_message("SKIP %s\n", reason.text);
         skip();

@@ -125,7 +125,7 @@ enum status world_play(const struct world_ground *ground, const struct tally_con
     }
     status = who->engine->worlds->trace_world(self, ground->ray, ground->mode, ground->count,
                                               ground->hit, ground->tag, &report, reason);
-    const struct model model = who->engine->model(self, who->tri);
+    const struct model model = engine_model(who->engine, self, who->tri);
     if (!status)
         status = judge_all(ground, &model, out, reason);
     if (!status && out->verdict[VERDICT_WRONG] > 0)

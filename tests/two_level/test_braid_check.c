@@ -239,7 +239,7 @@ static void fast_takes_braided_worlds(void **state)
         const struct engine *engine = engine_find(names[e]);
         struct reason reason = {""};
         void *self;
-        if (engine->open(&options, &self, &reason) ||
+        if (engine_open(engine, &options, &self, &reason) ||
             engine->worlds->prepare_world(self, &job, &reason) ||
             engine->worlds->trace_world(self, ray, NULL, FAST_RAYS, hit[e], tag[e], &report,
                                         &reason))

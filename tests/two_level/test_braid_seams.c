@@ -220,7 +220,7 @@ static void nor_by_the_shader(void **state)
     const struct engine_options options = {.threads = 1, .device = -1};
     struct reason reason = {""};
     void *self;
-    if (vulkan->open(&options, &self, &reason)) {
+    if (engine_open(vulkan, &options, &self, &reason)) {
         print_message("SKIP %s\n", reason.text);
         skip();
     }

@@ -267,7 +267,7 @@ static void an_engine_goes_from_worlds_to_scenes_and_back(void **state)
     void *self;
     for (uint32_t i = 0; i < 2 * STAND_RAYS; i++)
         ray[i] = stand_aim(&packed, 3, i);
-    assert_int_equal(fast->open(&options, &self, &reason), STATUS_OK);
+    assert_int_equal(engine_open(fast, &options, &self, &reason), STATUS_OK);
     for (int turn = 0; turn < 4; turn++) {
         struct trace_report report;
         if (turn % 2) {
@@ -309,7 +309,7 @@ static void worlds_may_go_before_the_engine(void **state)
     const struct engine_options options = {.threads = 1, .device = -1};
     struct reason reason = {""};
     void *self;
-    assert_int_equal(fast->open(&options, &self, &reason), STATUS_OK);
+    assert_int_equal(engine_open(fast, &options, &self, &reason), STATUS_OK);
     for (uint32_t turn = 0; turn < 6; turn++) {
         struct world world = fixture_room(1 + turn % 3, 4);
         for (uint32_t m = 0; m < world.mesh_count; m++)

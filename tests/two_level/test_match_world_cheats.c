@@ -164,9 +164,10 @@ static void another_face_now_and_then(unsigned spoilt, struct hit *hit, uint32_t
 }
 
 /* As the cheating engine, but with the bits of engine cpu to be kept. */
-static struct model model_of_bits(void *self, const struct tri_test *tri)
+static struct model model_of_bits(const struct engine *engine, void *self,
+                                  const struct tri_test *tri)
 {
-    struct model model = cpu_rays_model(self, tri);
+    struct model model = cpu_rays_model(engine, self, tri);
     model.bits = true;
     return model;
 }

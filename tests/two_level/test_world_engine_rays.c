@@ -59,7 +59,7 @@ static void *prepared(const struct engine *engine, unsigned count, const struct 
     const struct world_job job = stand_job(&world, engine->needs_packed ? of : NULL, query);
     struct reason reason = {""};
     void *self = NULL;
-    if (engine->open(&options, &self, &reason) ||
+    if (engine_open(engine, &options, &self, &reason) ||
         engine->worlds->prepare_world(self, &job, &reason))
         fail_msg("%s: %s", engine->name, reason.text);
     return self;

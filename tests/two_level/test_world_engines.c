@@ -55,7 +55,7 @@ static void *opened(const struct engine *engine, uint32_t threads)
     void *self;
     struct engine_options options = {.threads = threads, .device = -1};
     struct reason reason = {""};
-    if (engine->open(&options, &self, &reason))
+    if (engine_open(engine, &options, &self, &reason))
         fail_msg("%s", reason.text);
     return self;
 }

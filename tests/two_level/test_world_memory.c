@@ -87,7 +87,7 @@ static enum status do_engine(const char *name, const struct steps *steps, struct
     const struct packed_world *packed = engine->needs_packed ? &steps->packed : NULL;
     struct world_job job = stand_job(&steps->world, packed, QUERY_CLOSEST);
     void *self = &job;
-    enum status status = engine->open(&options, &self, reason);
+    enum status status = engine_open(engine, &options, &self, reason);
     if (status)
         assert_null(self);
     for (int time = 0; time < 2 && !status; time++) /* what the first made is given back */
@@ -119,7 +119,7 @@ static bool can_be_opened(const char *name)
     const struct engine_options options = {.threads = 1, .device = -1};
     struct reason reason = {""};
     void *self;
-    enum status status = engine->open(&options, &self, &reason);
+    enum status status = engine_open(engine, &options, &self, &reason);
     engine->close(self);
     return status == STATUS_OK;
 }

@@ -235,10 +235,10 @@ static void cheat_spoil(const struct ray *ray, struct hit *hit, uint32_t *tag)
         cheater.spoil(cheater.spoilt++, hit, tag);
 }
 
-static enum status cheat_open(const struct engine_options *options, void **self,
-                              struct reason *reason)
+static enum status cheat_open(const struct engine *engine, const struct engine_options *options,
+                              void **self, struct reason *reason)
 {
-    (void)options, (void)reason;
+    (void)engine, (void)options, (void)reason;
     *self = &cheater;
     return STATUS_OK;
 }

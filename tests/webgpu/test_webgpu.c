@@ -162,7 +162,7 @@ static void test_bounds(void **state)
     const double subnormal = (double)nextafterf(0x1p-126f, 0.0f);
     assert_true(subnormal <= wgsl.tiny && subnormal > wgsl.tiny * 0.99);
     for (size_t t = 0; tri_tests[t]; t++) {
-        const struct model model = engine_find("webgpu")->model(NULL, tri_tests[t]);
+        const struct model model = engine_model(engine_find("webgpu"), NULL, tri_tests[t]);
         assert_memory_equal(&model.rounding, &wgsl, sizeof wgsl);
         assert_false(model.bits || model.watertight);
         assert_int_equal(model.open, tri_tests[t]->open);

@@ -26,7 +26,7 @@ static struct laws open_brute(uint32_t threads)
 {
     struct laws laws = {.engine = engine_find("brute")};
     const struct engine_options options = {.threads = threads, .device = -1};
-    assert_int_equal(laws.engine->open(&options, &laws.self, NULL), STATUS_OK);
+    assert_int_equal(engine_open(laws.engine, &options, &laws.self, NULL), STATUS_OK);
     return laws;
 }
 

@@ -151,7 +151,7 @@ static void every_engine_answers_worlds_the_same_in_pieces(void **state)
             struct world_job job = stand_job(&world, &packed, (enum query)query);
             struct reason reason = {""};
             void *self;
-            enum status status = engines[e]->open(&options, &self, &reason);
+            enum status status = engine_open(engines[e], &options, &self, &reason);
             if (status == STATUS_UNSUPPORTED) {
                 print_message("SKIP %s\n", reason.text);
                 break;

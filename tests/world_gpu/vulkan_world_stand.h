@@ -33,12 +33,12 @@ static inline int open_engines(void **state)
     struct reason reason = {""};
     vulkan = engine_find("vulkan");
     cpu = engine_find("cpu");
-    if (vulkan->open(&options, &on_gpu, &reason)) {
+    if (engine_open(vulkan, &options, &on_gpu, &reason)) {
         print_message("SKIP %s\n", reason.text);
         on_gpu = NULL;
         return 0;
     }
-    return cpu->open(&options, &on_cpu, NULL) != STATUS_OK;
+    return engine_open(cpu, &options, &on_cpu, NULL) != STATUS_OK;
 }
 
 static inline int close_engines(void **state)
