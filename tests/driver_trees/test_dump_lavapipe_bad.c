@@ -1,18 +1,8 @@
 /* Files of lavapipe with mistakes: what is wrong with a tree is named, and what is no such file is
  * refused, whatever its words say. */
-#include "tests/driver_trees/lavapipe_file.h"
+#include "tests/driver_trees/tree_laws.h"
 
 static struct lvp_file file;
-
-static void must_refuse(const char *rule)
-{
-    struct tree_dump dump;
-    struct reason reason = {""};
-    assert_int_equal(lvp_read(&file, file.size, &dump, &reason), STATUS_INPUT);
-    if (!strstr(reason.text, rule))
-        fail_msg("%s, not %s", reason.text, rule);
-    assert_true(!dump.node && !dump.below && !dump.instance && !dump.source);
-}
 
 static void children_that_make_no_tree_are_named(void **state)
 {
@@ -79,11 +69,11 @@ static void children_that_are_nowhere_are_refused(void **state)
                             0};
     for (size_t i = 0; i < ARRAY_COUNT(bad); i++) {
         lvp_put(&file, at, bad[i]);
-        must_refuse("t: structure at byte 0: box 1: child 1 is ");
+        tree_must_refuse(&file, "t: structure at byte 0: box 1: child 1 is ");
     }
     lvp_write(&file, &world, NULL);
     lvp_put(&file, lvp_box_word(&file, 1, 0, 48), lvp_leaf_child(&file, 1, 0) | 2);
-    must_refuse("child 0 is an instance, in a level of triangles");
+    tree_must_refuse(&file, "child 0 is an instance, in a level of triangles");
     world_free(&world);
 }
 
@@ -96,17 +86,7 @@ static void doubled_numbers_are_named(void **state)
     lvp_put(&file, lvp_leaf_word(&file, 0, 3, 68), 1);
     lvp_put(&file, lvp_leaf_word(&file, 1, 3, 40), 1);
     struct tree_dump dump = lvp_read_ok(&file);
-    struct dump_report report = lvp_found(&dump);
-    char text[DUMP_FAULT_TEXT];
-    assert_int_equal(report.count[DUMP_DOUBLED], 1);
-    assert_int_equal(dump.tri_count, 3);
-    for (size_t i = 0; i < report.fault_count; i++)
-        if (report.fault[i].rule == DUMP_DOUBLED)
-            assert_non_null(strstr(dump_fault_text(&report.fault[i], text), "instance 1"));
-    free(report.fault);
-    report = lvp_found(&dump.below[0]);
-    assert_int_equal(report.count[DUMP_DOUBLED], 1);
-    free(report.fault);
+    tree_must_have_doubles(&dump);
     tree_dump_free(&dump);
     world_free(&world);
 }
@@ -119,14 +99,10 @@ static void triangles_with_nan_are_no_items(void **state)
     lvp_write(&file, &world, NULL);
     lvp_put(&file, lvp_leaf_word(&file, 1, 7, 16), 0x7FC00000);
     struct tree_dump dump = lvp_read_ok(&file);
-    struct dump_report report = lvp_found(&dump.below[0]);
-    assert_int_equal(report.items, world.mesh[0].scene->tri_count - 1);
-    assert_int_equal(report.empty_leaves, 1);
-    assert_int_equal(report.faults, 0);
-    free(report.fault);
+    tree_must_lack_one(&dump.below[0], world.mesh[0].scene);
     tree_dump_free(&dump);
     lvp_put(&file, lvp_leaf_word(&file, 0, 0, 76), 0x7F800000);
-    must_refuse("instance 0: a number of its transform is not finite");
+    tree_must_refuse(&file, "instance 0: a number of its transform is not finite");
     world_free(&world);
 }
 
@@ -150,63 +126,36 @@ static void heads_that_are_wrong_are_refused(void **state)
     for (size_t i = 0; i < ARRAY_COUNT(tries); i++) {
         lvp_write(&file, &world, NULL);
         lvp_put(&file, tries[i].at, tries[i].word);
-        must_refuse(tries[i].rule);
+        tree_must_refuse(&file, tries[i].rule);
     }
     lvp_write(&file, &world, NULL);
     lvp_put(&file, file.body[0] + 24, 1);
-    must_refuse("its two heads differ");
+    tree_must_refuse(&file, "its two heads differ");
     lvp_write(&file, &world, NULL);
     lvp_put(&file, file.body[0] + 28, 3);
-    must_refuse("its two heads differ");
+    tree_must_refuse(&file, "its two heads differ");
     for (uint32_t by = 1; by < 3; by++) {
         lvp_write(&file, &world, NULL);
         lvp_put(&file, file.body[0] + 32, by == 1 ? 40 : 40 + 57);
-        must_refuse("its leaves begin at");
+        tree_must_refuse(&file, "its leaves begin at");
     }
+    world_free(&world);
+}
+
+static void write_two_meshes(void)
+{
+    struct world world = lvp_two_meshes();
+    lvp_write(&file, &world, NULL);
     world_free(&world);
 }
 
 static void structures_below_are_those_of_the_handles(void **state)
 {
     (void)state;
-    struct world world = lvp_two_meshes();
-    lvp_write(&file, &world, NULL);
-    const size_t all = file.size;
-    for (size_t size = 0; size < all; size += size < 256 ? 1 : 61 + size % 2) {
-        struct tree_dump dump;
-        struct reason reason = {""};
-        if (size == file.begin[1])
-            continue;
-        const unsigned char was = file.bytes[size];
-        file.bytes[size] = 0; /* as behind a file that is read */
-        assert_int_equal(lvp_read(&file, size, &dump, &reason), STATUS_INPUT);
-        file.bytes[size] = was;
-    }
-    file.size = file.begin[1];
-    struct tree_dump dump = lvp_read_ok(&file);
-    assert_int_equal(dump.below_count, 0);
-    assert_int_equal(dump.scene.tri_count, 0);
-    for (uint32_t i = 0; i < dump.tri_count; i++)
-        assert_true(dump.instance[i].below == DUMP_NO_TREE);
-    tree_dump_free(&dump);
-    file.size = file.begin[2];
-    must_refuse("t: 1 structures below the top level, whose handles name ");
-    lvp_write(&file, &world, NULL);
-    const size_t length = file.begin[2] - file.begin[1], whole = file.size;
-    memcpy(file.bytes + whole, file.bytes + file.begin[1], length);
-    file.size += length;
-    must_refuse("one more than the ");
-    memcpy(file.bytes + whole, file.bytes, file.begin[1]);
-    file.size = whole + file.begin[1];
-    must_refuse("one more than the ");
-    lvp_write(&file, &world, NULL);
-    memmove(file.bytes, file.bytes + file.begin[1], file.size - file.begin[1]);
-    file.size -= file.begin[1];
-    must_refuse("bytes behind a bottom level");
-    world_free(&world);
+    tree_must_be_whole(&file, write_two_meshes);
+    tree_must_be_of_handles(&file, write_two_meshes);
 }
 
-/* Whatever a word says, reading and checking end. */
 static void any_word_may_be_anything(void **state)
 {
     (void)state;
@@ -214,24 +163,7 @@ static void any_word_may_be_anything(void **state)
                                      0xFFFFFFFF, 0x7FFFFFFF, 0x7FC00000, 0x7F800000};
     struct world world = lvp_world("placed-turned:count=3");
     lvp_write(&file, &world, NULL);
-    const size_t words_of = file.size / 4 < 400 ? file.size / 4 : 400;
-    for (size_t at = 0; at < words_of; at++)
-        for (size_t i = 0; i < ARRAY_COUNT(words); i++) {
-            const uint32_t was = lvp_get(&file, 4 * at);
-            struct tree_dump dump;
-            struct reason reason = {""};
-            lvp_put(&file, 4 * at, words[i]);
-            const enum status status = lvp_read(&file, file.size, &dump, &reason);
-            assert_true(status == STATUS_OK || status == STATUS_INPUT);
-            if (!status) {
-                struct dump_report report = lvp_found(&dump);
-                free(report.fault);
-                if (dump.scene.tri_count && dump.instance)
-                    (void)lvp_measured(&dump);
-                tree_dump_free(&dump);
-            }
-            lvp_put(&file, 4 * at, was);
-        }
+    tree_must_end(&file, words, ARRAY_COUNT(words));
     world_free(&world);
 }
 

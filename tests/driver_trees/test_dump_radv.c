@@ -1,58 +1,27 @@
 /* Files of RADV, written by the tests from their description: worlds come again, each word is read
  * from its place, halves are the numbers that they are. */
 #include "tests/driver_trees/radv_file.h"
+#include "tests/driver_trees/tree_laws.h"
 
 static struct rdv_file file;
-
-static const char *const spec[] = {"crowd:n=20",
-                                   "placed-turned:count=12",
-                                   "placed-mirrored:count=5",
-                                   "placed-far:count=7",
-                                   "nest:count=9",
-                                   "sphere:n=3",
-                                   "placed-thin:count=4",
-                                   "two meshes"};
-
-static void must_be_world(const struct world *world, bool halves)
-{
-    rdv_write(&file, world, halves);
-    struct tree_dump dump = rdv_read_ok(&file);
-    assert_int_equal(dump.tri_count, world->instance_count);
-    assert_int_equal(dump.below_count, world->mesh_count);
-    struct dump_report report = lvp_found(&dump);
-    assert_int_equal(report.faults, 0);
-    assert_int_equal(report.leaves, world->instance_count);
-    assert_int_equal(report.nodes, dump.node_count);
-    if (!halves)
-        assert_int_equal(report.loose, 0);
-    assert_int_equal(dump.bytes, 128 + (halves ? 64 : 128) * (uint64_t)(report.inner - 1) +
-                                     128 * (uint64_t)world->instance_count);
-    free(report.fault);
-    for (size_t i = 0; i < dump.below_count; i++) {
-        report = lvp_found(&dump.below[i]);
-        assert_string_equal(dump.below[i].format, "radv");
-        assert_int_equal(report.faults, 0);
-        assert_int_equal(report.items, dump.below[i].scene.tri_count);
-        assert_int_equal(report.judged, report.nodes);
-        assert_true(halves || report.loose == 0);
-        assert_true(report.width <= 4);
-        free(report.fault);
-    }
-    const struct dump_differences d = lvp_compared(&dump, world);
-    assert_int_equal(d.instances + d.triangles, 0);
-    const struct dump_lacks lacks = lvp_measured(&dump);
-    assert_int_equal(lacks.judged, world->instance_count);
-    assert_int_equal(lacks.small + lacks.sides, 0);
-    tree_dump_free(&dump);
-}
 
 static void worlds_come_again(void **state)
 {
     (void)state;
-    for (size_t w = 0; w < ARRAY_COUNT(spec); w++) {
-        struct world world = w + 1 == ARRAY_COUNT(spec) ? lvp_two_meshes() : lvp_world(spec[w]);
-        must_be_world(&world, false);
-        must_be_world(&world, true);
+    for (size_t w = 0; w < 2 * ARRAY_COUNT(tree_specs); w++) {
+        const bool halves = w % 2;
+        struct world world = tree_world(w / 2);
+        rdv_write(&file, &world, halves);
+        struct tree_dump dump = rdv_read_ok(&file);
+        const uint64_t inner = tree_must_be_world(&dump, &world, "radv", halves);
+        assert_int_equal(dump.bytes, 128 + (halves ? 64 : 128) * (inner - 1) +
+                                         128 * (uint64_t)world.instance_count);
+        for (size_t i = 0; i < dump.below_count; i++) {
+            struct dump_report report = lvp_found(&dump.below[i]);
+            assert_true(report.width <= 4);
+            free(report.fault);
+        }
+        tree_dump_free(&dump);
         world_free(&world);
     }
 }
@@ -64,10 +33,7 @@ static void a_bottom_level_alone_is_a_tree(void **state)
     for (int halves = 0; halves < 2; halves++) {
         rdv_write_mesh(&file, &world, halves);
         struct tree_dump dump = rdv_read_ok(&file);
-        assert_null(dump.instance);
-        assert_int_equal(dump.scene.tri_count, world.mesh[0].scene->tri_count);
-        struct dump_differences d = lvp_compared(&dump, &world);
-        assert_int_equal(d.instances + d.triangles, 0);
+        tree_must_be_mesh(&dump, &world);
         tree_dump_free(&dump);
     }
     world_free(&world);
@@ -175,11 +141,7 @@ static void the_root_has_the_bounds_of_the_head(void **state)
         const float bound = float_from_bits(lvp_get(&file.raw, at));
         lvp_put(&file.raw, at, float_bits(nextafterf(bound, side < 3 ? INFINITY : -INFINITY)));
         struct tree_dump dump = rdv_read_ok(&file);
-        struct dump_report report = lvp_found(&dump);
-        assert_int_equal(report.faults, 1);
-        assert_int_equal(report.fault[0].node, 0);
-        assert_int_equal(report.fault[0].side, side);
-        free(report.fault);
+        tree_must_be_small(&dump, 0, side);
         tree_dump_free(&dump);
     }
     world_free(&world);

@@ -1,18 +1,9 @@
 /* Files of RADV with mistakes: what is wrong with a tree is named, and what is no such file is
  * refused, whatever its words say. */
 #include "tests/driver_trees/radv_file.h"
+#include "tests/driver_trees/tree_laws.h"
 
 static struct rdv_file file;
-
-static void must_refuse(const char *rule)
-{
-    struct tree_dump dump;
-    struct reason reason = {""};
-    assert_int_equal(lvp_read(&file.raw, file.raw.size, &dump, &reason), STATUS_INPUT);
-    if (!strstr(reason.text, rule))
-        fail_msg("%s, not %s", reason.text, rule);
-    assert_true(!dump.node && !dump.below && !dump.instance && !dump.source);
-}
 
 /* Child 0 of the second box, of instances 3 to 6. */
 static size_t second_box(void)
@@ -73,11 +64,11 @@ static void children_that_are_nowhere_are_refused(void **state)
         snprintf(text, sizeof text,
                  "t: structure at byte 0: box at offset 1024: child 0 is 0x%08x, %s", bad[i].id,
                  bad[i].rule);
-        must_refuse(text);
+        tree_must_refuse(&file.raw, text);
     }
     rdv_write_mesh(&file, &world, false);
     lvp_put(&file.raw, file.node[0], rdv_leaf_id(&file, 0, 0) | 6);
-    must_refuse("an instance, in a level of triangles");
+    tree_must_refuse(&file.raw, "an instance, in a level of triangles");
     world_free(&world);
 }
 
@@ -90,13 +81,7 @@ static void doubled_numbers_are_named(void **state)
     lvp_put(&file.raw, rdv_leaf(&file, 0, 3, 64), 1);
     lvp_put(&file.raw, rdv_leaf(&file, 1, 3, 48), 1);
     struct tree_dump dump = rdv_read_ok(&file);
-    struct dump_report report = lvp_found(&dump);
-    assert_int_equal(report.count[DUMP_DOUBLED], 1);
-    assert_int_equal(dump.tri_count, 3);
-    free(report.fault);
-    report = lvp_found(&dump.below[0]);
-    assert_int_equal(report.count[DUMP_DOUBLED], 1);
-    free(report.fault);
+    tree_must_have_doubles(&dump);
     tree_dump_free(&dump);
     world_free(&world);
 }
@@ -111,18 +96,15 @@ static void numbers_that_are_not_finite(void **state)
         const uint32_t was = lvp_get(&file.raw, at);
         lvp_put(&file.raw, at, word % 2 ? 0x7FC00000 : 0xFF800000);
         struct tree_dump dump = rdv_read_ok(&file);
-        struct dump_report report = lvp_found(&dump);
-        assert_int_equal(report.items, world.mesh[0].scene->tri_count - 1);
-        assert_int_equal(report.empty_leaves, 1);
-        assert_int_equal(report.faults, 0);
-        free(report.fault);
+        tree_must_lack_one(&dump, world.mesh[0].scene);
         tree_dump_free(&dump);
         lvp_put(&file.raw, at, was);
     }
     for (size_t word = 0; word < 12; word++) {
         rdv_write(&file, &world, false);
         lvp_put(&file.raw, rdv_leaf(&file, 0, 0, 80 + 4 * word), 0x7F800000);
-        must_refuse("instance at offset 128: a number of its transform is not finite");
+        tree_must_refuse(&file.raw,
+                         "instance at offset 128: a number of its transform is not finite");
     }
     world_free(&world);
 }
@@ -153,7 +135,7 @@ static void heads_that_are_wrong_are_refused(void **state)
     for (size_t i = 0; i < ARRAY_COUNT(tries); i++) {
         rdv_write(&file, &world, false);
         lvp_put(&file.raw, (tries[i].inner ? file.raw.body[0] : 0) + tries[i].at, tries[i].word);
-        must_refuse(tries[i].rule);
+        tree_must_refuse(&file.raw, tries[i].rule);
     }
     world_free(&world);
 }
@@ -183,11 +165,13 @@ static void other_drivers_and_versions_are_refused_with_both(void **state)
     /* Later heads have three words more before the sizes, and one of room. */
     memmove(file.raw.bytes + file.raw.body[0] + 48, file.raw.bytes + file.raw.body[0] + 32, 16);
     memset(file.raw.bytes + file.raw.body[0] + 32, 0, 16);
-    must_refuse("its head is that of Mesa 25.1 or later, which may be of GFX12; that of Mesa 25.0");
+    tree_must_refuse(
+        &file.raw,
+        "its head is that of Mesa 25.1 or later, which may be of GFX12; that of Mesa 25.0");
     rdv_write(&file, &world, false);
     file.raw.bytes[file.raw.begin[2] + 16] ^= 1;
-    must_refuse("of the build 00fe33206120");
-    must_refuse(", below a top level of the build 01fe33206120");
+    tree_must_refuse(&file.raw, "of the build 00fe33206120");
+    tree_must_refuse(&file.raw, ", below a top level of the build 01fe33206120");
     world_free(&world);
 }
 
@@ -198,10 +182,11 @@ static void pointers_are_those_of_the_handles(void **state)
     struct world world = lvp_two_meshes();
     rdv_write(&file, &world, false);
     lvp_put(&file.raw, 56 + 8 + 4, 0xFFFF9001);
-    must_refuse("instance 1 has the handle 0xffff900100002000, and points to 0xffff90000000");
+    tree_must_refuse(&file.raw,
+                     "instance 1 has the handle 0xffff900100002000, and points to 0xffff90000000");
     rdv_write(&file, &world, false);
     lvp_put_long(&file.raw, 56, 0);
-    must_refuse("instance 0 has the handle 0x0, and points to 0x7f000000");
+    tree_must_refuse(&file.raw, "instance 0 has the handle 0x0, and points to 0x7f000000");
     rdv_write(&file, &world, false);
     const uint32_t nodes = lvp_get(&file.raw, rdv_leaf(&file, 0, 0, 68));
     lvp_put(&file.raw, rdv_leaf(&file, 0, 0, 68), nodes + 64);
@@ -209,48 +194,22 @@ static void pointers_are_those_of_the_handles(void **state)
     char text[80];
     snprintf(text, sizeof text, "instance 0 has nodes at %u, its structure at %u", nodes + 64,
              nodes);
-    must_refuse(text);
+    tree_must_refuse(&file.raw, text);
+    world_free(&world);
+}
+
+static void write_two_meshes(void)
+{
+    struct world world = lvp_two_meshes();
+    rdv_write(&file, &world, true);
     world_free(&world);
 }
 
 static void structures_below_are_those_of_the_handles(void **state)
 {
     (void)state;
-    struct world world = lvp_two_meshes();
-    rdv_write(&file, &world, true);
-    for (size_t size = 0; size < file.raw.size; size += 1 + size / 64 % 7) {
-        struct tree_dump dump;
-        struct reason reason = {""};
-        const unsigned char was = file.raw.bytes[size];
-        if (size == file.raw.begin[1])
-            continue;
-        file.raw.bytes[size] = 0;
-        assert_int_equal(lvp_read(&file.raw, size, &dump, &reason), STATUS_INPUT);
-        file.raw.bytes[size] = was;
-    }
-    file.raw.size = file.raw.begin[1];
-    struct tree_dump dump = rdv_read_ok(&file);
-    assert_int_equal(dump.below_count, 0);
-    assert_int_equal(dump.scene.tri_count, 0);
-    for (uint32_t i = 0; i < dump.tri_count; i++)
-        assert_true(dump.instance[i].below == DUMP_NO_TREE);
-    tree_dump_free(&dump);
-    file.raw.size = file.raw.begin[2];
-    must_refuse("t: 1 structures below the top level, whose handles name 2");
-    rdv_write(&file, &world, true);
-    const size_t length = file.raw.begin[2] - file.raw.begin[1], whole = file.raw.size;
-    memcpy(file.raw.bytes + whole, file.raw.bytes + file.raw.begin[1], length);
-    file.raw.size += length;
-    must_refuse("one more than the 2 that handles name");
-    rdv_write(&file, &world, true);
-    memcpy(file.raw.bytes + file.raw.begin[1], file.raw.bytes, file.raw.begin[1]);
-    file.raw.size = 2 * file.raw.begin[1];
-    must_refuse("a top level below another");
-    rdv_write(&file, &world, true);
-    memmove(file.raw.bytes, file.raw.bytes + file.raw.begin[1], file.raw.size - file.raw.begin[1]);
-    file.raw.size -= file.raw.begin[1];
-    must_refuse("bytes behind a bottom level");
-    world_free(&world);
+    tree_must_be_whole(&file.raw, write_two_meshes);
+    tree_must_be_of_handles(&file.raw, write_two_meshes);
 }
 
 /* An inactive instance is in no box, and its handle may be anything. The file then has the
@@ -296,7 +255,6 @@ static void sizes_of_nothing_are_the_least_float(void **state)
     world_free(&world);
 }
 
-/* Whatever a word says, reading and checking end. */
 static void any_word_may_be_anything(void **state)
 {
     (void)state;
@@ -304,23 +262,7 @@ static void any_word_may_be_anything(void **state)
                                      64, 0x60, 0xFFFFFFFF, 0x7FFFFFFF, 0x7FC00000, 0x7F800000};
     struct world world = lvp_world("crowd:n=5");
     rdv_write(&file, &world, true);
-    for (size_t at = 0; at < file.raw.size / 4; at += at < 310 ? 1 : 3)
-        for (size_t i = 0; i < ARRAY_COUNT(words); i++) {
-            const uint32_t was = lvp_get(&file.raw, 4 * at);
-            struct tree_dump dump;
-            struct reason reason = {""};
-            lvp_put(&file.raw, 4 * at, words[i]);
-            const enum status status = lvp_read(&file.raw, file.raw.size, &dump, &reason);
-            assert_true(status == STATUS_OK || status == STATUS_INPUT);
-            if (!status) {
-                struct dump_report report = lvp_found(&dump);
-                free(report.fault);
-                if (dump.scene.tri_count && dump.instance)
-                    (void)lvp_measured(&dump);
-                tree_dump_free(&dump);
-            }
-            lvp_put(&file.raw, 4 * at, was);
-        }
+    tree_must_end(&file.raw, words, ARRAY_COUNT(words));
     world_free(&world);
 }
 
