@@ -149,6 +149,20 @@ static enum status try_outputs(const struct fuzz_command *c, struct reason *reas
     return status;
 }
 
+/* Findings name their engine. */
+static enum status check_names(const struct fuzz_command *c, struct reason *reason)
+{
+    for (size_t i = 0; i < c->engine.count; i++) {
+        const char *name = engines[c->engine.index[i]]->name;
+        if (!fuzz_signature_holds(name))
+            return fail(reason, STATUS_INPUT,
+                        "%.40s...: findings hold engines' names of up to %zu characters, this has "
+                        "%zu",
+                        name, sizeof((struct fuzz_signature *)0)->engine - 2, strlen(name));
+    }
+    return STATUS_OK;
+}
+
 /* What is wrong without looking into the folder of findings, which is not made then. */
 static enum status check_options(const struct fuzz_command *c, struct reason *reason)
 {
@@ -168,7 +182,7 @@ static enum status check_options(const struct fuzz_command *c, struct reason *re
                     c->worlds ? "which do not move" : "which draws motions");
     if (names_corpus(c) && (stat(c->corpus, &what) != 0 || !S_ISDIR(what.st_mode)))
         return fail(reason, STATUS_INPUT, "--corpus: %.200s is no folder", c->corpus);
-    return STATUS_OK;
+    return check_names(c, reason);
 }
 
 /* Engines that trace scenes alone have no part in a campaign of worlds. */

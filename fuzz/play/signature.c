@@ -77,6 +77,13 @@ void fuzz_signature_set_engine(struct fuzz_signature *signature, const char *nam
     }
 }
 
+bool fuzz_signature_holds(const char *name)
+{
+    struct fuzz_signature signature;
+    fuzz_signature_set_engine(&signature, name);
+    return strlen(signature.engine) + 1 < sizeof signature.engine; /* or more was to come */
+}
+
 const struct engine *fuzz_signature_engine(const struct fuzz_signature *signature)
 {
     for (size_t i = 0; engines[i]; i++) {

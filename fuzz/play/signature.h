@@ -45,6 +45,9 @@ bool fuzz_kind_find(const char *name, enum fuzz_kind *out);
  * "pipe:python3_a.py". */
 void fuzz_signature_set_engine(struct fuzz_signature *signature, const char *name);
 
+/* Whether a signature holds all of an engine's name, so that no other has the same signature. */
+bool fuzz_signature_holds(const char *name);
+
 /* The engine of engines[] that the signature names, or NULL. */
 const struct engine *fuzz_signature_engine(const struct fuzz_signature *signature);
 

@@ -668,6 +668,10 @@ if [ -x "$bug" ]; then
 fi
 
 # The self-test of the fuzzer, where nothing is built, and with a program that finds nothing.
+expect 2 "rayquery:fast_build:low_memory:allow_upd...: findings hold engines' names of up to 94 characters, this has 115" fuzz \
+    --engine cpu,rayquery:fast_build:low_memory:allow_update:allow_compaction:clone:split4:turned:u16:stride24:offset:nan:degenerate \
+    --dir "$dir/pairs"
+[ ! -e "$dir/pairs" ] || bad "fuzz makes a folder for engines whose names findings do not hold"
 expect 2 "--pairs: draws members at random, so not with" fuzz --pairs 3 --shard 1/2 --dir "$dir/pairs"
 expect 1 . fuzz --pairs 65 --trials 64 --engine embree --corpus none --dir "$dir/own-pair"
 grep -q "^short  *1 pair met in fewer than 65 trials" "$dir/out" || bad "fuzz --pairs: an engine of its own tree is not counted"

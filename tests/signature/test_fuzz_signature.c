@@ -1,0 +1,154 @@
+/* Signatures of findings: what they hold, their texts, and the folders that they name. */
+#include "fuzz/play/signature.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h> /* last: it has a macro `fail` */
+
+static struct reason reason;
+
+static void signature_prints_and_parses_every_kind_and_cause(void **state)
+{
+    (void)state;
+    char text[FUZZ_SIGNATURE_MOST];
+    static const char *const names[] = {"cpu", "embree_robust", "pipe:my.tracer-2+x", "a"};
+    size_t count = 0;
+    for (size_t n = 0; n < ARRAY_COUNT(names); n++)
+        for (enum fuzz_kind kind = FUZZ_KIND_WRONG + 1; kind < FUZZ_KIND_COUNT; kind++)
+            for (enum cause cause = CAUSE_NONE; cause < CAUSE_COUNT; cause++) {
+                struct fuzz_signature made = {.kind = kind, .cause = cause}, again;
+                made.layout = count % 3 ? layouts[count % 3 - 1] : NULL;
+                fuzz_signature_set_engine(&made, names[n]);
+                assert_string_equal(made.engine, names[n]);
+                fuzz_signature_print(&made, text);
+                assert_null(strchr(text, '/'));
+                assert_int_equal(fuzz_signature_parse(text, &again, &reason), STATUS_OK);
+                assert_true(fuzz_signature_same(&made, &again));
+                count++;
+            }
+    assert_true(count > 1000);
+}
+
+static void signatures_differ_in_every_field(void **state)
+{
+    (void)state;
+    struct fuzz_signature one = {
+        .layout = layouts[0], .kind = FUZZ_KIND_BITS, .cause = CAUSE_STACK};
+    fuzz_signature_set_engine(&one, "cpu");
+    struct fuzz_signature other[5] = {one, one, one, one, one};
+    fuzz_signature_set_engine(&other[0], "cpu2");
+    other[1].layout = layouts[1];
+    other[2].layout = NULL;
+    other[3].kind = FUZZ_KIND_CRASH;
+    other[4].cause = CAUSE_SHADER;
+    for (size_t i = 0; i < ARRAY_COUNT(other); i++)
+        assert_false(fuzz_signature_same(&one, &other[i]) || fuzz_signature_same(&other[i], &one));
+}
+
+/* Names that a signature holds are told apart by their last byte; longer ones are not held. */
+static void signatures_hold_whole_names(void **state)
+{
+    (void)state;
+    char name[128], other[128];
+    for (size_t length = 1; length < 120; length++) {
+        struct fuzz_signature a, b;
+        memset(name, 'a', length);
+        name[length] = '\0';
+        strcpy(other, name);
+        other[length - 1] = 'b';
+        fuzz_signature_set_engine(&a, name);
+        fuzz_signature_set_engine(&b, other);
+        assert_int_equal(fuzz_signature_holds(name), length <= 94);
+        if (fuzz_signature_holds(name))
+            assert_string_not_equal(a.engine, b.engine);
+    }
+    /* Folders of a command are not part of it. */
+    memset(name, 'x', sizeof name - 1);
+    memcpy(name, "pipe:/", 6);
+    strcpy(name + 118, "/tracer");
+    assert_true(fuzz_signature_holds(name));
+}
+
+/* A folder's name is one on every system, and gives the signature again; so does an older one. */
+static void folders_have_names_that_every_store_takes(void **state)
+{
+    (void)state;
+    static const char *const command[] = {"pipe:python3 /a/one.py", "pipe:python3 /a/two.py",
+                                          "pipe:a:b \"c\" <d >e |f *g ?h \\i", "cpu"};
+    char folder[FUZZ_SIGNATURE_MOST], text[FUZZ_SIGNATURE_MOST], first[FUZZ_SIGNATURE_MOST] = "";
+    for (size_t i = 0; i < ARRAY_COUNT(command); i++) {
+        struct fuzz_signature made = {.kind = FUZZ_KIND_BITS, .cause = CAUSE_STACK}, again;
+        fuzz_signature_set_engine(&made, command[i]);
+        fuzz_signature_folder(&made, folder);
+        assert_null(strpbrk(folder, ":\"<>|*?\\/\r\n"));
+        assert_string_not_equal(folder, first);
+        strcpy(first, folder);
+        assert_int_equal(fuzz_signature_of_folder(folder, &again, &reason), STATUS_OK);
+        assert_true(fuzz_signature_same(&made, &again));
+        fuzz_signature_print(&made, text);
+        assert_int_equal(fuzz_signature_of_folder(text, &again, &reason), STATUS_OK);
+        assert_true(fuzz_signature_same(&made, &again));
+    }
+}
+
+/* A signature names a folder: nothing may lead out of it. */
+static void signature_refuses_what_names_no_folder(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {
+        "",
+        "cpu",
+        "cpu.rf16.missed",
+        "..rf16.missed.stack",
+        "../x.rf16.missed.stack",
+        "a/b.rf16.missed.stack",
+        ".hidden.rf16.missed.stack",
+        "a b.rf16.missed.stack",
+        "a\n.rf16.missed.stack",
+        ".rf16.missed.stack",
+        "cpu.rf17.missed.stack",
+        "cpu..missed.stack",
+        "cpu.rf16.lost.stack",
+        "cpu.rf16.not.stack",
+        "cpu.rf16.missed.luck",
+        "cpu.rf16.missed.",
+        "engine_of_a_name_that_is_far_too_long_for_a_signature_even_of_one_that_has_every_word_"
+        "of_a_variant.rf16.missed.stack",
+    };
+    struct fuzz_signature signature;
+    for (size_t i = 0; i < ARRAY_COUNT(bad); i++) {
+        reason.text[0] = '\0';
+        if (fuzz_signature_parse(bad[i], &signature, &reason) != STATUS_INPUT)
+            fail_msg("'%s' passes", bad[i]);
+        assert_true(reason.text[0] != '\0');
+        assert_true(signature.engine[0] == '\0');
+    }
+    char longest[1000];
+    memset(longest, 'a', sizeof longest);
+    longest[sizeof longest - 1] = '\0';
+    assert_int_equal(fuzz_signature_parse(longest, &signature, &reason), STATUS_INPUT);
+    fuzz_signature_set_engine(&signature, "../a b/\x80");
+    assert_string_equal(signature.engine, "_._a_b__");
+    fuzz_signature_set_engine(&signature, "pipe: /opt/x y/my.tracer --fast a/b");
+    assert_string_equal(signature.engine, "pipe:x_my.tracer_--fast_b");
+    fuzz_signature_set_engine(&signature, "pipe:./build/my.tracer --fast a/b");
+    assert_string_equal(signature.engine, "pipe:my.tracer_--fast_b");
+    fuzz_signature_set_engine(&signature, "pipe:./build/my.tracer");
+    assert_string_equal(signature.engine, "pipe:my.tracer");
+    fuzz_signature_set_engine(&signature, longest);
+    assert_int_equal(strlen(signature.engine), sizeof signature.engine - 1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(signature_prints_and_parses_every_kind_and_cause),
+        cmocka_unit_test(signatures_differ_in_every_field),
+        cmocka_unit_test(signatures_hold_whole_names),
+        cmocka_unit_test(folders_have_names_that_every_store_takes),
+        cmocka_unit_test(signature_refuses_what_names_no_folder),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
