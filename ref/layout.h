@@ -4,6 +4,7 @@
 
 #include "ref/abi.h"
 #include "ref/tree/bvh.h"
+#include "ref/tree/oblique_box.h"
 
 /* Order in which a traversal visits the children it hits. */
 enum visit {
@@ -56,13 +57,6 @@ struct wide {
      * record again; leaf_count 0: the child is an inner node. */
     uint32_t leaf_first[WIDE_MAX];
     uint32_t leaf_count[WIDE_MAX];
-};
-
-/* A ray for layout->misses. What lies `by` beside it counts as met, and so does what is met at a
- * distance of `least` or more, which may be negative. */
-struct oblique_ray {
-    float org[3], dir[3];
-    float by, least;
 };
 
 struct layout {
@@ -119,6 +113,10 @@ struct layout {
      * Traversals call it where the box is hit. NULL: boxes are all that is stored. */
     bool (*misses)(const struct packed *packed, uint32_t ref, uint32_t child,
                    const struct oblique_ray *ray, float tmax);
+    /* The same test with all its numbers, for explanations; NULL if `misses` is. Returns false if
+     * the node stores no oriented box of the child. */
+    bool (*oblique)(const struct packed *packed, uint32_t ref, uint32_t child,
+                    const struct oblique_ray *ray, struct oblique_box *out);
     /* Set only if items are stored in nodes. NULL: pack() writes them with store_put, in any
      * storage. Returns the triangle of item slot item_first + i of a leaf, or ABI_NO_PRIM if the
      * slot is empty or not a triangle. */

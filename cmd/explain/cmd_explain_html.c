@@ -2,6 +2,7 @@
 #include "cmd/explain/cmd_explain_inner.h"
 
 #include "bench/report/report_html.h"
+#include "cmd/explain/cmd_explain_oriented.h"
 #include "cmd/explain/cmd_explain_picture.h"
 #include "ref/base/ray_text.h"
 #include "ref/files/file.h"
@@ -306,8 +307,10 @@ static void write_again(struct html *html, const struct explain_page *page)
 void explain_html_numbers(struct html *html, const struct explain_page *page)
 {
     const struct explanation *why = &page->ray->why;
-    if (why->end == END_BOX || why->end == END_SKIPPED)
+    if (why->end == END_BOX || why->end == END_SKIPPED || why->end == END_ORIENTED) {
         write_node(html, &why->step[why->last]);
+        explain_oriented_html(html, &why->step[why->last].oriented);
+    }
     write_facts(html, page);
     write_path(html, why);
     write_tried(html, why);

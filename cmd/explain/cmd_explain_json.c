@@ -1,6 +1,7 @@
 /* The page of raydiff explain as JSON. Floats are written as bit patterns and as readable
  * numbers. */
 #include "cmd/explain/cmd_explain_inner.h"
+#include "cmd/explain/cmd_explain_oriented.h"
 
 #include "ref/explain/outside.h"
 #include "cmd/common/cmd_json.h"
@@ -35,14 +36,14 @@ static json_t *step_json(const struct explain_step *step)
         snprintf(text, sizeof text, "%08x", step->word[i]);
         json_array_append_new(words, json_string(text));
     }
-    return json_record("node=%u record=%p leaf=%i children=%s tested=%i hit=%i entered=%i "
-                       "skipped=%i entry=%p best=%p lo=%p hi=%p slab=%p words=%p",
-                       step->note.node,
-                       step->record == EXPLAIN_NONE ? json_null()
-                                                    : json_integer((json_int_t)step->record),
-                       step->leaf, refs[step->ref], step->note.tested, step->note.hit,
-                       step->note.visited, step->note.skipped, json_float(step->note.entry),
-                       json_float(step->note.tbest), lo, hi, slab, words);
+    return json_record(
+        "node=%u record=%p leaf=%i children=%s tested=%i hit=%i entered=%i "
+        "skipped=%i entry=%p best=%p lo=%p hi=%p slab=%p oriented=%p words=%p",
+        step->note.node,
+        step->record == EXPLAIN_NONE ? json_null() : json_integer((json_int_t)step->record),
+        step->leaf, refs[step->ref], step->note.tested, step->note.hit, step->note.visited,
+        step->note.skipped, json_float(step->note.entry), json_float(step->note.tbest), lo, hi,
+        slab, explain_oriented_json(&step->oriented), words);
 }
 
 static json_t *tried_json(const struct explanation *why)

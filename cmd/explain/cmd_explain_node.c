@@ -1,5 +1,6 @@
 /* The node where a traversal ended, as text: words, bounds, slabs. */
 #include "cmd/explain/cmd_explain_inner.h"
+#include "cmd/explain/cmd_explain_oriented.h"
 
 #include "ref/base/ray_text.h"
 
@@ -60,4 +61,5 @@ void explain_node_print(FILE *out, const struct explain_step *step, bool wide)
     if (step->note.tested)
         fprintf(out, "  box test: entry %.9g, best t so far %.9g, %s\n", (double)step->note.entry,
                 (double)step->note.tbest, step->note.hit ? "hit" : "no hit");
+    explain_oriented_print(out, &step->oriented, wide);
 }

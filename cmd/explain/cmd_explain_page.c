@@ -124,6 +124,8 @@ const char *explain_note_text(const struct replay_note *note)
         return "never reached";
     if (!note->hit)
         return "TURNED AWAY";
+    if (note->missed)
+        return "hit; TURNED AWAY by its oriented box";
     return note->visited ? "entered" : note->skipped ? "SKIPPED" : "hit, never entered";
 }
 
@@ -177,6 +179,7 @@ static void print_end(FILE *out, const struct explain_page *page)
     switch (why->end) {
     case END_BOX:
     case END_SKIPPED:
+    case END_ORIENTED:
         explain_node_print(out, &why->step[why->last], page->screen.wide);
         break;
     case END_REFERENCE:

@@ -24,7 +24,8 @@ static void run(const struct explain_case *the, uint32_t repairs, struct explain
 /* Repairs that make a traversal forgiving: each can find a triangle in spite of wrong bytes, so
  * that they prove something only if nothing else helps. */
 #define FORGIVING                                                                                  \
-    (1u << REPAIR_BOX_TEST | 1u << REPAIR_WATERTIGHT | 1u << REPAIR_CULLING | 1u << REPAIR_TRIANGLE)
+    (1u << REPAIR_BOX_TEST | 1u << REPAIR_ORIENTED_TEST | 1u << REPAIR_WATERTIGHT |                \
+     1u << REPAIR_CULLING | 1u << REPAIR_TRIANGLE)
 #define EVERYTHING ((1u << REPAIR_COUNT) - 1)
 
 /* Tries every repair alone. */

@@ -77,6 +77,15 @@ struct explain_bound {
     int64_t float_steps; /* the same */
 };
 
+/* The oriented box of a node, and its test (layout->oblique). */
+struct explain_oriented {
+    bool missed;                       /* as note.missed */
+    bool there;                        /* it was tested */
+    struct oblique_box box;            /* as stored, and for this ray */
+    struct explain_bound lo[3], hi[3]; /* along its axes; the tree has none, so canonical = exact */
+    double exact_enter[3], exact_leave[3]; /* of the stored bounds, without an allowance */
+};
+
 /* A node on the path to the triangle, root first. */
 struct explain_step {
     struct replay_note note; /* of the plain replay */
@@ -85,15 +94,17 @@ struct explain_step {
     enum ref_fault ref; /* of its children */
     struct explain_bound lo[3], hi[3];
     struct slab_axis slab[3]; /* of its decoded box */
+    struct explain_oriented oriented;
     uint32_t word[WIDE_MAX * 8];
     uint32_t word_count;
 };
 
 /* Where the path ended. */
 enum explain_end {
-    END_NOWHERE,   /* there is no triangle that should have been hit, or no tree */
-    END_BOX,       /* the box test of step `last` rejected the ray */
-    END_SKIPPED,   /* step `last` waited on the stack and was skipped for a nearer best hit */
+    END_NOWHERE,  /* there is no triangle that should have been hit, or no tree */
+    END_BOX,      /* the box test of step `last` rejected the ray */
+    END_ORIENTED, /* the box of step `last` is hit, the test of its oriented box rejected the ray */
+    END_SKIPPED,  /* step `last` waited on the stack and was skipped for a nearer best hit */
     END_REFERENCE, /* step `last` was never tested: its parent does not refer to it */
     END_SLOT,      /* the leaf was entered, its item is not there */
     END_TRIANGLE,  /* the triangle test rejected it */

@@ -21,6 +21,7 @@ enum cause {
     CAUSE_ROUNDED_INWARD,         /* inside the tree's bound by at most a float16 step */
     CAUSE_STORED_BOX,             /* inside by more: the bytes are not the tree's box */
     CAUSE_CUT_BOX,                /* the tree's own box does not contain its triangles (F5) */
+    CAUSE_ORIENTED_BOX,           /* an oriented box does not contain what is below it */
     CAUSE_REFERENCE_TRUNCATED,    /* a record's index has more bits than its field (F9) */
     CAUSE_CHILD_REFERENCE,        /* a child reference leads elsewhere, or a node reads as a leaf */
     /* The box test. */
@@ -28,6 +29,7 @@ enum cause {
     CAUSE_STRICT_COMPARISON,     /* < where <= is needed: flat boxes are lost */
     CAUSE_BOX_PADDING_TOO_SMALL, /* the far plane is not padded by all roundings */
     CAUSE_BOX_TEST,              /* something else of the box test */
+    CAUSE_ORIENTED_TEST,         /* the test of the oriented boxes turns away what meets them */
     /* The triangle test. */
     CAUSE_DETERMINANT_THRESHOLD, /* |determinant| under an absolute threshold (F16) */
     CAUSE_TRIANGLE_TEST,         /* the formula's own error */
@@ -84,18 +86,20 @@ enum repair {
     REPAIR_BOX_FLUSHED,
     REPAIR_BOX_ROUNDED,
     REPAIR_BOX_STORED,
-    REPAIR_BOX_CUT,    /* bounds that do not contain their triangles: exact */
-    REPAIR_REF,        /* all other wrong children: the tree's */
-    REPAIR_PARALLEL,   /* box test: an axis of direction 0 is decided by comparison */
-    REPAIR_CLOSED,     /* box test: <= */
-    REPAIR_PADDING,    /* box test: planes padded as the repaired tests have it */
-    REPAIR_BOX_TEST,   /* box test: conservative, in double */
-    REPAIR_WATERTIGHT, /* box test: watertight in place of this one */
-    REPAIR_THRESHOLD,  /* triangle test: determinant not 0 */
-    REPAIR_STACK,      /* as many entries as there are nodes */
-    REPAIR_VISITS,     /* four times as many visits as nodes */
-    REPAIR_CULLING,    /* the best hit so far culls no box */
-    REPAIR_TRIANGLE,   /* triangle test: exact */
+    REPAIR_BOX_CUT,       /* bounds that do not contain their triangles: exact */
+    REPAIR_ORIENTED_BOX,  /* oriented boxes that do not contain what is below them: not tested */
+    REPAIR_REF,           /* all other wrong children: the tree's */
+    REPAIR_PARALLEL,      /* box test: an axis of direction 0 is decided by comparison */
+    REPAIR_CLOSED,        /* box test: <= */
+    REPAIR_PADDING,       /* box test: planes padded as the repaired tests have it */
+    REPAIR_BOX_TEST,      /* box test: conservative, in double */
+    REPAIR_ORIENTED_TEST, /* test of oriented boxes: conservative, in double */
+    REPAIR_WATERTIGHT,    /* box test: watertight in place of this one */
+    REPAIR_THRESHOLD,     /* triangle test: determinant not 0 */
+    REPAIR_STACK,         /* as many entries as there are nodes */
+    REPAIR_VISITS,        /* four times as many visits as nodes */
+    REPAIR_CULLING,       /* the best hit so far culls no box */
+    REPAIR_TRIANGLE,      /* triangle test: exact */
     REPAIR_COUNT
 };
 
@@ -120,9 +124,11 @@ enum defect {
     DEFECT_NOT_BEHIND,  /* box test: what reaches behind the origin forgotten */
     DEFECT_SLAB_FUSED,  /* box test: fma(b, 1/d, -(o * 1/d)) */
     DEFECT_SLAB_SPLIT,  /* box test: b * 1/d - o * 1/d, each rounded */
-    DEFECT_EDGE_FUSED,  /* triangle test: products and sums contracted to fma */
-    DEFECT_LAST_WINS,   /* within a leaf the last accepted triangle wins */
-    DEFECT_LOOP,        /* the walk ends after `parameter` nodes */
+    DEFECT_ORIENTED_TURNED,  /* oriented boxes: rows of the axes' numbers for columns */
+    DEFECT_ORIENTED_SHIFTED, /* oriented boxes: each axis has the bounds of the next */
+    DEFECT_EDGE_FUSED,       /* triangle test: products and sums contracted to fma */
+    DEFECT_LAST_WINS,        /* within a leaf the last accepted triangle wins */
+    DEFECT_LOOP,             /* the walk ends after `parameter` nodes */
     DEFECT_COUNT
 };
 

@@ -1,6 +1,7 @@
 #include "ref/explain/replay.h"
 
 #include "ref/explain/fused.h"
+#include "ref/explain/oriented.h"
 #include "ref/primitives/test_run.h"
 #include "ref/store.h"
 
@@ -16,6 +17,7 @@ struct state {
     const struct replay_change *change;
     struct slab_rule rule;
     struct slab_ray slab;
+    struct oblique_ray oblique;
     struct tri_ray tri;
     const struct ray *ray;
     struct replay_notes *notes;
@@ -78,13 +80,20 @@ static void set_rule(struct state *s)
                   rule->behind == plain.behind && rule->form == plain.form;
 }
 
-/* The note of tree node `node`, or NULL if it is not on the path. */
-static struct replay_note *note_of(const struct state *s, uint32_t node)
+/* The note of a reference, or NULL if it is not on the path. */
+static struct replay_note *note_of(const struct state *s, uint32_t ref)
 {
-    for (uint32_t i = 0; s->notes && node != EXPLAIN_NONE && i < s->notes->count; i++)
+    const uint32_t node = s->replay->tree->node[ref];
+    if (!s->notes)
+        return NULL;
+    for (uint32_t i = 0; node != EXPLAIN_NONE && i < s->notes->count; i++)
         if (s->notes->step[i].node == node)
             return &s->notes->step[i];
-    return NULL;
+    if (node != EXPLAIN_NONE || !explain_names(s->replay->tree, ref, s->notes->prim, NULL))
+        return NULL;
+    if (s->notes->part.below != ref)
+        s->notes->part = (struct replay_note){.below = ref};
+    return &s->notes->part;
 }
 
 static bool box_hit(struct state *s, uint32_t ref, const struct box *box, float *entry)
@@ -100,9 +109,10 @@ static bool box_hit(struct state *s, uint32_t ref, const struct box *box, float 
                    : slab_by_rule(&s->rule, &s->slab, &stored, tbest, entry);
     if (s->watch)
         s->watch->box(s->watch->user, ref);
-    struct replay_note *note = note_of(s, s->replay->tree->node[ref]);
+    struct replay_note *note = note_of(s, ref);
     if (note && !note->tested) {
         note->tested = true;
+        note->below = ref;
         note->hit = hit;
         note->entry = *entry;
         note->tbest = tbest;
@@ -236,13 +246,35 @@ static bool inner(struct state *s, const struct wide *node, uint32_t *next, bool
     return push(s, node->child[spoilt(s, DEFECT_NEAR_AGAIN) ? first : 1 - first], entry[1 - first]);
 }
 
+/* The oriented box of a child whose box is hit; as trace.c. */
+static bool oriented_missed(struct state *s, uint32_t ref, uint32_t child)
+{
+    const struct explain_tree *tree = s->replay->tree;
+    if (!tree->packed->layout->misses)
+        return false;
+    float tbest = repairs(s, REPAIR_CULLING) ? s->ray->tmax : s->tbest;
+    bool missed = oriented_misses(tree, s->change->repairs, s->change->defect, ref, child,
+                                  &s->oblique, tbest);
+    if (s->watch)
+        s->watch->box(s->watch->user, child);
+    struct replay_note *note = note_of(s, child);
+    if (note) {
+        note->oriented = true;
+        note->missed = missed;
+        note->above = ref;
+        note->below = child;
+    }
+    return missed;
+}
+
 /* As trace.c of a wide layout: pushes the children hit, the nearest last. */
-static bool inner_wide(struct state *s, const struct wide *node)
+static bool inner_wide(struct state *s, uint32_t ref, const struct wide *node)
 {
     uint32_t base = s->depth;
     for (uint32_t i = 0; i < node->child_count; i++) {
         float entry;
-        if (!box_hit(s, node->child[i], &node->box[i], &entry))
+        if (!box_hit(s, node->child[i], &node->box[i], &entry) ||
+            oriented_missed(s, ref, node->child[i]))
             continue;
         uint32_t at = s->depth;
         if (!push(s, node->child[i], entry))
@@ -267,7 +299,7 @@ static bool pop(struct state *s, uint32_t *next)
         if (s->rule.id == ABI_BOX_RTRS || repairs(s, REPAIR_CULLING) ||
             s->entry[s->depth] <= s->tbest)
             return true;
-        struct replay_note *note = note_of(s, s->replay->tree->node[*next]);
+        struct replay_note *note = note_of(s, *next);
         if (note)
             note->skipped = true;
     }
@@ -284,6 +316,7 @@ static enum replay_end walk(struct state *s)
     uint32_t ref = packed->root;
     struct box root = explain_box(tree, s->change->repairs, ref);
     slab_rule_place(&s->rule, &s->slab, &root);
+    s->oblique = oriented_ray(s->ray, &root);
     if (!box_hit(s, ref, &root, &entry))
         return REPLAY_DONE;
     for (uint32_t visits = 0; visits < s->visits_most; visits++) {
@@ -293,13 +326,13 @@ static enum replay_end walk(struct state *s)
         if (spoilt(s, DEFECT_LOOP) && visits >= s->change->parameter)
             return REPLAY_DONE;
         explain_load(tree, s->change->repairs, ref, &node);
-        struct replay_note *note = note_of(s, node.node);
+        struct replay_note *note = note_of(s, ref);
         if (note)
             note->visited = true;
         if (node.wide.child_count == 0) {
             if (leaf(s, &node))
                 return REPLAY_DONE;
-        } else if (layout_is_wide(packed->layout) ? !inner_wide(s, &node.wide)
+        } else if (layout_is_wide(packed->layout) ? !inner_wide(s, ref, &node.wide)
                                                   : !inner(s, &node.wide, &next, &descend)) {
             return REPLAY_STACK;
         }

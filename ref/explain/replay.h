@@ -38,6 +38,8 @@ struct replay_note {
     uint32_t node;                      /* tree node; set by the caller */
     bool tested, hit, visited, skipped; /* box tested; hit; entered; popped and skipped by best */
     float entry, tbest;                 /* of the box test */
+    bool oriented, missed;              /* its oriented box was tested, and turned the ray away */
+    uint32_t above, below;              /* references: if `oriented` of its parent; of itself */
 };
 
 /* Called for every test and push of one run. */
@@ -53,6 +55,9 @@ struct replay_notes {
     struct replay_note *step;
     uint32_t count;
     uint32_t prim;
+    /* The last reference above the triangle that is no node of the tree, as where a leaf is packed
+     * in parts; `node` is not set. */
+    struct replay_note part;
     const struct replay_watch *watch; /* or NULL */
     bool prim_tested, prim_accepted;  /* the triangle test ran; it accepted */
     struct hit prim_hit;              /* if accepted */

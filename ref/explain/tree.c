@@ -1,5 +1,6 @@
 #include "ref/explain/tree.h"
 
+#include "ref/explain/oriented.h"
 #include "ref/explain/steps.h"
 #include "ref/store.h"
 
@@ -152,6 +153,8 @@ enum status explain_tree_make(const struct scene *scene, const struct bvh *bvh,
     if (out->exact && out->record && out->parent && out->node && out->leaf) {
         measure_tree(out);
         status = map_records(out);
+        if (!status)
+            status = explain_map_oriented(out);
     }
     if (status) {
         explain_tree_free(out);
@@ -170,6 +173,7 @@ void explain_tree_free(struct explain_tree *tree)
     free(tree->node);
     free(tree->leaf);
     free(tree->box);
+    free(tree->oriented);
     *tree = (struct explain_tree){0};
 }
 

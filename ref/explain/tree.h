@@ -9,6 +9,11 @@
 #define EXPLAIN_NONE  0xFFFFFFFFu
 #define EXPLAIN_SLOTS 64u /* slots of a leaf that are counted one by one */
 
+/* What an oriented box has to contain, along the axes of its parent; empty: not known. */
+struct oriented_bounds {
+    float lo[3], hi[3];
+};
+
 /* Owns its arrays (explain_tree_free); scene, bvh and packed are borrowed. */
 struct explain_tree {
     const struct scene *scene;
@@ -18,11 +23,12 @@ struct explain_tree {
     uint32_t *record;  /* per tree node: its record (a reference), or EXPLAIN_NONE */
     uint32_t *node;    /* per reference: its tree node, or EXPLAIN_NONE */
     struct box *box;   /* wide layouts: per tree node that has a record, the box that is tested */
-    uint32_t *parent;  /* per tree node; the root's is EXPLAIN_NONE */
-    uint32_t *leaf;    /* per triangle: its leaf (of a split tree one of them), a tree node, or
+    struct oriented_bounds *oriented; /* per reference, or NULL: ref/explain/oriented.h */
+    uint32_t *parent;                 /* per tree node; the root's is EXPLAIN_NONE */
+    uint32_t *leaf;  /* per triangle: its leaf (of a split tree one of them), a tree node, or
                           EXPLAIN_NONE */
-    bool shifted;      /* most items are the tree's less one */
-    bool zero_twice;   /* several slots name triangle 0: some of them are empty */
+    bool shifted;    /* most items are the tree's less one */
+    bool zero_twice; /* several slots name triangle 0: some of them are empty */
     /* Per slot: leaves that use it for a triangle, and those of them that read nothing there. */
     uint32_t slot_used[EXPLAIN_SLOTS], slot_lost[EXPLAIN_SLOTS];
 };
@@ -84,6 +90,11 @@ void explain_load(const struct explain_tree *tree, uint32_t repairs, uint32_t re
  */
 uint32_t explain_item(const struct explain_tree *tree, const struct explain_node *leaf,
                       uint32_t slot);
+
+/* True if a leaf at or below the reference names the triangle. *bounds, unless NULL, are of all
+ * triangles there. */
+bool explain_names(const struct explain_tree *tree, uint32_t ref, uint32_t prim,
+                   struct box *bounds);
 
 /* The box of record `ref`, repaired. */
 struct box explain_box(const struct explain_tree *tree, uint32_t repairs, uint32_t ref);

@@ -240,36 +240,93 @@ static bool narrow(float lo, float hi, float beside, float org, float dir, float
     return true;
 }
 
-static bool misses(const struct packed *packed, uint32_t ref, uint32_t child,
-                   const struct oblique_ray *ray, float tmax)
+/* The ray and the bounds of a child along one axis of its node. */
+struct along {
+    float lo, hi, beside, org, dir;
+};
+
+/* The largest magnitudes of points of the node and of the origin. */
+static void reach_of(const uint32_t *word, const struct oblique_ray *ray, float reach[3])
 {
-    if (ref >= packed->node_count)
-        return false;
-    const uint32_t *word = packed->word + (size_t)WORDS * ref;
-    const uint32_t s = slot_of(packed, ref, word, child);
-    float near = ray->least, far = tmax, reach[3]; /* of points of the node and the origin from 0 */
-    if (!(word[3] >> 24 & 1) || s >= WIDTH)
-        return false;
     for (uint32_t k = 0; k < 3; k++) {
         const struct node_axis frame = axis_at(word, word + 3, k);
         reach[k] = (fabsf(frame.origin) +
                     node_axis_plane(&(struct node_axis){0, frame.exponent}, PLANES)) +
                    fabsf(ray->org[k]);
     }
+}
+
+static void look_along(const uint32_t *word, uint32_t s, uint32_t j, const float reach[3],
+                       const struct oblique_ray *ray, struct along *out)
+{
+    const struct node_axis axis = axis_at(word + 8, word + 7, j);
+    const float x = component(word, j, 0), y = component(word, j, 1), z = component(word, j, 2);
+    const float ax = fabsf(x), ay = fabsf(y), az = fabsf(z);
+    float size = (ax * reach[0] + ay * reach[1]) + az * reach[2];
+    out->org = (x * ray->org[0] + y * ray->org[1]) + z * ray->org[2];
+    out->dir = (x * ray->dir[0] + y * ray->dir[1]) + z * ray->dir[2];
+    out->beside = (size * BESIDE + ((ax + ay) + az) * ray->by) + BESIDE_LEAST;
+    out->lo = node_axis_plane(&axis, byte_of(word + OBLIQUE_AT, WIDTH * j + s));
+    out->hi = node_axis_plane(&axis, byte_of(word + OBLIQUE_AT, WIDTH * (3 + j) + s));
+}
+
+/* Returns the words of a node that has oriented boxes, or NULL, and the slot of its child. */
+static const uint32_t *boxes_at(const struct packed *packed, uint32_t ref, uint32_t child,
+                                uint32_t *s)
+{
+    if (ref >= packed->node_count)
+        return NULL;
+    const uint32_t *word = packed->word + (size_t)WORDS * ref;
+    *s = slot_of(packed, ref, word, child);
+    return (word[3] >> 24 & 1) && *s < WIDTH ? word : NULL;
+}
+
+static bool misses(const struct packed *packed, uint32_t ref, uint32_t child,
+                   const struct oblique_ray *ray, float tmax)
+{
+    uint32_t s;
+    const uint32_t *word = boxes_at(packed, ref, child, &s);
+    float near = ray->least, far = tmax, reach[3];
+    if (!word)
+        return false;
+    reach_of(word, ray, reach);
     for (uint32_t j = 0; j < 3; j++) {
-        const struct node_axis axis = axis_at(word + 8, word + 7, j);
-        const float x = component(word, j, 0), y = component(word, j, 1), z = component(word, j, 2);
-        const float ax = fabsf(x), ay = fabsf(y), az = fabsf(z);
-        float org = (x * ray->org[0] + y * ray->org[1]) + z * ray->org[2];
-        float dir = (x * ray->dir[0] + y * ray->dir[1]) + z * ray->dir[2];
-        float size = (ax * reach[0] + ay * reach[1]) + az * reach[2];
-        float beside = (size * BESIDE + ((ax + ay) + az) * ray->by) + BESIDE_LEAST;
-        if (!narrow(node_axis_plane(&axis, byte_of(word + OBLIQUE_AT, WIDTH * j + s)),
-                    node_axis_plane(&axis, byte_of(word + OBLIQUE_AT, WIDTH * (3 + j) + s)), beside,
-                    org, dir, &near, &far))
+        struct along a;
+        look_along(word, s, j, reach, ray, &a);
+        if (!narrow(a.lo, a.hi, a.beside, a.org, a.dir, &near, &far))
             return true;
     }
     return near - fabsf(near) * SLACK > far + fabsf(far) * SLACK;
+}
+
+static bool oblique(const struct packed *packed, uint32_t ref, uint32_t child,
+                    const struct oblique_ray *ray, struct oblique_box *out)
+{
+    uint32_t s;
+    const uint32_t *word = boxes_at(packed, ref, child, &s);
+    float reach[3];
+    *out = (struct oblique_box){.slack = SLACK};
+    if (!word)
+        return false;
+    reach_of(word, ray, reach);
+    for (uint32_t j = 0; j < 3; j++) {
+        struct along a;
+        look_along(word, s, j, reach, ray, &a);
+        for (uint32_t k = 0; k < 3; k++)
+            out->axis[j][k] = component(word, j, k);
+        out->lo[j] = a.lo;
+        out->hi[j] = a.hi;
+        out->step[j] =
+            node_axis_plane(&(struct node_axis){0, axis_at(word + 8, word + 7, j).exponent}, 1);
+        out->beside[j] = a.beside;
+        out->enter[j] = -INFINITY;
+        out->leave[j] = INFINITY;
+        if (!narrow(a.lo, a.hi, a.beside, a.org, a.dir, &out->enter[j], &out->leave[j])) {
+            out->enter[j] = INFINITY;
+            out->leave[j] = -INFINITY;
+        }
+    }
+    return true;
 }
 
 static const struct wide_form form = {
@@ -295,5 +352,6 @@ const struct layout layout_obb8 = {
     .load = wide_form_load,
     .box = wide_form_box,
     .misses = misses,
+    .oblique = oblique,
     .item = wide_nodes_item,
 };

@@ -22,6 +22,25 @@ static inline void plane_of(const uint32_t *word, uint32_t j, uint32_t s, bool u
     part[1] = ldexp(q, (int)bits(word, 224 + 8 * j, 8) - 127);
 }
 
+/* The sign of a sum of up to 8 doubles, exactly: it is kept in parts that do not overlap. */
+static inline int sign_of_sum(const double *x, uint32_t count)
+{
+    double part[8];
+    int sign = 0;
+    for (uint32_t n = 0; n < count; n++) {
+        double q = x[n];
+        for (uint32_t i = 0; i < n; i++) {
+            double sum = q + part[i], b = sum - q;
+            part[i] = (q - (sum - b)) + (part[i] - b);
+            q = sum;
+        }
+        part[n] = q;
+    }
+    for (uint32_t i = 0; i < count; i++) /* the largest is the last that is not 0 */
+        sign = part[i] != 0 ? (part[i] > 0 ? 1 : -1) : sign;
+    return sign;
+}
+
 /* Triangles about `centre`, each turned by any angle; `size` apart, `side` long and thin. */
 static inline struct scene slivers(struct rng *rng, uint32_t count, float centre, float size,
                                    float side)

@@ -14,25 +14,6 @@
 
 /* --- exact sums ------------------------------------------------------------------------------- */
 
-/* The sign of a sum of up to 8 doubles, exactly: it is kept in parts that do not overlap. */
-static int sign_of_sum(const double *x, uint32_t count)
-{
-    double part[8];
-    int sign = 0;
-    for (uint32_t n = 0; n < count; n++) {
-        double q = x[n];
-        for (uint32_t i = 0; i < n; i++) {
-            double sum = q + part[i], b = sum - q;
-            part[i] = (q - (sum - b)) + (part[i] - b);
-            q = sum;
-        }
-        part[n] = q;
-    }
-    for (uint32_t i = 0; i < count; i++) /* the largest is the last that is not 0 */
-        sign = part[i] != 0 ? (part[i] > 0 ? 1 : -1) : sign;
-    return sign;
-}
-
 /* The sign of a point's place along an axis less a plane. */
 static int side_of(const uint32_t *word, uint32_t j, uint32_t s, bool up, const float v[3],
                    double more)
