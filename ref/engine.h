@@ -122,6 +122,13 @@ struct frame_renderer {
 struct world_tracer {
     /* As engine.prepare, and apart from it: after either, only traces of that kind are allowed. */
     enum status (*prepare_world)(void *self, const struct world_job *job, struct reason *reason);
+    /* As prepare_world, after a prepare_world or move_world of this engine that returned STATUS_OK,
+     * with nothing of another job between them. Vertices have moved, or members of instances have
+     * changed: transforms, masks, meshes, custom indices, flags. Numbers of instances, of meshes
+     * and of their triangles, indices, geometries, filter, tests and query are the same, and so is
+     * the packed world but for what packed_world_refit changes. Errors: as prepare_world; then it
+     * holds nothing. NULL: it cannot, and is prepared anew (engine_follow_world). */
+    enum status (*move_world)(void *self, const struct world_job *job, struct reason *reason);
     /* As engine.trace. Ray i meets what mode[i] lets it meet; modes have passed ray_mode_check;
      * NULL: ray_mode_all() for every ray. hit[i].prim is the number of a placed triangle
      * (ref/world/world.h), tag[i] what ref/abi.h has under ABI_TAG_CUSTOM; 0 for a miss. */
@@ -283,6 +290,22 @@ static inline enum status engine_follow(const struct engine *engine, void *self,
 {
     return refitted && engine_moves(engine, self) ? engine->move(self, job, reason)
                                                   : engine->prepare(self, job, reason);
+}
+
+/* Whether an engine updates what it holds of a world. */
+static inline bool engine_moves_worlds(const struct engine *engine)
+{
+    return engine->worlds && engine->worlds->move_world;
+}
+
+/* As engine_follow, of a world that `engine` traces. Errors: as prepare_world. */
+static inline enum status engine_follow_world(const struct engine *engine, void *self,
+                                              const struct world_job *job, bool refitted,
+                                              struct reason *reason)
+{
+    return refitted && engine_moves_worlds(engine)
+               ? engine->worlds->move_world(self, job, reason)
+               : engine->worlds->prepare_world(self, job, reason);
 }
 
 /* How an opened engine is called when it is timed. */

@@ -12,8 +12,9 @@
 
 const char *motion_name(enum life_motion motion)
 {
-    static const char *const name[MOTIONS] = {"still", "jitter", "one",  "mirror",   "swap",
-                                              "far",   "point",  "zero", "subnormal"};
+    static const char *const name[MOTIONS] = {
+        "still", "jitter", "one",     "mirror", "swap",     "far",    "point", "zero",  "subnormal",
+        "drift", "turn",   "reflect", "scale",  "exchange", "gather", "away",  "masks", "hide"};
     return name[motion];
 }
 
@@ -120,8 +121,7 @@ void motion_apply(const struct step *step, struct scene *scene)
     case MOTION_SUBNORMAL:
         make_tiny(scene, step->seed, step->motion == MOTION_SUBNORMAL);
         break;
-    case MOTION_STILL:
-    case MOTIONS:
+    default: /* still, or of instances */
         break;
     }
 }

@@ -70,7 +70,8 @@ static enum status parse_one(const char *text, size_t length, struct step *out,
                         (int)(length < 40 ? length : 40), text, (int)(part < 40 ? part : 40), word,
                         place == 0   ? "act: refit or rebuild"
                         : place == 1 ? "motion: still, jitter, one, mirror, swap, far, point, "
-                                       "zero or subnormal"
+                                       "zero or subnormal; of a world also drift, turn, reflect, "
+                                       "scale, exchange, gather, away, masks or hide"
                         : place == 2 ? "seed: a whole number below 10^19"
                                      : "part of a step: ACT:MOTION:SEED");
         if (!colon)
@@ -95,6 +96,15 @@ enum status steps_parse(const char *text, struct step out[LIFE_STEPS_MOST], uint
             return STATUS_OK;
         at += length + 1;
     }
+}
+
+enum status steps_of_scene(const struct step *step, uint32_t count, struct reason *reason)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (motion_is_of_worlds(step[i].motion))
+            return fail(reason, STATUS_INPUT, "'%s' moves instances, which only worlds have",
+                        motion_name(step[i].motion));
+    return STATUS_OK;
 }
 
 /* --- scenes ----------------------------------------------------------------------------------- */

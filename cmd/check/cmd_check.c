@@ -124,7 +124,7 @@ static enum status play_scene(struct check_run *check, const struct scene *scene
                                     .build = o->build,
                                     .tree = o->bvh ? &check->tree : NULL,
                                     .rest = o->move > 0 ? rest : NULL,
-                                    .life = check->of->life.scene ? &check->of->life : NULL,
+                                    .life = check->of->lives ? &check->of->life : NULL,
                                     .box = box_tests[o->box.index[0]],
                                     .tri = tri_tests[o->tri.index[0]],
                                     .query = (enum query)o->query.index[0],

@@ -7,7 +7,7 @@
 #include "ref/match/match.h"
 #include "ref/scene/quantise.h"
 #include "ref/match/turnout.h"
-#include "scenes/life_steps.h"
+#include "scenes/world_steps.h"
 
 /* One scene and all its rows. */
 struct check_scene {
@@ -101,9 +101,11 @@ struct check_options;
 struct check_subject {
     struct scene scene, rest;               /* rest: before --move */
     struct scene past[LIFE_STEPS_MOST + 1]; /* --steps: as built, and after each step until now */
-    struct match_life life;                 /* of these; scene NULL: there are no steps */
     struct world world;
-    bool is_world; /* else a scene */
+    struct world before[LIFE_STEPS_MOST + 1]; /* in place of `past` */
+    struct match_life life;                   /* of these */
+    bool lives;                               /* false: there are no steps */
+    bool is_world;                            /* else a scene */
     struct ray *ray;
     struct ray_mode *mode; /* of a world */
 };

@@ -42,18 +42,52 @@ static enum status move_scene(const struct check_options *o, const char *spec,
     return scene_open(spec, o->seed, &out->rest, reason);
 }
 
-/* Takes the scene through the steps. */
-static enum status live(const struct check_options *o, uint32_t steps, struct check_subject *out,
-                        struct reason *reason)
+static enum status live_as_scene(const struct check_options *o, const char *spec, uint32_t steps,
+                                 struct check_subject *out, struct reason *reason)
 {
-    if (out->is_world || o->step_count == 0)
-        return STATUS_OK;
-    enum status status = steps_scenes(&out->scene, o->step, steps, out->past, reason);
+    struct reason why = {""};
+    enum status status = steps_of_scene(o->step, o->step_count, &why);
+    if (status)
+        return fail(reason, status, "--steps: %s: %s (docs/worlds.md)", spec, why.text);
+    status = steps_scenes(&out->scene, o->step, steps, out->past, reason);
     if (status)
         return status;
     memcpy(out->scene.vertex, out->past[steps].vertex,
            3 * sizeof *out->scene.vertex * (size_t)out->scene.vertex_count);
-    out->life = (struct match_life){.scene = out->past, .count = steps};
+    out->life.scene = out->past;
+    return STATUS_OK;
+}
+
+/* The world itself has then moved, too: vertices and instances are copied to where they are. */
+static enum status live_as_world(const struct check_options *o, uint32_t steps,
+                                 struct check_subject *out, struct reason *reason)
+{
+    struct world *world = &out->world;
+    enum status status = steps_worlds(world, o->step, steps, out->before, reason);
+    if (status)
+        return status;
+    const struct world *last = &out->before[steps];
+    for (uint32_t i = 0; i < world->mesh_count; i++)
+        if (last->mesh[i].scene->vertex_count > 0)
+            memcpy(world->mesh[i].scene->vertex, last->mesh[i].scene->vertex,
+                   12 * (size_t)last->mesh[i].scene->vertex_count);
+    if (world->instance_count > 0)
+        memcpy(world->instance, last->instance, world->instance_count * sizeof *last->instance);
+    memcpy(world->first, last->first, (world->instance_count + (size_t)1) * sizeof *last->first);
+    out->life.world = out->before;
+    return STATUS_OK;
+}
+
+/* Takes the scene or the world through the steps. */
+static enum status live(const struct check_options *o, const char *spec, uint32_t steps,
+                        struct check_subject *out, struct reason *reason)
+{
+    if (o->step_count == 0)
+        return STATUS_OK;
+    out->life.count = steps;
+    enum status status = out->is_world ? live_as_world(o, steps, out, reason)
+                                       : live_as_scene(o, spec, steps, out, reason);
+    out->lives = status == STATUS_OK;
     for (uint32_t i = 0; i < steps; i++)
         out->life.act[i] = o->step[i].act;
     return STATUS_OK;
@@ -71,8 +105,6 @@ static enum status check_use_of(const struct check_options *o, const char *spec,
                     "--braid: %s is a scene; only worlds have instances (docs/worlds.md)", spec);
     if (is_world && o->move > 0)
         return fail(reason, STATUS_INPUT, "--move: %s is a world; only scenes are moved", spec);
-    if (is_world && o->step_count > 0)
-        return fail(reason, STATUS_INPUT, "--steps: %s is a world; only scenes are moved", spec);
     if (is_world && o->bvh)
         return fail(reason, STATUS_INPUT, "--bvh: %s is a world; a tree file is of a scene", spec);
     for (size_t i = 0; i < o->store.count && is_world; i++)
@@ -137,7 +169,7 @@ enum status check_open(const struct check_options *options, const char *spec,
     if (status == STATUS_OK)
         status = check_use_of(options, spec, out->is_world, reason);
     if (status == STATUS_OK)
-        status = live(options, result->step, out, reason);
+        status = live(options, spec, result->step, out, reason);
     if (status)
         return status;
     if (!out->is_world) {
@@ -156,6 +188,8 @@ void check_close(struct check_subject *subject)
 {
     if (subject->life.scene)
         steps_free(subject->past, subject->life.count);
+    if (subject->life.world)
+        steps_worlds_free(subject->before, subject->life.count);
     scene_free(&subject->scene);
     scene_free(&subject->rest);
     world_free(&subject->world);

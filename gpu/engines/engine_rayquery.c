@@ -27,7 +27,7 @@ struct rayquery {
     struct accel_variant variant;
     struct vk_options options; /* of the device */
     struct world alone;        /* the scene as a world, if a variant makes one of it */
-    float *last;               /* the vertices of the last scene, if the variant has an update */
+    struct rayquery_past past; /* the last scene or world, if the variant has an update */
     bool runs;                 /* the scene is traced by the runner of worlds */
 };
 
@@ -52,7 +52,7 @@ static void close(void *self)
         vk_pipeline_free(r->base.vk, r->pipeline[q]);
     world_runner_free(r->worlds);
     forget(r);
-    free(r->last);
+    rayquery_forget(&r->past);
     (void)vk_close(r->base.vk, NULL);
     free(r);
 }
@@ -187,23 +187,26 @@ static enum status choose_runner(struct rayquery *r, const struct job *job, stru
     return world_runner_prepare_query(r->worlds, &alone, r->accel, reason);
 }
 
-/* Keeps the vertices for the next move. */
-static enum status keep(struct rayquery *r, const struct scene *scene, struct reason *reason)
+/* Keeps what the next move finds. */
+static enum status keep(struct rayquery *r, const struct world *world, struct reason *reason)
 {
-    free(r->last);
-    r->last = NULL;
-    if (r->variant.how.update == VK_ACCEL_UPDATE_NONE || scene->vertex_count == 0)
-        return STATUS_OK;
-    const size_t bytes = 12 * (size_t)scene->vertex_count;
-    r->last = malloc(bytes);
-    if (!r->last)
-        return fail(reason, STATUS_MEMORY, "vulkan: no memory for %zu bytes of vertices", bytes);
-    memcpy(r->last, scene->vertex, bytes);
+    if (r->variant.how.update != VK_ACCEL_UPDATE_NONE)
+        return rayquery_keep(world, &r->past, reason);
     return STATUS_OK;
 }
 
-/* `earlier`: where the vertices were, or NULL. */
-static enum status make(struct rayquery *r, const struct job *job, const float *earlier,
+/* What was kept of such a world, or NULL. */
+static const struct rayquery_past *past_of(const struct rayquery *r, const struct world *world)
+{
+    const struct rayquery_past *past = &r->past;
+    return past->vertex && past->mesh_count == world->mesh_count &&
+                   past->instance_count == world->instance_count
+               ? past
+               : NULL;
+}
+
+/* `moves`: the vertices were elsewhere before. */
+static enum status make(struct rayquery *r, const struct job *job, bool moves,
                         struct reason *reason)
 {
     forget(r);
@@ -212,12 +215,13 @@ static enum status make(struct rayquery *r, const struct job *job, const float *
     if (!status && job->scene->tri_count)
         status = make_alone(r, job->scene, reason);
     if (!status && job->scene->tri_count)
-        status = rayquery_build(r->base.vk, &r->options, &r->alone, earlier, &r->variant, &r->accel,
-                                reason);
+        status =
+            rayquery_build(r->base.vk, &r->options, &r->alone, moves ? past_of(r, &r->alone) : NULL,
+                           &r->variant, &r->accel, reason);
     if (!status)
         status = choose_runner(r, job, reason);
     if (!status)
-        status = keep(r, job->scene, reason);
+        status = keep(r, &r->alone, reason);
     r->base.empty = !r->accel;
     r->base.bytes = vk_accel_bytes(r->accel);
     if (!status && r->accel)
@@ -229,13 +233,12 @@ static enum status make(struct rayquery *r, const struct job *job, const float *
 
 static enum status prepare(void *self, const struct job *job, struct reason *reason)
 {
-    return make(self, job, NULL, reason);
+    return make(self, job, false, reason);
 }
 
 enum status rayquery_move(void *self, const struct job *job, struct reason *reason)
 {
-    struct rayquery *r = self;
-    return make(r, job, r->last, reason);
+    return make(self, job, true, reason);
 }
 
 static enum status trace(void *self, const struct ray *ray, size_t ray_count, struct hit *hit,
@@ -272,9 +275,9 @@ static enum status trace_all(void *self, const struct ray *ray, size_t ray_count
 
 /* --- worlds ----------------------------------------------------------------------------------- */
 
-static enum status prepare_world(void *self, const struct world_job *job, struct reason *reason)
+static enum status make_world(struct rayquery *r, const struct world_job *job, bool moves,
+                              struct reason *reason)
 {
-    struct rayquery *r = self;
     forget(r);
     r->base.chosen = NULL;
     if (!r->worlds)
@@ -282,12 +285,25 @@ static enum status prepare_world(void *self, const struct world_job *job, struct
     if (!r->worlds)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for the engine");
     enum status status =
-        rayquery_build(r->base.vk, &r->options, job->world, NULL, &r->variant, &r->accel, reason);
+        rayquery_build(r->base.vk, &r->options, job->world, moves ? past_of(r, job->world) : NULL,
+                       &r->variant, &r->accel, reason);
+    if (!status)
+        status = keep(r, job->world, reason);
     if (!status)
         return world_runner_prepare_query(r->worlds, job, r->accel, reason);
     world_runner_free(r->worlds); /* what it was prepared for is gone */
     r->worlds = NULL;
     return status;
+}
+
+static enum status prepare_world(void *self, const struct world_job *job, struct reason *reason)
+{
+    return make_world(self, job, false, reason);
+}
+
+enum status rayquery_move_world(void *self, const struct world_job *job, struct reason *reason)
+{
+    return make_world(self, job, true, reason);
 }
 
 static enum status trace_world(void *self, const struct ray *ray, const struct ray_mode *mode,

@@ -106,6 +106,11 @@ static enum status prepare_world(void *self, const struct world_job *job, struct
     return world_runner_prepare(v->worlds, job, reason);
 }
 
+static enum status move_world(void *self, const struct world_job *job, struct reason *reason)
+{
+    return world_runner_move(((struct vulkan *)self)->worlds, job, reason);
+}
+
 static enum status trace_world(void *self, const struct ray *ray, const struct ray_mode *mode,
                                size_t ray_count, struct hit *hit, uint32_t *tag,
                                struct trace_report *report, struct reason *reason)
@@ -124,7 +129,11 @@ static enum status trace_world_all(void *self, const struct ray *ray, const stru
 }
 
 static const struct world_tracer worlds = {
-    .prepare_world = prepare_world, .trace_world = trace_world, .trace_world_all = trace_world_all};
+    .prepare_world = prepare_world,
+    .move_world = move_world,
+    .trace_world = trace_world,
+    .trace_world_all = trace_world_all,
+};
 
 extern const struct engine engine_vulkan;
 static const struct frame_renderer renderer = {.prepare = frame_prepare, .draw = frame};

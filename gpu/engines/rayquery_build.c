@@ -10,9 +10,45 @@ struct meshes {
     struct vk_accel_mesh *mesh;
     struct vk_accel_geometry *geometry; /* of all meshes, in order */
     struct vk_accel_form *form;         /* of each geometry, if the variant has forms */
-    struct vk_accel_instance *instance;
+    struct vk_accel_instance *instance, *before;
     uint32_t count;
 };
+
+/* --- what an update finds --------------------------------------------------------------------- */
+
+void rayquery_forget(struct rayquery_past *past)
+{
+    for (uint32_t i = 0; i < past->mesh_count && past->vertex; i++)
+        free(past->vertex[i]);
+    free(past->vertex);
+    free(past->instance);
+    *past = (struct rayquery_past){.vertex = NULL};
+}
+
+enum status rayquery_keep(const struct world *world, struct rayquery_past *past,
+                          struct reason *reason)
+{
+    rayquery_forget(past);
+    past->mesh_count = world->mesh_count;
+    past->instance_count = world->instance_count;
+    past->vertex = alloc_zeroed(world->mesh_count, sizeof *past->vertex);
+    past->instance = alloc_copy(world->instance, world->instance_count, sizeof *past->instance);
+    bool room = past->vertex && (past->instance || !world->instance);
+    for (uint32_t i = 0; i < world->mesh_count && room; i++) {
+        const struct scene *scene = world->mesh[i].scene;
+        if (scene->vertex_count == 0)
+            continue;
+        past->vertex[i] = alloc_copy(scene->vertex, 3 * (size_t)scene->vertex_count, sizeof(float));
+        room = past->vertex[i] != NULL;
+    }
+    if (room)
+        return STATUS_OK;
+    rayquery_forget(past);
+    return fail(reason, STATUS_MEMORY, "vulkan: no memory for what %u instances were",
+                world->instance_count);
+}
+
+/* --- structures ------------------------------------------------------------------------------- */
 
 bool rayquery_is_plain(const struct accel_variant *variant)
 {
@@ -34,6 +70,7 @@ static void free_meshes(struct vk *vk, struct meshes *meshes)
     free(meshes->geometry);
     free(meshes->form);
     free(meshes->instance);
+    free(meshes->before);
 }
 
 static enum status make_room(const struct world *world, struct meshes *out, struct reason *reason)
@@ -45,7 +82,8 @@ static enum status make_room(const struct world *world, struct meshes *out, stru
     out->geometry = alloc_zeroed(geometries, sizeof *out->geometry);
     out->form = alloc_zeroed(geometries, sizeof *out->form);
     out->instance = alloc_zeroed(world->instance_count, sizeof *out->instance);
-    if (!out->mesh || !out->geometry || !out->form || !out->instance)
+    out->before = alloc_zeroed(world->instance_count, sizeof *out->before);
+    if (!out->mesh || !out->geometry || !out->form || !out->instance || !out->before)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for %u instances",
                     world->instance_count);
     out->count = world->mesh_count;
@@ -98,7 +136,8 @@ static enum status upload_form(struct vk *vk, const struct world_mesh *from, con
     return status;
 }
 
-static enum status upload_meshes(struct vk *vk, const struct world *world, const float *earlier,
+static enum status upload_meshes(struct vk *vk, const struct world *world,
+                                 const struct rayquery_past *past,
                                  const struct accel_variant *variant, struct meshes *out,
                                  struct reason *reason)
 {
@@ -115,8 +154,8 @@ static enum status upload_meshes(struct vk *vk, const struct world *world, const
         for (uint32_t g = 0; g < from->geometry_count; g++)
             out->geometry[next + g] = (struct vk_accel_geometry){
                 from->geometry[g].first, from->geometry[g].count, from->geometry[g].opaque, NULL};
-        status = forms ? upload_form(vk, from, earlier, variant, to, out->geometry + next,
-                                     out->form + next, reason)
+        status = forms ? upload_form(vk, from, past ? past->vertex[i] : NULL, variant, to,
+                                     out->geometry + next, out->form + next, reason)
                        : upload_plain(vk, from->scene, to, reason);
         next += from->geometry_count;
     }
@@ -125,23 +164,32 @@ static enum status upload_meshes(struct vk *vk, const struct world *world, const
 
 _Static_assert(VK_ACCEL_NO_MESH == WORLD_NO_MESH, "a null reference");
 
-static enum status build_world(struct vk *vk, const struct world *world, const float *earlier,
+static struct vk_accel_instance instance_of(const struct instance *from)
+{
+    struct vk_accel_instance to = {
+        .mesh = from->mesh, .custom = from->custom, .mask = from->mask, .flags = from->flags};
+    memcpy(to.transform, from->m, sizeof from->m);
+    return to;
+}
+
+static enum status build_world(struct vk *vk, const struct world *world,
+                               const struct rayquery_past *past,
                                const struct accel_variant *variant, struct vk_accel **out,
                                struct reason *reason)
 {
     struct meshes meshes = {0};
-    enum status status = upload_meshes(vk, world, earlier, variant, &meshes, reason);
+    enum status status = upload_meshes(vk, world, past, variant, &meshes, reason);
     for (uint32_t i = 0; i < world->instance_count && !status; i++) {
-        const struct instance *from = &world->instance[i];
-        struct vk_accel_instance *to = &meshes.instance[i];
-        memcpy(to->transform, from->m, sizeof from->m);
-        to->mesh = from->mesh;
-        to->custom = from->custom;
-        to->mask = from->mask;
-        to->flags = from->flags;
+        meshes.instance[i] = instance_of(&world->instance[i]);
+        if (past)
+            meshes.before[i] = instance_of(&past->instance[i]);
     }
-    const struct vk_accel_world built = {meshes.mesh, meshes.instance, world->mesh_count,
-                                         world->instance_count, &variant->how};
+    const struct vk_accel_world built = {.mesh = meshes.mesh,
+                                         .instance = meshes.instance,
+                                         .mesh_count = world->mesh_count,
+                                         .instance_count = world->instance_count,
+                                         .before = past ? meshes.before : NULL,
+                                         .how = &variant->how};
     if (!status)
         status = vk_accel_make_world(vk, &built, out, reason);
     free_meshes(vk, &meshes);
@@ -150,12 +198,12 @@ static enum status build_world(struct vk *vk, const struct world *world, const f
 
 /* The structures through bytes: built on a device, freed, and read on `vk`. */
 static enum status build_and_serialise(struct vk *vk, struct vk *on, const struct world *world,
-                                       const float *earlier, const struct accel_variant *variant,
-                                       struct vk_accel **out, struct vk_accel_bytes **bytes,
-                                       struct reason *reason)
+                                       const struct rayquery_past *past,
+                                       const struct accel_variant *variant, struct vk_accel **out,
+                                       struct vk_accel_bytes **bytes, struct reason *reason)
 {
     struct vk_accel *built = NULL;
-    enum status status = build_world(on, world, earlier, variant, &built, reason);
+    enum status status = build_world(on, world, past, variant, &built, reason);
     if (!status)
         status = vk_accel_save(on, built, bytes, reason);
     vk_accel_free(on, built);
@@ -168,7 +216,7 @@ static enum status build_and_serialise(struct vk *vk, struct vk *on, const struc
 }
 
 enum status rayquery_build(struct vk *vk, const struct vk_options *options,
-                           const struct world *world, const float *earlier,
+                           const struct world *world, const struct rayquery_past *past,
                            const struct accel_variant *variant, struct vk_accel **out,
                            struct reason *reason)
 {
@@ -177,12 +225,12 @@ enum status rayquery_build(struct vk *vk, const struct vk_options *options,
     *out = NULL;
     if (variant->how.copy != VK_ACCEL_COPY_SERIALISE &&
         variant->how.copy != VK_ACCEL_COPY_SERIALISE_NEW)
-        return build_world(vk, world, earlier, variant, out, reason);
+        return build_world(vk, world, past, variant, out, reason);
     enum status status = STATUS_OK;
     if (variant->how.copy == VK_ACCEL_COPY_SERIALISE_NEW)
         status = vk_open(options, &on, reason);
     if (!status)
-        status = build_and_serialise(vk, on, world, earlier, variant, out, &bytes, reason);
+        status = build_and_serialise(vk, on, world, past, variant, out, &bytes, reason);
     vk_accel_bytes_free(bytes);
     return status;
 }

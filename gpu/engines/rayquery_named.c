@@ -12,6 +12,7 @@ extern const struct engine engine_rayquery;
 struct variant_place {
     char name[ACCEL_NAME_MOST];
     struct accel_variant variant;
+    struct world_tracer worlds;
 };
 
 static enum status variant_open(const struct engine *engine, const struct engine_options *options,
@@ -47,9 +48,12 @@ static enum status add(const struct accel_variant *variant, const char *name,
     engine.summary = "a variant of rayquery";
     engine.named = &place->variant;
     engine.open = variant_open;
-    engine.move = variant->how.update != VK_ACCEL_UPDATE_NONE ? rayquery_move : NULL;
-    if (variant->split) /* the geometries of a world are its own */
-        engine.worlds = NULL;
+    const bool updates = variant->how.update != VK_ACCEL_UPDATE_NONE;
+    engine.move = updates ? rayquery_move : NULL;
+    place->worlds = *engine_rayquery.worlds;
+    place->worlds.move_world = updates ? rayquery_move_world : NULL;
+    engine.worlds =
+        variant->split ? NULL : &place->worlds; /* the geometries of a world are its own */
     status = engine_add(&engine, out, reason);
     place_count += !status;
     return status;

@@ -92,23 +92,6 @@ void world_runner_free(struct world_runner *runner)
 
 /* --- prepare ---------------------------------------------------------------------------------- */
 
-static enum status check_trees(const struct world_job *job, struct reason *reason)
-{
-    const struct packed_world *packed = job->packed;
-    const struct layout *layout = packed->top.layout;
-    enum status status = STATUS_OK;
-    for (uint32_t i = 0; i < packed->tree_count && !status; i++) {
-        const struct packed *bottom = &packed->bottom[i];
-        if (bottom->layout != layout || bottom->store != packed->bottom[0].store)
-            return fail(reason, STATUS_UNSUPPORTED,
-                        "vulkan: all trees of a world have one layout and storage here, the top "
-                        "is in %s and mesh %u in %s",
-                        layout->name, i, bottom->layout->name);
-        status = tri_store_check(bottom->store, job->tri->id, job->tri->name, reason);
-    }
-    return status;
-}
-
 static enum status take_pipeline(struct world_runner *runner, const struct shader *shader,
                                  const uint32_t *constant, bool accel, struct reason *reason)
 {
@@ -172,7 +155,7 @@ enum status world_runner_prepare(struct world_runner *runner, const struct world
                                  struct reason *reason)
 {
     start_job(runner, job);
-    enum status status = check_trees(job, reason);
+    enum status status = world_upload_check(job, reason);
     if (!status)
         status = find_pipeline(runner, job, reason);
     if (!status)
@@ -180,16 +163,31 @@ enum status world_runner_prepare(struct world_runner *runner, const struct world
     return end_job(runner, status);
 }
 
-enum status world_runner_prepare_query(struct world_runner *runner, const struct world_job *job,
-                                       const struct vk_accel *accel, struct reason *reason)
+enum status world_runner_move(struct world_runner *runner, const struct world_job *job,
+                              struct reason *reason)
+{
+    if (!runner->pipeline)
+        return world_runner_prepare(runner, job, reason);
+    return end_job(runner, world_upload(runner->vk, job, runner->buffer, &runner->push, reason));
+}
+
+/* The pipeline of a shader that reads no tree of ours. */
+static enum status take_plain(struct world_runner *runner, const char *shader, enum query query,
+                              uint32_t tri, bool accel, struct reason *reason)
 {
     const uint32_t constant[DISPATCH_CONSTANTS] = {[ABI_SPEC_WORKGROUP] = runner->workgroup,
                                                    [ABI_SPEC_BOX] = ABI_BOX_ROBUST,
-                                                   [ABI_SPEC_TRI] = ABI_TRI_MT,
-                                                   [ABI_SPEC_QUERY] = (uint32_t)job->query,
+                                                   [ABI_SPEC_TRI] = tri,
+                                                   [ABI_SPEC_QUERY] = (uint32_t)query,
                                                    [ABI_SPEC_STACK] = 16};
+    return take_pipeline(runner, shader_find(shader), constant, accel, reason);
+}
+
+enum status world_runner_prepare_query(struct world_runner *runner, const struct world_job *job,
+                                       const struct vk_accel *accel, struct reason *reason)
+{
     start_job(runner, job);
-    enum status status = take_pipeline(runner, shader_find("query_world"), constant, true, reason);
+    enum status status = take_plain(runner, "query_world", job->query, ABI_TRI_MT, true, reason);
     for (uint32_t i = ABI_BIND_NODES; i <= ABI_BIND_TRIS && !status; i++) /* not read */
         status = vk_buffer_make(runner->vk, 0, &runner->buffer[i], reason);
     if (!status)
@@ -203,14 +201,9 @@ enum status world_runner_prepare_query(struct world_runner *runner, const struct
 enum status world_runner_prepare_brute(struct world_runner *runner, const struct world_job *job,
                                        struct reason *reason)
 {
-    const uint32_t constant[DISPATCH_CONSTANTS] = {[ABI_SPEC_WORKGROUP] = runner->workgroup,
-                                                   [ABI_SPEC_BOX] = ABI_BOX_ROBUST,
-                                                   [ABI_SPEC_TRI] = job->tri->id,
-                                                   [ABI_SPEC_QUERY] = (uint32_t)job->query,
-                                                   [ABI_SPEC_STACK] = 16};
     const struct world_job whole = {.world = job->world, .tri = job->tri, .query = job->query};
     start_job(runner, job);
-    enum status status = take_pipeline(runner, shader_find("world_brute"), constant, false, reason);
+    enum status status = take_plain(runner, "world_brute", job->query, job->tri->id, false, reason);
     if (!status)
         status = world_upload(runner->vk, &whole, runner->buffer, &runner->push, reason);
     runner->brute = job->world;

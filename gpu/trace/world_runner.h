@@ -22,16 +22,22 @@ void world_runner_free(struct world_runner *runner);
 enum status world_runner_prepare(struct world_runner *runner, const struct world_job *job,
                                  struct reason *reason) MUST_USE;
 
-/* The same for the driver's own trees, `accel`, made of job->world on a device with ray queries; of
- * the job only world and query are used. Errors: STATUS_LIMIT a buffer over the device's limits;
- * STATUS_UNSUPPORTED as vk_pipeline_make; STATUS_DEVICE; STATUS_MEMORY. */
+/* As world_tracer.move_world: writes into the buffers of the last job, which stay where they are.
+ * Errors: as world_runner_prepare. */
+enum status world_runner_move(struct world_runner *runner, const struct world_job *job,
+                              struct reason *reason) MUST_USE;
+
+/* As world_runner_prepare for the driver's own trees, `accel`, made of job->world on a device with
+ * ray queries; of the job only world and query are used. Errors: STATUS_LIMIT a buffer over the
+ * device's limits; STATUS_UNSUPPORTED as vk_pipeline_make; STATUS_DEVICE; STATUS_MEMORY. */
 enum status world_runner_prepare_query(struct world_runner *runner, const struct world_job *job,
                                        const struct vk_accel *accel,
                                        struct reason *reason) MUST_USE;
 
-/* The same without trees: every triangle of every instance is tested, to the bits of engine brute.
- * The world is read again when rays are traced. Errors: STATUS_LIMIT the inverse of a transform is
- * beyond float32, or a buffer over the device's limits; STATUS_DEVICE; STATUS_MEMORY. */
+/* As world_runner_prepare without trees: every triangle of every instance is tested, to the bits of
+ * engine brute. The world is read again when rays are traced. Errors: STATUS_LIMIT the inverse of a
+ * transform is beyond float32, or a buffer over the device's limits; STATUS_DEVICE;
+ * STATUS_MEMORY. */
 enum status world_runner_prepare_brute(struct world_runner *runner, const struct world_job *job,
                                        struct reason *reason) MUST_USE;
 

@@ -1,6 +1,7 @@
 #include "gpu/trace/world_upload.h"
 
 #include "gpu/trace/gather.h"
+#include "ref/store.h"
 #include "ref/two_level/packed_world.h"
 #include "ref/world/world.h"
 
@@ -10,6 +11,23 @@
 #define QUAD_WORDS 4u
 #define RECORD_OUT (sizeof(struct instance_record) / ABI_WORLD_QUAD_BYTES)
 _Static_assert(RECORD_OUT == ABI_WORLD_INSTANCE, "a record is as many quads as the shader reads");
+
+enum status world_upload_check(const struct world_job *job, struct reason *reason)
+{
+    const struct packed_world *packed = job->packed;
+    const struct layout *layout = packed->top.layout;
+    enum status status = STATUS_OK;
+    for (uint32_t i = 0; i < packed->tree_count && !status; i++) {
+        const struct packed *bottom = &packed->bottom[i];
+        if (bottom->layout != layout || bottom->store != packed->bottom[0].store)
+            return fail(reason, STATUS_UNSUPPORTED,
+                        "vulkan: all trees of a world have one layout and storage here, the top "
+                        "is in %s and mesh %u in %s",
+                        layout->name, i, bottom->layout->name);
+        status = tri_store_check(bottom->store, job->tri->id, job->tri->name, reason);
+    }
+    return status;
+}
 
 /* Words, triangles and geometries before a tree. */
 struct world_places {
@@ -70,6 +88,17 @@ static void put_tree(const struct world_job *job, uint32_t tree, const struct wo
                               (uint32_t)of_mesh->geometries,
                               geometries};
     memcpy(out, words, sizeof words);
+}
+
+/* Makes a buffer, or keeps one that is as large. */
+static enum status have_buffer(struct vk *vk, uint64_t bytes, struct vk_buffer **buffer,
+                               struct reason *reason)
+{
+    if (*buffer && vk_buffer_bytes(*buffer) >= bytes)
+        return STATUS_OK;
+    vk_buffer_free(vk, *buffer);
+    *buffer = NULL;
+    return vk_buffer_make(vk, bytes, buffer, reason);
 }
 
 /* The members of the filter. */
@@ -141,7 +170,9 @@ static enum status upload_world(struct vk *vk, const struct world_job *job,
     enum status status = put_records(job, entries, word + QUAD_WORDS * records, reason);
     put_geometries(world, word + QUAD_WORDS * geometries);
     if (!status)
-        status = vk_buffer_make_of(vk, word, quads * ABI_WORLD_QUAD_BYTES, out, reason);
+        status = have_buffer(vk, quads * ABI_WORLD_QUAD_BYTES, out, reason);
+    if (!status)
+        status = vk_buffer_write(vk, *out, 0, word, quads * ABI_WORLD_QUAD_BYTES, reason);
     free(word);
     return status;
 }
@@ -152,9 +183,9 @@ static enum status upload_trees(struct vk *vk, const struct world_job *job,
                                 struct vk_buffer **nodes, struct vk_buffer **items,
                                 struct reason *reason)
 {
-    enum status status = vk_buffer_make(vk, 4 * places[trees].nodes, nodes, reason);
+    enum status status = have_buffer(vk, 4 * places[trees].nodes, nodes, reason);
     if (!status)
-        status = vk_buffer_make(vk, 4 * places[trees].items, items, reason);
+        status = have_buffer(vk, 4 * places[trees].items, items, reason);
     for (uint32_t i = 0; i < trees && !status; i++) {
         const struct packed *packed = tree_of(job, i);
         if (packed->word_count)
@@ -173,7 +204,7 @@ static enum status upload_triangles(struct vk *vk, const struct world_job *job,
                                     struct reason *reason)
 {
     uint32_t meshes = job->world->mesh_count;
-    enum status status = vk_buffer_make(vk, gather_bytes(places[meshes + 1].tris), out, reason);
+    enum status status = have_buffer(vk, gather_bytes(places[meshes + 1].tris), out, reason);
     for (uint32_t i = 0; i < meshes && !status; i++)
         status = gather_write(vk, job->world->mesh[i].scene, *out, places[i + 1].tris, reason);
     return status;

@@ -127,8 +127,14 @@ static enum status upload_instances(struct vk *vk, const struct vk_accel_world *
     if (!instance)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for %u instances", count);
     for (uint32_t i = 0; i < count; i++) {
-        instance[i] = instance[count + i] = instance_of(vk, accel, how, &world->instance[i]);
-        move_instance(&instance[i]);
+        const struct vk_accel_instance *now = &world->instance[i];
+        const struct vk_accel_instance *before = world->before ? &world->before[i] : now;
+        instance[count + i] = instance_of(vk, accel, how, now);
+        if ((before->mesh == VK_ACCEL_NO_MESH) != (now->mesh == VK_ACCEL_NO_MESH))
+            before = now; /* an update keeps what is active, and what is not */
+        instance[i] = instance_of(vk, accel, how, before);
+        if (before == now)
+            move_instance(&instance[i]);
     }
     enum status status = vk_buffer_make_of(vk, instance, bytes, out, reason);
     free(instance);
@@ -346,7 +352,8 @@ enum status vk_accel_make(struct vk *vk, struct vk_buffer *vertices, uint32_t ve
         .mask = 0xFF,
         .flags = VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR,
     };
-    const struct vk_accel_world world = {&mesh, &instance, 1, 1, NULL};
+    const struct vk_accel_world world = {
+        .mesh = &mesh, .instance = &instance, .mesh_count = 1, .instance_count = 1};
     return vk_accel_make_world(vk, &world, out, reason);
 }
 

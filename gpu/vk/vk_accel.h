@@ -83,7 +83,10 @@ struct vk_accel_world {
     const struct vk_accel_mesh *mesh;
     const struct vk_accel_instance *instance;
     uint32_t mesh_count;
-    uint32_t instance_count;        /* 0 is allowed: nothing is hit */
+    uint32_t instance_count; /* 0 is allowed: nothing is hit */
+    /* What an update finds; NULL: the same instances elsewhere, and smaller, as also in place of
+     * one that has a mesh in only one of the two. */
+    const struct vk_accel_instance *before;
     const struct vk_accel_how *how; /* NULL: built once, without flags */
 };
 

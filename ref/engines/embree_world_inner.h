@@ -1,4 +1,5 @@
-/* What the files of Embree's worlds share: for embree_worlds.c and embree_bare.c only. */
+/* What the files of Embree's worlds share: for embree_worlds.c embree_bare.c and
+ * embree_world_*.c only. */
 #ifndef EMBREE_WORLD_INNER_H
 #define EMBREE_WORLD_INNER_H
 
@@ -20,12 +21,26 @@ struct embree_world {
     RTCScene top;
     RTCScene *mesh; /* mesh_count of them; NULL: no triangles */
     uint32_t mesh_count;
+    bool *placed; /* of each instance: `top` has it */
     struct embree_class class[CLASSES];
     bool bare; /* no candidate is tested */
 };
 
 /* Embree's mask for a ray; 0 if it meets nothing or is not given to Embree. */
 uint32_t embree_mask_for(const struct embree *embree, const struct ray *ray, struct ray_mode mode);
+
+/* The mask that Embree has for an instance, which is added to its class. Errors: STATUS_UNSUPPORTED
+ * Embree may abort on every ray that meets it. */
+enum status embree_instance_mask(struct embree *embree, uint32_t number, uint32_t *out,
+                                 struct reason *reason) MUST_USE;
+
+/* Adds an instance to the top. Errors: the same. */
+enum status embree_add_instance(struct embree *embree, uint32_t number,
+                                struct reason *reason) MUST_USE;
+
+/* As world_tracer.move_world. */
+enum status embree_move_world(void *self, const struct world_job *job,
+                              struct reason *reason) MUST_USE;
 
 /* Where Embree's numbers are. Returns false if there is no such triangle. */
 bool embree_place_of(const struct world *world, const struct RTCHit *hit, struct place *out);

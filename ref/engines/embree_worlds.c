@@ -10,11 +10,8 @@
 #include "ref/engines/embree_world_inner.h"
 #include "ref/world/world_boxes.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const double class_most[CLASSES] = {0x1p8, 0x1p20, 0x1p32, INFINITY};
 
 void embree_world_free(struct embree_world *world)
 {
@@ -26,78 +23,8 @@ void embree_world_free(struct embree_world *world)
         if (world->mesh[i])
             rtcReleaseScene(world->mesh[i]);
     free(world->mesh);
+    free(world->placed);
     free(world);
-}
-
-/* --- rays that Embree survives ---------------------------------------------------------------- */
-
-/* Embree's inverse is the adjoint times the reciprocal of the determinant, in float32. Five
- * roundings in a row and flushed subnormals change the determinant by at most DET_ERROR of the sum
- * of its terms' sizes and DET_LOST of the largest number and 1. */
-#define DET_ERROR 0x1.5p-22
-#define DET_LOST  0x1p-120
-#define DET_MOST  0x1p120
-
-static double largest_of(const float v[3])
-{
-    return fmax(fabs((double)v[0]), fmax(fabs((double)v[1]), fabs((double)v[2])));
-}
-
-/* The largest row sum that Embree's inverse of M can have; 0 if it may be infinite or NaN. */
-static double growth_of(const float m[3][4])
-{
-    double det = 0.0, size = 0.0, largest = 1.0, most = 0.0;
-    for (int i = 0; i < 3; i++) {
-        double sum = 0.0;
-        const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-        for (int j = 0; j < 3; j++) {
-            const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-            double a = (double)m[j1][i1] * (double)m[j2][i2];
-            double b = (double)m[j1][i2] * (double)m[j2][i1];
-            sum += fabs(a) + fabs(b);
-            largest = fmax(largest, fabs((double)m[j][i]));
-            if (i == 0) {
-                det += (double)m[j][0] * (a - b);
-                size += fabs((double)m[j][0]) * (fabs(a) + fabs(b));
-            }
-        }
-        most = fmax(most, sum);
-    }
-    double least = fabs(det) - DET_ERROR * size - DET_LOST * largest;
-    if (!(least > 0.0 && size < DET_MOST && most < DET_MOST))
-        return 0.0;
-    return 1.0625 * most / least;
-}
-
-/* The class of an instance, to which it is added; CLASSES if Embree may abort on every ray. */
-static uint32_t add_to_class(struct embree_world *world, const struct instance *instance)
-{
-    const float to[3] = {instance->m[0][3], instance->m[1][3], instance->m[2][3]};
-    double growth = growth_of(instance->m);
-    uint32_t at = 0;
-    if (growth == 0.0)
-        return CLASSES;
-    while (growth > class_most[at])
-        at++;
-    world->class[at].growth = fmax(world->class[at].growth, growth);
-    world->class[at].far = fmax(world->class[at].far, largest_of(to));
-    return at;
-}
-
-uint32_t embree_mask_for(const struct embree *embree, const struct ray *ray, struct ray_mode mode)
-{
-    uint32_t mask = 0;
-    if (!embree_takes(embree, ray) || (mode.flags & ABI_RAY_SKIP_TRIANGLES))
-        return 0;
-    const double org = largest_of(ray->org), dir = largest_of(ray->dir);
-    for (uint32_t i = 0; i < CLASSES; i++) {
-        const struct embree_class *class = &embree->world->class[i];
-        if (embree->unguarded || class->growth * fmax(org + class->far, dir) < (double)EMBREE_MOST)
-            mask |= mode.mask << 8 * i;
-        else if (!embree->masks)
-            return 0;
-    }
-    return mask;
 }
 
 /* --- what counts ------------------------------------------------------------------------------ */
@@ -251,20 +178,18 @@ static enum status build_mesh(struct embree *embree, const struct world_mesh *me
     return status;
 }
 
-static enum status add_instance(struct embree *embree, uint32_t number, struct reason *reason)
+enum status embree_add_instance(struct embree *embree, uint32_t number, struct reason *reason)
 {
     struct embree_world *world = embree->world;
     const struct instance *instance = &world->world->instance[number];
-    uint32_t class = add_to_class(world, instance);
-    if (class == CLASSES && !embree->unguarded)
-        return fail(reason, STATUS_UNSUPPORTED,
-                    "Embree: instance %u: the inverse of its transform is beyond float32, or the "
-                    "transform too near to singular: Embree may abort",
-                    number);
+    uint32_t mask;
+    enum status status = embree_instance_mask(embree, number, &mask, reason);
+    if (status)
+        return status;
     RTCGeometry geometry = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(geometry, world->mesh[instance->mesh]);
     rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance->m);
-    rtcSetGeometryMask(geometry, instance->mask << 8 * (class % CLASSES));
+    rtcSetGeometryMask(geometry, mask);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(world->top, geometry, number);
     rtcReleaseGeometry(geometry);
@@ -288,15 +213,18 @@ static enum status prepare_world(void *self, const struct world_job *job, struct
     world->bare = job->bare && from->filter.kind == FILTER_ALL;
     world->mesh_count = from->mesh_count;
     world->mesh = alloc_zeroed(from->mesh_count, sizeof *world->mesh);
+    world->placed = alloc_zeroed(from->instance_count, sizeof *world->placed);
     enum status status = STATUS_OK;
-    if (!world->mesh)
+    if (!world->mesh || !world->placed)
         status = fail(reason, STATUS_MEMORY, "no memory for %u meshes", from->mesh_count);
     for (uint32_t i = 0; i < from->mesh_count && !status; i++)
         status = build_mesh(embree, &from->mesh[i], &world->mesh[i], reason);
     world->top = embree_scene(embree);
-    for (uint32_t i = 0; i < from->instance_count && !status; i++)
-        if (world_is_active(from, i))
-            status = add_instance(embree, i, reason);
+    for (uint32_t i = 0; i < from->instance_count && !status; i++) {
+        world->placed[i] = world_is_active(from, i);
+        if (world->placed[i])
+            status = embree_add_instance(embree, i, reason);
+    }
     return status ? status : embree_commit(embree, world->top, reason);
 }
 
@@ -382,6 +310,7 @@ static enum status trace_world_all(void *self, const struct ray *ray, const stru
 
 const struct world_tracer embree_worlds = {
     .prepare_world = prepare_world,
+    .move_world = embree_move_world,
     .trace_world = trace_world,
     .trace_world_all = trace_world_all,
 };

@@ -345,7 +345,8 @@ static enum status run_and_judge(struct match *match, const struct engine *engin
         row->status = ROW_FAILED;
         return fail(&row->reason, STATUS_INPUT, "engine %s needs a packed layout", engine->name);
     }
-    row->life.updated = row->life.fate == LIFE_REFITTED && engine_moves(engine, self);
+    row->life.updated = row->life.fate == LIFE_REFITTED &&
+                        (match->world ? engine_moves_worlds(engine) : engine_moves(engine, self));
     status = match_prepare(match, engine, self, &row->reason);
     if (status == STATUS_LIMIT || status == STATUS_UNSUPPORTED) {
         row->status = status == STATUS_LIMIT ? ROW_REFUSED : ROW_SKIPPED;

@@ -7,7 +7,7 @@
 #include "ref/judge/judge.h"
 #include "ref/packed/life.h"
 #include "ref/packed/tree_file.h"
-#include "ref/two_level/packed_world.h"
+#include "ref/two_level/world_life.h"
 
 #define POOL_MOST       427 /* every engine of the program, and all that may be added */
 #define FINDING_MOST    4   /* kept of a row: so many that are WRONG, and so many bit differences */
@@ -42,9 +42,11 @@ struct match_demands {
                            of lists */
 };
 
-/* The life of a match's scene: it is scene[count]; all have the same triangles. Borrowed. */
+/* The life of a match's scene or world: it is number `count` of these, which all have the same
+ * triangles or meshes. Borrowed. */
 struct match_life {
-    const struct scene *scene; /* count + 1 of them: as built, and after each step */
+    const struct scene *scene; /* count + 1 of them: as built, and after each step; NULL: worlds */
+    const struct world *world; /* likewise; NULL: scenes */
     enum life_act act[LIFE_STEPS_MOST];
     uint32_t count;
 };
@@ -240,6 +242,7 @@ struct match {
     struct packed packed;     /* of the layout last packed */
     struct life_tree *tree;   /* of options.life: those of all its steps, but that the last one's
                                  packed tree is `packed`; NULL: nothing is packed */
+    struct world_life *lived; /* the same of a world: the last one's is `packed_world` */
     struct world_trees trees; /* of a world: in place of bvh */
     struct packed_world packed_world; /* and of packed */
     struct {
@@ -271,7 +274,7 @@ enum status match_make(const struct scene *scene, const struct ray *ray, size_t 
 
 /* The same of a world that has passed world_finish: hits name placed triangles. The options'
  * builder builds all trees, and a layout packs both levels. The options have neither tree nor
- * rest. Errors: as match_make; STATUS_LIMIT also those of world_trees_make. */
+ * rest; a life is of worlds. Errors: as match_make; STATUS_LIMIT also those of world_trees_make. */
 enum status match_make_world(const struct world *world, const struct ray *ray,
                              const struct ray_mode *mode, size_t ray_count,
                              const struct match_options *options, struct pool *pool,

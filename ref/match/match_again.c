@@ -14,10 +14,12 @@ static enum status judge_again(const struct match *match, const struct engine *e
     struct trace_report report = {0};
     struct row *fresh = alloc_zeroed(1, sizeof *fresh);
     other.answer = alloc_zeroed(row->rays, sizeof *other.answer);
-    enum status status = fresh && other.answer
+    other.answer_tag = alloc_zeroed(row->rays, sizeof *other.answer_tag);
+    enum status status = fresh && other.answer && other.answer_tag
                              ? STATUS_OK
                              : fail(reason, STATUS_MEMORY, "no memory for %zu rays", row->rays);
-    if (!status && engine->trace(self, match->ray, row->rays, other.answer, &report, reason) == 0) {
+    if (!status && match_trace(match, engine, self, row->rays, other.answer, other.answer_tag,
+                               &report, reason) == STATUS_OK) {
         const struct model model = match_model(&other, engine, self, fresh);
         fresh->engine = engine;
         fresh->layout = row->layout;
@@ -28,6 +30,7 @@ static enum status judge_again(const struct match *match, const struct engine *e
         row->life.wrong_again = fresh->count[VERDICT_WRONG];
     }
     free(other.answer);
+    free(other.answer_tag);
     free(fresh);
     return status;
 }
@@ -40,9 +43,11 @@ enum status match_again(const struct match *match, const struct engine *engine, 
         match->options.query == QUERY_ALL)
         return STATUS_OK;
     const struct job job = match_job(match, engine);
+    const struct world_job world = match_world_job(match, engine);
     enum status status = engine_open(engine, &match->pool->options, &self, &reason);
     if (!status)
-        status = engine->prepare(self, &job, &reason);
+        status = match->world ? engine->worlds->prepare_world(self, &world, &reason)
+                              : engine->prepare(self, &job, &reason);
     if (status == STATUS_OK)
         status = judge_again(match, engine, self, row, &reason);
     else

@@ -23,7 +23,7 @@ struct job match_job(const struct match *match, const struct engine *engine)
 static enum life_fate fate_of(const struct match *match, const struct engine *engine, uint32_t step)
 {
     if (engine->needs_packed)
-        return match->tree[step].fate;
+        return match->world ? match->lived[step].fate : match->tree[step].fate;
     if (step == 0)
         return LIFE_BUILT;
     return match->options.life->act[step - 1] == LIFE_REFIT ? LIFE_REFITTED : LIFE_REBUILT;
@@ -49,9 +49,44 @@ struct model match_model(const struct match *match, const struct engine *engine,
 void match_row_life(const struct match *match, const struct engine *engine, struct row *row)
 {
     const struct match_life *life = match->options.life;
-    if (!life || (engine->needs_packed && !match->tree))
+    if (!life || (engine->needs_packed && !match->tree && !match->lived))
         return;
     row->life.fate = fate_of(match, engine, life->count);
+}
+
+struct world_job match_world_job(const struct match *match, const struct engine *engine)
+{
+    return (struct world_job){.world = match->world,
+                              .packed = engine->needs_packed ? &match->packed_world : NULL,
+                              .box = match->options.box,
+                              .tri = match->options.tri,
+                              .query = match->options.query};
+}
+
+/* Takes an engine through the steps of a world. */
+static enum status prepare_world_life(const struct match *match, const struct engine *engine,
+                                      void *self, struct reason *reason)
+{
+    const struct match_life *life = match->options.life;
+    const size_t rays = match->ray_count < LIFE_RAYS ? match->ray_count : LIFE_RAYS;
+    struct hit *unused = alloc_zeroed(rays, sizeof *unused);
+    uint32_t *tag = alloc_zeroed(rays, sizeof *tag);
+    enum status status =
+        unused && tag ? STATUS_OK : fail(reason, STATUS_MEMORY, "no memory for %zu rays", rays);
+    for (uint32_t i = 0; i <= life->count && !status; i++) {
+        struct trace_report report = {0};
+        struct world_job job = match_world_job(match, engine);
+        job.world = &life->world[i];
+        if (job.packed && i < life->count)
+            job.packed = &match->lived[i].packed;
+        status = engine_follow_world(engine, self, &job, fate_of(match, engine, i) == LIFE_REFITTED,
+                                     reason);
+        if (!status && i < life->count && job.query != QUERY_ALL)
+            status = match_trace(match, engine, self, rays, unused, tag, &report, reason);
+    }
+    free(unused);
+    free(tag);
+    return status;
 }
 
 /* Takes an engine through the steps. */
@@ -93,11 +128,9 @@ enum status match_prepare(const struct match *match, const struct engine *engine
         return fail(reason, STATUS_UNSUPPORTED, "%s traces scenes, not worlds", engine->name);
     if (lists && !engine->worlds->trace_world_all)
         return fail(reason, STATUS_UNSUPPORTED, "%s cannot list all hits of a world", engine->name);
-    const struct world_job job = {.world = match->world,
-                                  .packed = engine->needs_packed ? &match->packed_world : NULL,
-                                  .box = match->options.box,
-                                  .tri = match->options.tri,
-                                  .query = match->options.query};
+    if (match->options.life)
+        return prepare_world_life(match, engine, self, reason);
+    const struct world_job job = match_world_job(match, engine);
     return engine->worlds->prepare_world(self, &job, reason);
 }
 
@@ -196,18 +229,46 @@ static enum status count_all(const struct world *world, const struct world_trees
     return status;
 }
 
-enum status match_rebuild_world(struct match *match, struct reason *reason)
+static struct world_build build_of(const struct match *match)
 {
     const struct builder *top = match->options.top_builder;
-    const struct world_build build = {.top = top ? top : match->options.builder,
-                                      .bottom = match->options.builder,
-                                      .top_options = match->options.build,
-                                      .bottom_options = match->options.build,
-                                      .braid = match->options.braid};
+    return (struct world_build){.top = top ? top : match->options.builder,
+                                .bottom = match->options.builder,
+                                .top_options = match->options.build,
+                                .bottom_options = match->options.build,
+                                .braid = match->options.braid};
+}
+
+enum status match_rebuild_world(struct match *match, struct reason *reason)
+{
+    const struct world_build build = build_of(match);
     world_trees_free(&match->trees);
     match->stats = (struct bvh_stats){0};
     const enum status status = world_trees_make(match->world, &build, &match->trees, reason);
     return status ? status : count_all(match->world, &match->trees, &match->stats, reason);
+}
+
+/* Packs the first trees of a life and takes them through the steps. */
+static enum status pack_life(struct match *match, const struct world_recipe *recipe,
+                             struct reason *reason)
+{
+    const struct match_life *life = match->options.life;
+    match->lived = alloc_zeroed(life->count + 1, sizeof *match->lived);
+    if (!match->lived)
+        return fail(reason, STATUS_MEMORY, "no memory for the trees of %u steps", life->count);
+    enum status status = world_life_begin(recipe, &life->world[0], &match->lived[0], reason);
+    for (uint32_t i = 0; i < life->count && !status; i++)
+        status = world_life_step(recipe, life->act[i], &life->world[i + 1], &match->lived[i],
+                                 &match->lived[i + 1], reason);
+    if (!status)
+        status = count_all(match->world, &match->lived[life->count].trees, &match->stats, reason);
+    if (status) {
+        match_unpack(match);
+        return status;
+    }
+    match->packed_world = match->lived[life->count].packed;
+    match->lived[life->count].packed = (struct packed_world){.mesh_count = 0};
+    return STATUS_OK;
 }
 
 enum status match_pack_world(struct match *match, const struct layout *layout,
@@ -215,6 +276,11 @@ enum status match_pack_world(struct match *match, const struct layout *layout,
 {
     const struct tri_store *store = match->options.store ? match->options.store : tri_stores[0];
     const struct layout *top = match->options.top_layout;
+    if (match->options.life) {
+        const struct world_build build = build_of(match);
+        const struct world_recipe recipe = {&build, top ? top : layout, layout, store};
+        return pack_life(match, &recipe, reason);
+    }
     return packed_world_make(match->world, &match->trees, top ? top : layout, layout, store,
                              &match->packed_world, reason);
 }

@@ -26,6 +26,9 @@ static inline struct ray_mode match_mode(const struct match *match, size_t i)
 /* What an engine without a world is prepared with; of a life, at its last step. */
 struct job match_job(const struct match *match, const struct engine *engine);
 
+/* The same of a world. */
+struct world_job match_world_job(const struct match *match, const struct engine *engine);
+
 /* What the judge assumes of an opened engine's arithmetic, also said in the row. */
 struct model match_model(const struct match *match, const struct engine *engine, void *self,
                          struct row *row);

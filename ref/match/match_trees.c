@@ -24,6 +24,10 @@ void match_unpack(struct match *match)
         life_tree_free(&match->tree[i]);
     free(match->tree);
     match->tree = NULL;
+    for (uint32_t i = 0; match->lived && i <= match->options.life->count; i++)
+        world_life_free(&match->lived[i]);
+    free(match->lived);
+    match->lived = NULL;
     packed_free(&match->packed);
     packed_world_free(&match->packed_world);
     match_forget_against(match);

@@ -202,8 +202,7 @@ static enum status pack_levels(const struct world *world, const struct world_tre
     return status;
 }
 
-/* Only trees that a ray can get to count. */
-static enum status find_stack(struct packed_world *packed, struct reason *reason)
+enum status packed_world_stack(struct packed_world *packed, struct reason *reason)
 {
     uint32_t bottom = 0, tree = 0, most = packed_world_stack_most(packed);
     for (uint32_t i = 0; i < packed->entry_count; i++) {
@@ -232,7 +231,7 @@ enum status packed_world_make(const struct world *world, const struct world_tree
     if (!status)
         status = pack_levels(world, trees, top, bottom, store, out, reason);
     if (!status)
-        status = find_stack(out, reason);
+        status = packed_world_stack(out, reason);
     if (status)
         packed_world_free(out);
     return status;

@@ -57,6 +57,10 @@ static inline uint32_t packed_world_stack_most(const struct packed_world *packed
     return most;
 }
 
+/* Finds stack_need, for which only trees that a ray can get to count. Errors: STATUS_LIMIT it is
+ * over packed_world_stack_most. */
+enum status packed_world_stack(struct packed_world *packed, struct reason *reason) MUST_USE;
+
 /* Bytes of the nodes and the storages of both levels, and of the records. */
 uint64_t packed_world_bytes(const struct packed_world *packed);
 

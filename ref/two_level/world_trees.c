@@ -149,6 +149,7 @@ enum status world_trees_make(const struct world *world, const struct world_build
         return fail(reason, STATUS_LIMIT, "trees hold at most %u instances, the world has %u",
                     WORLD_INSTANCES_MOST, world->instance_count);
     out->instance_count = world->instance_count;
+    out->boxes = build->boxes;
     enum status status = world_boxes_make(world, build->boxes, &out->box, reason);
     if (!status)
         status = bottoms_make(world, build, out, reason);

@@ -32,6 +32,7 @@ struct world_trees {
     struct bvh top;
     struct bvh *bottom; /* one per mesh */
     uint32_t instance_count, mesh_count;
+    enum world_boxes boxes; /* what the boxes are made of */
 };
 
 /* Builds the trees of a world that has passed world_finish. Errors: STATUS_LIMIT more than

@@ -124,7 +124,8 @@ static void limits_of_worlds_are_exact(void **state)
         const struct vk_accel_mesh mesh[] = {{buffer, buffer, 3, few, 1, NULL, NULL},
                                              {buffer, buffer, 3, three, 3, NULL, NULL}};
         struct vk_accel_instance instance[5] = {{.mesh = 1}, {.mesh = VK_ACCEL_NO_MESH}};
-        const struct vk_accel_world world = {mesh, instance, 2, 5, NULL};
+        const struct vk_accel_world world = {
+            .mesh = mesh, .instance = instance, .mesh_count = 2, .instance_count = 5};
         enum status status = vk_accel_make_world(vk, &world, &accel, &reason);
         assert_int_equal(status, i ? STATUS_LIMIT : STATUS_OK);
         assert_int_equal(vk_accel_bytes(accel), i ? 0 : (1 + 20 + 5) * FAKE_ACCEL_BYTES);

@@ -18,7 +18,7 @@ static bool same_vertices(const struct scene *a, const struct scene *b)
 static void motions_are_finite_the_same_each_time_and_themselves(void **state)
 {
     (void)state;
-    for (enum life_motion m = 0; m < MOTIONS; m++)
+    for (enum life_motion m = 0; m < MOTIONS_OF_VERTICES; m++)
         for (uint64_t seed = 0; seed < 40; seed++) {
             struct lived lived = lived_make(SPEC, "");
             struct step step = {LIFE_REFIT, m, seed};
@@ -48,7 +48,7 @@ static void motions_of_the_largest_floats_are_finite(void **state)
 {
     (void)state;
     uint32_t moved = 0;
-    for (enum life_motion m = 0; m < MOTIONS; m++)
+    for (enum life_motion m = 0; m < MOTIONS_OF_VERTICES; m++)
         for (uint64_t seed = 0; seed < 80; seed++) {
             struct lived lived = lived_make(SPEC, "");
             const struct step step = {LIFE_REFIT, m, seed};
@@ -328,11 +328,11 @@ static void every_tree_holds_its_scene(void **state)
     (void)state;
     uint32_t refitted = 0, forced = 0;
     for (uint64_t seed = 0; seed < 8; seed++)
-        for (enum life_motion m = 0; m < MOTIONS; m++) {
+        for (enum life_motion m = 0; m < MOTIONS_OF_VERTICES; m++) {
             struct lived lived = lived_make(SPEC, "refit,refit,rebuild,refit");
             for (uint32_t i = 0; i < lived.count; i++)
-                lived.step[i] =
-                    (struct step){lived.step[i].act, (m + i * seed) % MOTIONS, seed + i};
+                lived.step[i] = (struct step){lived.step[i].act,
+                                              (m + i * seed) % MOTIONS_OF_VERTICES, seed + i};
             steps_free(lived.scene, lived.count);
             assert_int_equal(steps_scenes(&lived.first, lived.step, lived.count, lived.scene, NULL),
                              STATUS_OK);

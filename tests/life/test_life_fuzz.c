@@ -127,7 +127,7 @@ static void honest_engines_are_right_after_any_steps(void **state)
                 for (uint32_t k = 0; k < trial.step_count; k++)
                     trial.step[k] =
                         (struct step){rng_below(&rng, 3) == 0 ? LIFE_REBUILD : LIFE_REFIT,
-                                      rng_below(&rng, MOTIONS), rng_below(&rng, 1000)};
+                                      rng_below(&rng, MOTIONS_OF_VERTICES), rng_below(&rng, 1000)};
                 play(player, &trial, &result);
                 if (result.finding_count > 0)
                     fail_msg("%s %s: trial %u, step %u", names[e], of[l]->name, (unsigned)i,
@@ -337,7 +337,7 @@ static void one_generated_trial_in_64_has_steps(void **state)
     (void)state;
     static const struct gen_options options = {
         .triangles_least = 16, .triangles_most = 64, .rays = 1};
-    uint32_t with = 0, kinds[MOTIONS] = {0}, acts[LIFE_ACTS] = {0}, many = 0;
+    uint32_t with = 0, kinds[MOTIONS_OF_VERTICES] = {0}, acts[LIFE_ACTS] = {0}, many = 0;
     for (uint64_t i = 0; i < 6400; i++) {
         struct fuzz_trial trial;
         assert_int_equal(gen_trial(3, i, &options, &trial, NULL), STATUS_OK);
@@ -352,7 +352,7 @@ static void one_generated_trial_in_64_has_steps(void **state)
     }
     assert_in_range(with, 60, 140);
     assert_true(many > 5 && acts[LIFE_REFIT] > acts[LIFE_REBUILD] && acts[LIFE_REBUILD] > 20);
-    for (enum life_motion m = 0; m < MOTIONS; m++)
+    for (enum life_motion m = 0; m < MOTIONS_OF_VERTICES; m++)
         assert_true(kinds[m] > 0);
 }
 

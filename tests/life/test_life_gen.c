@@ -50,7 +50,7 @@ static void every_trial_is_a_life_and_else_the_same(void **state)
         fuzz_trial_free(&without);
     }
     assert_true(lives > TRIALS / 128 && lives < TRIALS / 32 && large < TRIALS / 100);
-    assert_int_equal(motions, (1u << MOTIONS) - 1);
+    assert_int_equal(motions, (1u << MOTIONS_OF_VERTICES) - 1);
 }
 
 /* A mutant of a trial without steps, such as one of the corpus, is a life, too. */
