@@ -35,9 +35,11 @@
 #define ABI_REFIT_LINKS                                                                            \
     5 /* U32[]: per node its parent, or ABI_LINK_NONE, and visits, which begin \
                                at 2 less the children that it waits for */
-#define ABI_REFIT_F32    0u /* values of refit_push.kind */
-#define ABI_REFIT_RF16   1u
-#define ABI_REFIT_BEYOND 0 /* word of the state: bounds that the layout cannot hold */
+#define ABI_REFIT_F32     0u /* values of refit_push.kind */
+#define ABI_REFIT_RF16    1u
+#define ABI_REFIT_OUTWARD 0u /* of other layouts: bounds are rounded outward */
+#define ABI_REFIT_NEAREST 1u /* or to the nearest */
+#define ABI_REFIT_BEYOND  0  /* word of the state: bounds that the layout cannot hold */
 
 /* Words of ABI_BUILD_STATE. */
 #define ABI_STATE_LO    0 /* 3: bounds of the scene, as numbers in the order of the floats */
@@ -97,8 +99,9 @@ ABI_SIZE(struct build_push, 20)
 /* Those of the shaders that refit. */
 struct refit_push {
     U32 count; /* nodes that wait for no other */
-    U32 kind;  /* of binary layouts which one */
-    U32 width; /* of the grid family: children of a node, ABI_NUMBER_*, ABI_FRAME_* */
+    U32 kind;  /* of binary layouts which one, of others how they round: ABI_REFIT_* */
+    U32 width; /* of the grid family: children of a node, ABI_NUMBER_*, ABI_FRAME_*; of amd64:
+                  records, then ulps that bounds are grown by */
     U32 number;
     U32 frame;
 };

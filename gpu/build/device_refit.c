@@ -13,8 +13,8 @@ struct refitted {
     struct refit_push push;
 };
 
-/* What is uploaded beside the nodes. A node is a reference of a binary layout, a record of a wide
- * one. */
+/* What is uploaded beside the nodes. A node is a reference of a binary layout, of a wide one a
+ * record in one of its formats. */
 struct refit_job {
     struct refitted how;
     const struct packed *packed;
@@ -39,6 +39,14 @@ static bool find(const struct layout *layout, struct refitted *out)
         {"tiny8_l8", {REFIT_TINY8, {0}}},
         {"tiny8_l14", {REFIT_TINY8, {0}}},
         {"half4", {REFIT_HALF4, {0}}},
+        {"hpb64", {REFIT_HPB64, {0}}},
+        {"amd64", {REFIT_AMD64, {.kind = ABI_REFIT_OUTWARD}}},
+        {"amd64_f16", {REFIT_AMD64, {.kind = ABI_REFIT_OUTWARD}}},
+        {"amd64_f32", {REFIT_AMD64, {.kind = ABI_REFIT_OUTWARD}}},
+        {"amd64_g0", {REFIT_AMD64, {.kind = ABI_REFIT_NEAREST}}},
+        {"amd64_g1", {REFIT_AMD64, {.kind = ABI_REFIT_NEAREST, .number = 1}}},
+        {"gfx12", {REFIT_GFX12, {.kind = ABI_REFIT_OUTWARD}}},
+        {"gfx12_mesa", {REFIT_GFX12, {.kind = ABI_REFIT_NEAREST}}},
     };
     for (size_t i = 0; i < ARRAY_COUNT(named); i++)
         if (layout == layout_find(named[i].name)) {
@@ -98,12 +106,23 @@ static void list_nodes(struct refit_job *job, const struct packed_walk *walk)
     }
 }
 
+/* References of nodes. Beside them a wide layout has one for each slot of a leaf. */
+static uint32_t nodes_of(const struct packed *packed)
+{
+    const struct layout *layout = packed->layout;
+    if (!layout_is_wide(layout))
+        return packed->ref_count;
+    return packed->node_count * (layout_refs(layout) / (1 + layout->width)); /* a node a format */
+}
+
 static enum status list(struct refit_job *job, struct reason *reason)
 {
     const struct packed *packed = job->packed;
     struct packed_walk walk;
     enum status status = packed_walk_make(packed, &walk);
-    job->node_count = layout_is_wide(packed->layout) ? packed->node_count : packed->ref_count;
+    job->node_count = nodes_of(packed);
+    if (job->how.kernel == REFIT_AMD64)
+        job->how.push.width = packed->node_count;
     job->link = alloc_zeroed(2 * (size_t)job->node_count, sizeof *job->link);
     job->first = malloc(sizeof *job->first * (size_t)job->node_count);
     if (status || !job->link || !job->first)

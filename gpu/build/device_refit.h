@@ -5,8 +5,8 @@
 #include "gpu/build/device_tree.h"
 #include "ref/layout.h"
 
-/* True if the device can refit trees of this layout: f32, rf16, cwbvh80, tiny8 and its family,
- * half4, the grid family. */
+/* True if the device can refit trees of this layout: f32, rf16, cwbvh80, half4, hpb64, the
+ * families of tiny8, amd64, gfx12 and grid. */
 bool device_refits(const struct layout *layout);
 
 /* Computes the words of a packed tree for vertices that have moved, as packed_refit does in C, into

@@ -9,8 +9,9 @@ static const char *const kernel_names[KERNELS] = {
     "build_bounds",     "build_codes",         "build_count",       "build_scan",
     "build_scatter",    "build_links",         "build_boxes",       "build_clusters",
     "build_refit",      "build_refit_cwbvh80", "build_refit_tiny8", "build_refit_half4",
-    "build_refit_grid", "build_adopt",         "build_sizes",       "build_open",
-    "build_level",      "build_place",         "build_encode"};
+    "build_refit_grid", "build_refit_hpb64",   "build_refit_amd64", "build_refit_gfx12",
+    "build_adopt",      "build_sizes",         "build_open",        "build_level",
+    "build_place",      "build_encode"};
 
 const char *const device_stage_names[DEVICE_STAGES] = {"codes", "order", "links", "boxes"};
 

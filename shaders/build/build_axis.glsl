@@ -48,13 +48,13 @@ int steps_up(uint bits, int exponent)
     return -steps_down(bits ^ 0x80000000u, exponent);
 }
 
-/* The finest axis whose `most` (2 to 255) steps extend from at most lo to at least hi. */
+/* The finest axis whose `most` (2 to 4096) steps extend from at most lo to at least hi. */
 node_axis node_axis_make(uint lo, uint hi, uint most)
 {
     uint larger = max(lo & 0x7FFFFFFFu, hi & 0x7FFFFFFFu);
     int exponent = max(bits_unit(larger), AXIS_LEAST);
     int apart = steps_up(hi, exponent) - steps_down(lo, exponent);
-    exponent += max(findMSB(apart) - 9, 0); /* 510 steps are too many */
+    exponent += max(findMSB(apart) - findMSB(most) - 2, 0); /* twice as many are too many */
     for (;; exponent++) {
         int first = steps_down(lo, exponent);
         if (abs(first) <= AXIS_STEPS && steps_up(hi, exponent) - first <= int(most))

@@ -1,11 +1,15 @@
 /* Refits of wide layouts: an invocation begins at a record without child records, and writes boxes
- * of child slots. What includes this file defines RECORD_WORDS, MAGNITUDE_MOST, bits of the largest
- * bound, read_slots and write_boxes. */
+ * of child slots. What includes this file defines RECORD_WORDS or RECORD_AT, MAGNITUDE_MOST, bits
+ * of the largest bound, read_slots and write_boxes. */
 #ifndef BUILD_REFIT_WIDE_GLSL
 #define BUILD_REFIT_WIDE_GLSL
 
 #include "build_refit.glsl"
 #include "build_axis.glsl"
+
+#ifndef RECORD_AT /* the first word of a node */
+#define RECORD_AT(ref) (RECORD_WORDS * (ref))
+#endif
 
 uint slot_first[8];        /* child record, or first item */
 uint slot_count[8];        /* items; 0: a record */
@@ -32,7 +36,7 @@ void bound_slot(uint s)
 
 void do_inner(uint ref)
 {
-    uint at = RECORD_WORDS * ref, there = read_slots(at);
+    uint at = RECORD_AT(ref), there = read_slots(at);
     for (uint s = 0u; s < 8u; s++)
         if (((there >> s) & 1u) != 0u)
             bound_slot(s);

@@ -59,7 +59,7 @@ perl -MJSON::PP -0777 -e 'open my $json, "<", shift; open my $text, "<", shift;
         $bad++ if !$refused && $_->{triangles} > 50 && !($_->{ratio_least} <= $_->{ratio} && $_->{ratio} <= $_->{ratio_most} && $_->{device_ms} > 0 && $_->{c_ms} > 0); }
     $bad++ if grep { $r->[$_]{layout} ne $r->[$_ % $n]{layout} } 0 .. $#$r;
     my %first = map { $_->{layout} => defined $_->{refused} } @$r[0 .. $n - 1];
-    $bad++ if $n != 48 || grep { !exists $first{$_} } qw(f32 rf16 cwbvh80 tiny8 tiny8_l8 tiny8_l14 half4 bvh4_f32_world bvh8_u12_node);
+    $bad++ if $n != 56 || grep { !exists $first{$_} } qw(f32 rf16 cwbvh80 tiny8 tiny8_l8 tiny8_l14 half4 hpb64 amd64 amd64_g1 gfx12_mesa bvh4_f32_world bvh8_u12_node);
     $bad++ if grep { $first{$_} && !/_scene$/ } keys %first;
     $bad++ if join("|", sort @told) ne join "|", sort map { "$_->{layout} " . (defined $_->{refused} ? "refused" : "equal") } @$r;
     exit $bad;' "$dir/rows.json" "$dir/out" || bad 'refits as JSON and as text'

@@ -118,7 +118,7 @@ static void check_driver(struct device_tree *tree)
         refitted += check_scene(tree, &scene, n, "few");
     }
     print_message("%u refits\n", refitted);
-    assert_true(refitted > 3500);
+    assert_true(refitted > 5000);
 }
 
 static void words_of_wide_layouts_are_those_of_c(void **state)
@@ -150,12 +150,55 @@ static void the_largest_bound_is_held(void **state)
         const char *name = layouts_all[l]->name;
         if (strcmp(name, "half4") == 0)
             assert_int_equal(held, 2);
-        else if (strcmp(name, "cwbvh80") == 0 || strncmp(name, "tiny8", 5) == 0)
+        else if (strcmp(name, "hpb64") == 0)
+            assert_int_equal(held, 8 + 2);
+        else if (strcmp(name, "cwbvh80") == 0 || strcmp(name, "gfx12") == 0 ||
+                 strncmp(name, "tiny8", 5) == 0)
             assert_int_equal(held, 4 + 2);
         else if (strstr(name, "_node"))
             assert_int_equal(held, 8 + 2);
     }
     device_close(tree);
+}
+
+/* A finite number of a kind: any at all, near the ends of halves, halves and what lies between
+ * them, or about 1 with far smaller ones. */
+static float number_of(struct rng *rng, uint32_t kind)
+{
+    const uint32_t sign = rng_below(rng, 2) << 31, fraction = rng_below(rng, 0x800000u);
+    const uint32_t exponents[] = {rng_below(rng, 226), 100 + rng_below(rng, 14),
+                                  112 + rng_below(rng, 31), rng_below(rng, 2) ? 127 : 1};
+    const uint32_t cut = rng_below(rng, 3) ? 0xFFFu << rng_below(rng, 12) : 0;
+    const uint32_t magnitude = exponents[kind] << 23 | (fraction & ~cut);
+    return rng_below(rng, 16) ? float_from_bits(sign | magnitude) : float_from_bits(sign);
+}
+
+static void check_numbers(struct device_tree *tree)
+{
+    struct rng rng = rng_make(5, 7);
+    uint32_t refitted = 0;
+    for (uint32_t n = 0; n < 100; n++)
+        for (size_t l = 0; layouts_all[l]; l++) {
+            struct packed packed;
+            if (!layout_is_wide(layouts_all[l]) || !device_refits(layouts_all[l]) ||
+                layouts_all[l]->constant[1] == ABI_FRAME_SCENE)
+                continue;
+            struct scene scene = built_soup(3 + n % 40, n);
+            assert_true(packed_of(&scene, layouts_all[l], &packed));
+            for (size_t c = 0; c < 3 * (size_t)scene.vertex_count; c++)
+                scene.vertex[c] = number_of(&rng, n % 4);
+            refitted += refit_both(tree, &packed, &scene, "any numbers");
+            packed_free(&packed);
+            scene_free(&scene);
+        }
+    print_message("%u refits\n", refitted);
+    assert_true(refitted > 1500);
+}
+
+static void words_of_any_numbers_are_those_of_c(void **state)
+{
+    (void)state;
+    device_each(check_numbers);
 }
 
 /* --- laws ------------------------------------------------------------------------------------- */
@@ -222,12 +265,14 @@ static void check_laws(struct device_tree *tree, const struct layout *layout,
     gpu_must(bvh_build(builder_find("lbvh63"), scene, &options, &bvh, &reason), &reason);
     gpu_must(packed_make(layout, &bvh, scene, &packed, &reason), &reason);
     struct packed got = refitted(tree, &packed, moved);
-    if (packed_check(&got, moved, NULL, &reason))
+    if (!layout->faithful && packed_check(&got, moved, NULL, &reason))
         fail_msg("%s", reason.text);
-    same_answers(&got, moved);
+    if (!layout->faithful) /* else it may lose hits, as published */
+        same_answers(&got, moved);
     if (stays)
         same_words(&got, &packed, "what stays");
-    if (similar && layout->constant[1] != ABI_FRAME_SCENE) {
+    /* Of amd64 a node that is four times as large may have the other format. */
+    if (similar && layout->constant[1] != ABI_FRAME_SCENE && strcmp(layout->name, "amd64") != 0) {
         gpu_must(bvh_refit(&bvh, moved, &reason), &reason);
         gpu_must(packed_make(layout, &bvh, moved, &anew, &reason), &reason);
         same_words(&got, &anew, "packed anew");
@@ -274,6 +319,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(words_of_wide_layouts_are_those_of_c),
+        cmocka_unit_test(words_of_any_numbers_are_those_of_c),
         cmocka_unit_test(the_largest_bound_is_held),
         cmocka_unit_test(trees_are_sound_and_as_if_packed_anew),
     };
