@@ -90,7 +90,7 @@ static enum status live(const struct check_options *o, const char *spec, uint32_
     out->lives = status == STATUS_OK;
     for (uint32_t i = 0; i < steps; i++)
         out->life.act[i] = o->step[i].act;
-    return STATUS_OK;
+    return status;
 }
 
 static enum status check_use_of(const struct check_options *o, const char *spec, bool is_world,

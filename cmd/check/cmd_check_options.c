@@ -54,7 +54,8 @@ static const struct option_row rows[] = {
      OF_REAL(move, 0, INFINITY), .value = "0"},
     {"steps", "S,..",
      "traces after each of these steps, too: ACT, ACT:MOTION or ACT:MOTION:SEED. The vertices move "
-     "(still, jitter, one, mirror, swap, far, point, zero, subnormal), then trees are updated "
+     "(still, jitter, one, mirror, swap, far, point, zero, subnormal), or the instances of a world "
+     "(drift, turn, reflect, scale, exchange, gather, away, masks, hide), then trees are updated "
      "(refit) or built again (rebuild), and engines with them",
      OF_OWN(take_steps)},
     {"box", "B,..", "box tests", OF_LIST(box, TABLE_BOX_TESTS), .value = "robust"},

@@ -270,6 +270,9 @@ static enum status open_all(struct explaining *e, bool *scene, int *code, struct
     if (!status && world && o->shows)
         return fail(reason, STATUS_UNSUPPORTED, "%s: is of a world, and pages are of scenes",
                     o->of.spec);
+    if (!status && e->file.trial.world.is && e->file.trial.step_count > 0)
+        return fail(reason, STATUS_UNSUPPORTED, "%s: is of a world with steps: replay it",
+                    o->of.spec);
     if (!status && e->file.trial.world.is)
         return explain_trial_of_world(e, code, reason);
     if (!status && world)

@@ -176,10 +176,8 @@ static enum status check_options(const struct fuzz_command *c, struct reason *re
     if (c->pairs > 0 && c->worlds)
         return fail(reason, STATUS_INPUT,
                     "--pairs: draws members for scenes, so not with --worlds");
-    if (c->steps && (c->pairs > 0 || c->worlds))
-        return fail(reason, STATUS_INPUT, "--steps: not used with --%s, %s",
-                    c->worlds ? "worlds" : "pairs",
-                    c->worlds ? "which do not move" : "which draws motions");
+    if (c->steps && c->pairs > 0)
+        return fail(reason, STATUS_INPUT, "--steps: not used with --pairs, which draws motions");
     if (names_corpus(c) && (stat(c->corpus, &what) != 0 || !S_ISDIR(what.st_mode)))
         return fail(reason, STATUS_INPUT, "--corpus: %.200s is no folder", c->corpus);
     return check_names(c, reason);

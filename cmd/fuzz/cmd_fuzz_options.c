@@ -79,8 +79,9 @@ static const struct option_row rows[] = {
      "masks and flags",
      OF_FLAG(worlds)},
     {"steps", NULL,
-     "every trial has steps: vertices move, trees are refitted or built again, engines update what "
-     "they hold; by default one in 64",
+     "every trial has steps: vertices move, with --worlds also instances, trees are refitted or "
+     "built "
+     "again, engines update what they hold; by default one in 64, with --worlds none",
      OF_FLAG(steps)},
     {"rays", "N", "rays of a trial", OF_COUNT(rays, 1, FUZZ_RAYS_MOST), .value = "500"},
     {"triangles", "A-B", "triangles of an ordinary trial", OF_OWN(take_pair), .value = "16-64"},

@@ -25,7 +25,8 @@
  *   0x1p-2 0x1p-2 -0x1p+0 0x0p+0 0x0p+0 0x1p+0 0x0p+0 inf    origin, direction, tmin, tmax
  *   end
  *
- * The same of a world (ref/world/world.h) has version 2. It neither moves nor has steps. Between
+ * The same of a world (ref/world/world.h) has version 2. It does not move, but may have
+ * steps, also of instances. Between
  * triangles and rays it has geometries, which take the triangles in turn, and instances: mesh (-:
  * none), custom index, mask, flags, and the transform, row by row. A ray has its mask and flags
  * behind tmax.

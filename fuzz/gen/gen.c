@@ -136,6 +136,8 @@ static enum status make_world(uint64_t seed, uint64_t index, const struct gen_op
     out->build.presplit = gen_presplit(seed, index, out->builder);
     if (!status)
         status = gen_world_aim(&rng, out, reason);
+    if (!status && options->steps)
+        gen_steps(seed, index, true, out);
     if (status)
         fuzz_trial_free(out);
     return status;

@@ -22,7 +22,8 @@ struct gen_options {
     bool faithful;                            /* members as published take part too */
     bool worlds; /* trials of worlds; triangles are those of all meshes together, and limits are not
                     looked for */
-    bool steps; /* every trial that can have steps has some, those of 1 in 64 as they are without */
+    bool steps;  /* every trial that can have steps has some, those of 1 scene in 64 as they are
+                   without */
 };
 
 /* Makes a trial: a recipe, no edit or one to three, members, and rays of which 3 in 4 are aimed at

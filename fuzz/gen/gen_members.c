@@ -83,7 +83,8 @@ void gen_steps(uint64_t seed, uint64_t index, bool every, struct fuzz_trial *tri
     for (uint32_t i = 0; i < trial->step_count; i++) {
         struct step *step = &trial->step[i];
         step->act = rng_below(&rng, 3) == 0 ? LIFE_REBUILD : LIFE_REFIT;
-        step->motion = (enum life_motion)rng_below(&rng, MOTIONS_OF_VERTICES);
+        step->motion =
+            (enum life_motion)rng_below(&rng, trial->world.is ? MOTIONS : MOTIONS_OF_VERTICES);
         step->seed = rng_below(&rng, STEP_SEEDS);
     }
 }

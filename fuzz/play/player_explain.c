@@ -288,8 +288,9 @@ static enum status find_cause(struct fuzz_player *player, struct play_stage *sta
     enum cause *cause = &finding->signature.cause;
     struct explain_asked asked;
     if (stage->trial->world.is)
-        return kind == FUZZ_KIND_TREE ? STATUS_OK
-                                      : stage_world_explain(stage, seat, finding, reason);
+        return kind == FUZZ_KIND_TREE
+                   ? STATUS_OK
+                   : stage_world_explain(stage, seat, &player->options, finding, reason);
     enum status status = ask_anew(seat, stage, &asked, reason);
     if (status || !asked.possible)
         return status;

@@ -4,7 +4,7 @@
 #define FUZZ_STAGE_H
 
 #include "fuzz/play/player.h"
-#include "fuzz/play/trial_life.h"
+#include "fuzz/play/trial_world_life.h"
 #include "fuzz/play/trial_tree.h"
 #include "ref/oracle/oracle.h"
 #include "ref/packed/packed_check.h"
@@ -61,6 +61,8 @@ struct stage_world {
     struct trial_meshes meshes;
     struct world_trees trees;
     struct packed_world packed[LAYOUTS_MOST];
+    struct trial_world_life life;           /* of a trial with steps */
+    struct world_life *lived[LAYOUTS_MOST]; /* likewise; packed is a share in the last of them */
     bool beyond; /* the inverse of a transform is beyond float32: no engine is asked */
 };
 

@@ -62,13 +62,47 @@ static bool is_sound(const struct play_stage *stage)
     return sound;
 }
 
+/* Makes the trees of all steps; the last ones are what is traced. */
+static enum status pack_life(struct play_stage *stage, const struct layout *layout, size_t i,
+                             struct reason *reason)
+{
+    struct stage_world *world = &stage->world;
+    const uint32_t last = world->life.count;
+    world->lived[i] = alloc_zeroed(last + (size_t)1, sizeof *world->lived[i]);
+    if (!world->lived[i])
+        return fail(reason, STATUS_MEMORY, "no memory for the trees of a life");
+    enum status status =
+        trial_world_life_trees(stage->trial, &world->life, layout, world->lived[i], reason);
+    if (status) {
+        free(world->lived[i]);
+        world->lived[i] = NULL;
+        return status;
+    }
+    world->packed[i] = world->lived[i][last].packed;
+    stage->motion[i] = fuzz_trial_motion(world->lived[i][last].fate);
+    return STATUS_OK;
+}
+
+/* Frees them, with what is shared. */
+static void clear_life(struct stage_world *world, size_t i)
+{
+    for (uint32_t k = 0; k <= world->life.count && world->lived[i]; k++)
+        world_life_free(&world->lived[i][k]);
+    if (world->lived[i])
+        world->packed[i] = (struct packed_world){.mesh_count = 0};
+    free(world->lived[i]);
+    world->lived[i] = NULL;
+}
+
 static enum status pack(struct play_stage *stage, const struct layout *layout, size_t i,
                         struct reason *reason)
 {
     struct world_faults faults;
     struct packed_world *packed = &stage->world.packed[i];
-    enum status status = packed_world_make(world_of(stage), &stage->world.trees, layout, layout,
-                                           stage->trial->store, packed, reason);
+    enum status status = stage->world.life.count > 0
+                             ? pack_life(stage, layout, i, reason)
+                             : packed_world_make(world_of(stage), &stage->world.trees, layout,
+                                                 layout, stage->trial->store, packed, reason);
     if (status == STATUS_LIMIT)
         return STATUS_OK;
     stage->has_packed[i] = status == STATUS_OK;
@@ -106,6 +140,8 @@ enum status stage_world_set(struct play_stage *stage, const struct fuzz_player *
     if (stage->world.beyond)
         return STATUS_OK;
     if (!status)
+        status = trial_world_life_make(trial, &stage->world.life, reason);
+    if (!status)
         status = make_trees(stage, reason);
     for (size_t i = 0; i < player->layout_count && !status && stage->has_tree; i++) {
         status = pack(stage, player->layout[i], i, reason);
@@ -129,8 +165,11 @@ enum status stage_world_truth(struct play_stage *stage, struct reason *reason)
 
 void stage_world_clear(struct play_stage *stage)
 {
-    for (size_t i = 0; i < LAYOUTS_MOST; i++)
+    for (size_t i = 0; i < LAYOUTS_MOST; i++) {
+        clear_life(&stage->world, i);
         packed_world_free(&stage->world.packed[i]);
+    }
+    trial_world_life_free(&stage->world.life);
     world_trees_free(&stage->world.trees);
     trial_meshes_free(&stage->world.meshes);
     stage->world.beyond = false;
@@ -142,6 +181,17 @@ bool stage_is_split(const struct play_stage *stage, size_t layout)
 }
 
 /* --- engines ---------------------------------------------------------------------------------- */
+
+static struct world_job world_job_of(const struct play_stage *stage, const struct seat *seat)
+{
+    const struct fuzz_trial *trial = stage->trial;
+    return (struct world_job){.world = world_of(stage),
+                              .packed =
+                                  seat->layout ? &stage->world.packed[seat->layout_index] : NULL,
+                              .box = trial->box,
+                              .tri = trial->tri,
+                              .query = trial->query};
+}
 
 enum status stage_prepare(const struct play_stage *stage, const struct seat *seat,
                           struct reason *reason)
@@ -157,13 +207,12 @@ enum status stage_prepare(const struct play_stage *stage, const struct seat *sea
     }
     if (!seat->engine->worlds)
         return fail(reason, STATUS_REFUSED, "%s traces scenes, not worlds", seat->engine->name);
-    const struct world_job job = {.world = world_of(stage),
-                                  .packed = seat->layout ? &stage->world.packed[seat->layout_index]
-                                                         : NULL,
-                                  .box = trial->box,
-                                  .tri = trial->tri,
-                                  .query = trial->query};
-    return seat->engine->worlds->prepare_world(seat->self, &job, reason);
+    const struct world_job job = world_job_of(stage, seat);
+    if (trial->step_count == 0)
+        return seat->engine->worlds->prepare_world(seat->self, &job, reason);
+    return trial_world_life_prepare(trial, &stage->world.life,
+                                    seat->layout ? stage->world.lived[seat->layout_index] : NULL,
+                                    seat->engine, seat->self, &job, reason);
 }
 
 enum status stage_trace(const struct play_stage *stage, const struct seat *seat, uint32_t first,
@@ -203,8 +252,9 @@ void stage_world_cover(const struct play_stage *stage, const struct fuzz_player 
     coverage_add_world(map, &trial->world, trial->ray_count);
 }
 
-enum status stage_world_ask(const struct play_stage *stage, const struct seat *seat,
-                            struct judged_ray *out, bool *possible, struct reason *reason)
+/* stage_world_ask with an engine that is prepared. */
+static enum status ask_prepared(const struct play_stage *stage, const struct seat *seat,
+                                struct judged_ray *out, struct reason *reason)
 {
     const struct fuzz_trial *trial = stage->trial;
     const bool split = seat->layout && stage_is_split(stage, seat->layout_index);
@@ -212,14 +262,8 @@ enum status stage_world_ask(const struct play_stage *stage, const struct seat *s
     uint32_t tag = 0;
     struct trace_report report = {0};
     struct judge *judge = NULL;
-    *out = (struct judged_ray){.ray = trial->ray[0], .truth = stage->truth[0]};
-    out->answer.hit.prim = ABI_NO_PRIM;
     struct answers answers = {.hit = &out->answer.hit, .tag = &tag};
-    enum status status = stage_prepare(stage, seat, reason);
-    *possible = status == STATUS_OK;
-    if (status)
-        return status == STATUS_MEMORY ? status : STATUS_OK;
-    status = stage_trace(stage, seat, 0, 1, &answers, &report, reason);
+    enum status status = stage_trace(stage, seat, 0, 1, &answers, &report, reason);
     out->answer.finished = status == STATUS_OK;
     if (status == STATUS_MEMORY)
         return status;
@@ -232,8 +276,44 @@ enum status stage_world_ask(const struct play_stage *stage, const struct seat *s
     return status;
 }
 
+enum status stage_world_ask(const struct play_stage *stage, const struct seat *seat,
+                            struct judged_ray *out, bool *possible, struct reason *reason)
+{
+    *out = (struct judged_ray){.ray = stage->trial->ray[0], .truth = stage->truth[0]};
+    out->answer.hit.prim = ABI_NO_PRIM;
+    enum status status = stage_prepare(stage, seat, reason);
+    *possible = status == STATUS_OK;
+    if (status)
+        return status == STATUS_MEMORY ? status : STATUS_OK;
+    return ask_prepared(stage, seat, out, reason);
+}
+
+/* Whether the engine, opened anew and prepared with the last world alone, is right about the first
+ * ray. Errors: STATUS_MEMORY. */
+static enum status is_right_anew(const struct play_stage *stage, const struct seat *seat,
+                                 const struct engine_options *options, bool *right,
+                                 struct reason *reason)
+{
+    const struct world_job job = world_job_of(stage, seat);
+    struct judged_ray answer = {.ray = stage->trial->ray[0], .truth = stage->truth[0]};
+    struct seat fresh = *seat;
+    struct reason why = {""};
+    *right = false;
+    fresh.self = NULL;
+    enum status status = engine_open(fresh.engine, options, &fresh.self, &why);
+    if (!status)
+        status = fresh.engine->worlds->prepare_world(fresh.self, &job, &why);
+    if (!status)
+        status = ask_prepared(stage, &fresh, &answer, &why);
+    *right = status == STATUS_OK && answer.answer.finished && answer.why.opinion.allowed;
+    if (fresh.self && fresh.engine->close)
+        fresh.engine->close(fresh.self);
+    return status == STATUS_MEMORY ? fail(reason, status, "%s", why.text) : STATUS_OK;
+}
+
 enum status stage_world_explain(const struct play_stage *stage, const struct seat *seat,
-                                struct fuzz_finding *finding, struct reason *reason)
+                                const struct engine_options *options, struct fuzz_finding *finding,
+                                struct reason *reason)
 {
     const bool finished = finding->signature.kind != FUZZ_KIND_UNFINISHED;
     struct hit hit = {.prim = ABI_NO_PRIM};
@@ -251,8 +331,15 @@ enum status stage_world_explain(const struct play_stage *stage, const struct sea
     bool same = (status == STATUS_OK) == finished;
     if (finished && same)
         same = memcmp(&hit, &finding->answer, sizeof hit) == 0 && tag == finding->tag;
+    bool right = false;
+    part.truth = stage->truth + finding->ray;
+    if (same && alone.step_count > 0)
+        status = is_right_anew(&part, seat, options, &right, reason);
+    if (status == STATUS_MEMORY)
+        return status;
     const struct model model = engine_model(seat->engine, seat->self, stage->trial->tri);
-    finding->signature.cause = !same                        ? CAUSE_NOT_REPEATABLE
+    finding->signature.cause = right                        ? CAUSE_STALE
+                               : !same                      ? CAUSE_NOT_REPEATABLE
                                : twin_is_own(model.formula) ? CAUSE_UNEXPLAINED
                                                             : CAUSE_WORLD;
     return STATUS_OK;

@@ -39,8 +39,10 @@ void stage_world_cover(const struct play_stage *stage, const struct fuzz_player 
 enum status stage_world_ask(const struct play_stage *stage, const struct seat *seat,
                             struct judged_ray *out, bool *possible, struct reason *reason) MUST_USE;
 
-/* The cause of a finding: the engine traces the ray again, alone. Errors: STATUS_MEMORY. */
+/* The cause of a finding: the engine traces the ray again, alone; of a trial with steps also opened
+ * anew with these options. Errors: STATUS_MEMORY. */
 enum status stage_world_explain(const struct play_stage *stage, const struct seat *seat,
-                                struct fuzz_finding *finding, struct reason *reason) MUST_USE;
+                                const struct engine_options *options, struct fuzz_finding *finding,
+                                struct reason *reason) MUST_USE;
 
 #endif

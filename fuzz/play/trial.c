@@ -264,11 +264,11 @@ enum status fuzz_trial_check(const struct fuzz_trial *trial, struct reason *reas
     if (scene->tri_count > FUZZ_TRIANGLES_MOST || trial->ray_count > FUZZ_RAYS_MOST)
         return fail(reason, STATUS_LIMIT, "a trial has at most %u triangles and %u rays",
                     FUZZ_TRIANGLES_MOST, FUZZ_RAYS_MOST);
-    if (trial->step_count > LIFE_STEPS_MOST ||
-        (trial->step_count > 0 && (trial->world.is || trial->move > 0)))
-        return fail(reason, STATUS_INPUT,
-                    "a trial has at most %u steps, and none if it moves or is of a world",
+    if (trial->step_count > LIFE_STEPS_MOST || (trial->step_count > 0 && trial->move > 0))
+        return fail(reason, STATUS_INPUT, "a trial has at most %u steps, and none if it moves",
                     LIFE_STEPS_MOST);
+    if (!trial->world.is && steps_of_scene(trial->step, trial->step_count, reason))
+        return STATUS_INPUT;
     if (trial->world.is && trial->move > 0)
         return fail(reason, STATUS_INPUT, "a trial of a world does not move");
     enum status status = scene_check(scene, reason);

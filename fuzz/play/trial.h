@@ -43,7 +43,8 @@ struct fuzz_trial {
     uint64_t move_seed;
     /* Or the tree, and what engines make of it, lives through these steps. The scene is again what
      * is traced, after the last of them; before step i it is what motion i makes of the scene after
-     * that step (fuzz/play/trial_life.h). Neither with `move` nor in a world. */
+     * that step (fuzz/play/trial_life.h); so is the world, of which motions of vertices move those
+     * of all meshes together. Not with `move`. */
     struct step step[LIFE_STEPS_MOST];
     uint32_t step_count;
 };

@@ -1,5 +1,6 @@
 #include "fuzz/play/trial_life.h"
 
+#include "fuzz/play/trial_world_life.h"
 #include "ref/engine.h"
 
 #include <stdlib.h>
@@ -9,7 +10,7 @@ enum status trial_life_make(const struct fuzz_trial *trial, struct trial_life *o
                             struct reason *reason)
 {
     *out = (struct trial_life){.count = 0};
-    if (trial->step_count == 0)
+    if (trial->step_count == 0 || trial->world.is)
         return STATUS_OK;
     enum status status =
         steps_scenes_back(&trial->scene, trial->step, trial->step_count, out->scene, reason);
@@ -43,6 +44,25 @@ enum status trial_life_trees(const struct fuzz_trial *trial, const struct trial_
     return status;
 }
 
+static void drop_steps(struct fuzz_trial *trial, uint32_t from)
+{
+    memset(trial->step + from, 0, sizeof *trial->step * (LIFE_STEPS_MOST - from));
+    trial->step_count = from;
+}
+
+/* The same of a trial of a world, which *out is a copy of. */
+static enum status cut_world(uint32_t step, struct fuzz_trial *out, struct reason *reason)
+{
+    enum status status = STATUS_OK;
+    for (uint32_t i = out->step_count; i > step && !status; i--)
+        status = trial_world_unmove(out, &out->step[i - 1], reason);
+    if (status)
+        fuzz_trial_free(out);
+    else
+        drop_steps(out, step);
+    return status;
+}
+
 enum status trial_life_cut(const struct fuzz_trial *trial, uint32_t step, struct fuzz_trial *out,
                            struct reason *reason)
 {
@@ -50,6 +70,8 @@ enum status trial_life_cut(const struct fuzz_trial *trial, uint32_t step, struct
     enum status status = fuzz_trial_copy(trial, out, reason);
     if (status || step == trial->step_count)
         return status;
+    if (trial->world.is)
+        return cut_world(step, out, reason);
     status = trial_life_make(trial, &life, reason);
     if (status) {
         fuzz_trial_free(out);
@@ -57,8 +79,7 @@ enum status trial_life_cut(const struct fuzz_trial *trial, uint32_t step, struct
     }
     memcpy(out->scene.vertex, life.scene[step].vertex,
            3 * sizeof *out->scene.vertex * out->scene.vertex_count);
-    memset(out->step + step, 0, sizeof *out->step * (LIFE_STEPS_MOST - step));
-    out->step_count = step;
+    drop_steps(out, step);
     trial_life_free(&life);
     return STATUS_OK;
 }

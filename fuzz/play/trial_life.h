@@ -7,7 +7,8 @@
 struct engine; /* ref/engine.h */
 struct job;    /* likewise */
 
-/* The scenes of a trial's life. Their triangles are the trial's. */
+/* The scenes of a trial's life; zero of a world's (fuzz/play/trial_world_life.h). Their triangles
+ * are the trial's. */
 struct trial_life {
     struct scene scene[LIFE_STEPS_MOST + 1]; /* as built, and after each step */
     uint32_t count;                          /* of steps; 0: nothing is made */

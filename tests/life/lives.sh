@@ -17,7 +17,10 @@ has 'it goes on' 'after 40 generated ones'
 tail -n 1 lives/findings.jsonl | grep -q '|steps=yes|' || bad 'it goes on without steps'
 expect 0 . $campaign --trials 40 --dir plain
 expect 2 '--steps yes: the campaign in plain has none' $campaign --steps --trials 50 --dir plain
-expect 2 '--steps: not used with --worlds' $campaign --steps --worlds --trials 3 --dir none
+expect 0 . $campaign --steps --worlds --trials 40 --dir worlds
+has 'a campaign of lives of worlds' 'findings +0 distinct' 'moved +[1-9][0-9]* trees refitted, [1-9]'
+expect 0 . fuzz --jobs 1 --trials 50 --dir worlds
+tail -n 1 worlds/findings.jsonl | grep -q '|steps=yes|' || bad 'it goes on without steps'
 expect 2 '--steps: not used with --pairs' fuzz --steps --pairs 2 --trials 3 --dir none
 [ ! -e none ] || bad 'a folder is made for what is refused'
 

@@ -143,7 +143,7 @@ static void each_allocation_may_fail(void **state)
     assert_true(trees > 20 && pack > 10 && check > 10);
     assert_true(fail_each(do_brute, &steps) == 3);
     if (can_be_opened("embree"))
-        assert_true(fail_each(do_embree, &steps) == 5);
+        assert_true(fail_each(do_embree, &steps) == 7);
     packed_world_free(&steps.packed);
     world_trees_free(&steps.trees);
     /* The same with instances that are opened. */

@@ -109,6 +109,11 @@ static void masks_go_around_and_instances_hide(void **state)
         world_lived_free(lived);
     }
     assert_true(hidden > 50 && shown > 50);
+    for (uint64_t seed = 0; seed < 8; seed++) { /* of one instance alone */
+        struct world_lived *lived = after("placed-turned:count=1", MOTION_HIDE, seed, 2);
+        assert_true(same_instances(&lived->world[2], &lived->world[0]));
+        world_lived_free(lived);
+    }
 }
 
 /* A rotation keeps lengths and the side of mirrors; a scale is a power of two, to the bit. */
@@ -161,6 +166,22 @@ static void gathered_instances_are_at_one_place_and_far_ones_are_far(void **stat
     }
     world_lived_free(gather);
     world_lived_free(away);
+}
+
+/* All that is placed: M and T. One coordinate alone. */
+static void reflections_negate_one_coordinate_of_all(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 3; seed++) {
+        struct world_lived *lived = after(SPEC, MOTION_REFLECT, seed, 1);
+        for (uint32_t i = 0; i < lived->first.instance_count; i++)
+            for (uint32_t j = 0; j < 12; j++) {
+                const float a = lived->world[0].instance[i].m[j / 4][j % 4],
+                            b = lived->world[1].instance[i].m[j / 4][j % 4];
+                assert_true(b == (j / 4 == seed ? -a : a));
+            }
+        world_lived_free(lived);
+    }
 }
 
 /* Whatever there is no room for stays: boxes and inverses are still float32. */
@@ -347,6 +368,7 @@ int main(void)
         cmocka_unit_test(masks_go_around_and_instances_hide),
         cmocka_unit_test(turns_keep_lengths_and_scales_are_exact),
         cmocka_unit_test(gathered_instances_are_at_one_place_and_far_ones_are_far),
+        cmocka_unit_test(reflections_negate_one_coordinate_of_all),
         cmocka_unit_test(what_cannot_be_placed_stays),
         cmocka_unit_test(motions_of_instances_are_refused_of_scenes),
         cmocka_unit_test(refitted_worlds_are_those_packed_of_refitted_trees),

@@ -53,6 +53,15 @@ grep -q 'one.json: 1 instance, 32 triangles, ' "$dir/out" || bad 'one instance'
 # Options of scenes, of worlds.
 expect 2 'check: --modes: sphere is a scene; only worlds have masks and flags' check sphere --modes all
 expect 2 'check: --move: crowd is a world; only scenes are moved' check crowd --move 0.1
+expect 2 "check: --steps: sphere: 'drift' moves instances, which only worlds have" check sphere --steps refit,refit:drift
+expect 2 "check: --steps: 'refit:leap': 'leap' is no motion: still, .* of a world also drift, turn" check crowd --steps refit:leap
+expect 2 'check: --steps: not with --bvh, --move' check crowd --steps refit:drift --move 1
+expect 0 . check crowd:n=30 --engine cpu,embree_robust --layout f32 --count 500 --repeat 1 \
+    --steps refit:drift:2,refit:hide:1,rebuild:exchange:3
+has 'a world after steps' 'after step 1, refit:drift:2: 30 instances'
+has 'a refit of both levels' '  trees refitted: f32'
+has 'other instances are active' '  trees built again: a refit cannot be stored or is not made'
+has 'every step is judged' 'conclusion: 8 of 8 rows agree, 0 of 4000 answers WRONG'
 expect 2 'check: --bvh: crowd is a world; a tree file is of a scene' check crowd --bvh "$dir/one.json"
 expect 2 'check: --store quantised: crowd is a world; only scenes are decoded' check crowd --store quantised
 for modes in all mixed drawn; do
