@@ -44,8 +44,9 @@ struct vk_options {
     bool validate; /* run under VK_LAYER_KHRONOS_validation and count its messages */
     bool watch;    /* also check every memory access of a shader; switches off the robustness that
                     * makes invalid accesses harmless */
-    bool staging;  /* copy through a staging buffer even if memory is shared */
-    bool ray_query;                     /* require ray queries, see gpu/vk/vk_accel.h */
+    bool whole_modules; /* leave to the driver which branches the constants decide (vk_settle.h) */
+    bool staging;       /* copy through a staging buffer even if memory is shared */
+    bool ray_query;     /* require ray queries, see gpu/vk/vk_accel.h */
     struct vk_ray_more ray_more;        /* with ray_query; zeros: nothing more */
     const struct vk_compiler *compiler; /* for vk_compile; borrowed; NULL: none */
     uint64_t wait_ns;                   /* longest wait for one dispatch, 0: VK_WAIT_NS */

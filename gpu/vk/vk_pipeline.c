@@ -1,5 +1,6 @@
 /* Compute pipelines and their dispatch. */
 #include "gpu/vk/vk_private.h"
+#include "gpu/vk/vk_settle.h"
 
 #include <stdlib.h>
 
@@ -20,13 +21,18 @@ static enum status make_layout(struct vk *vk, struct vk_pipeline *pipeline, stru
 static enum status make_pipeline(struct vk *vk, const struct vk_shader *shader,
                                  struct vk_pipeline *pipeline, struct reason *reason)
 {
+    uint32_t *settled = NULL;
+    if (!vk->options.whole_modules && vk_settle(shader->word, shader->word_count, shader->constant,
+                                                shader->constant_count, &settled))
+        return fail(reason, STATUS_MEMORY, "vulkan: no memory for %s", shader->name);
     VkShaderModuleCreateInfo code = {
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
         .codeSize = 4 * (size_t)shader->word_count,
-        .pCode = shader->word,
+        .pCode = settled ? settled : shader->word,
     };
     VkShaderModule module;
     VkResult result = vk->fn.CreateShaderModule(vk->device, &code, NULL, &module);
+    free(settled);
     if (result != VK_SUCCESS)
         return vk_check(vk, result, shader->name, reason);
     VkSpecializationMapEntry entry[VK_CONSTANTS_MAX];

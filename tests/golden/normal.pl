@@ -33,7 +33,31 @@ our @TIMES = (
     [qr/; (?:speeds cannot be told apart|\S+ on \S+ has [\d.]+ times f32's speed)/, '; # which is fastest'],
     [qr/: [\d.]+ times as long/, ': # times as long'],
 );
+# What a line has that any of them matches.
+our $ANY_TIME = qr/threads|kernel |judged, | UTC|\.html: |  seconds: |\.tmp| \(|harness| time="| in |turnout=| MiB, and| ms | times |speed/;
 our $FIELD = qr/\b(?:ns|\w+_ns|ns_per_\w+|mrays_\w+|\w*ratio_\w+|\w*_per_s|harness_\w+|\w*ms|\w*seconds|mray_s\w*|speed\w*|version|built|processor)\b/;
+
+# Bytes of a row of a PNG file, of which the filter took away what it guessed from those before and above.
+sub unfiltered {
+    my ($filter, $pixel, $bytes, $above) = @_;
+    return $above if $filter == 2 && $bytes !~ /[^\0]/;
+    my @row = unpack 'C*', $bytes;
+    my @up = unpack 'C*', $above;
+    if ($filter == 1) {
+        $row[$_] = ($row[$_] + $row[$_ - $pixel]) & 255 for $pixel .. $#row;
+    } elsif ($filter == 2) {
+        $row[$_] = ($row[$_] + $up[$_]) & 255 for 0 .. $#row;
+    } elsif ($filter == 3) {
+        $row[$_] = ($row[$_] + (($_ >= $pixel ? $row[$_ - $pixel] : 0) + $up[$_] >> 1)) & 255 for 0 .. $#row;
+    } else {
+        for my $i (0 .. $#row) {
+            my ($a, $b, $c) = $i >= $pixel ? ($row[$i - $pixel], $up[$i], $up[$i - $pixel]) : (0, $up[$i], 0);
+            my ($pa, $pb, $pc) = (abs($b - $c), abs($a - $c), abs($a + $b - 2 * $c));
+            $row[$i] = ($row[$i] + ($pa <= $pb && $pa <= $pc ? $a : $pb <= $pc ? $b : $c)) & 255;
+        }
+    }
+    return pack 'C*', @row;
+}
 
 # A PNG file's pixels, a line each row: how they were deflated is a matter of zlib's version.
 sub png_lines {
@@ -49,20 +73,14 @@ sub png_lines {
     $data = Compress::Zlib::uncompress($data) // return "a PNG file that is broken";
     my $pixel = ({0 => 1, 2 => 3, 3 => 1, 4 => 2, 6 => 4}->{$kind} // 1) * $depth / 8;
     my $stride = int(($width * $pixel * 8 + 7) / 8);
-    my @above = (0) x $stride;
+    my ($above, $text) = ("\0" x $stride, '');
     for my $y (0 .. $height - 1) {
-        my ($filter, @row) = unpack 'C*', substr $data, $y * ($stride + 1), $stride + 1;
-        if ($filter) {
-            for my $i (0 .. $#row) {
-                my ($a, $b, $c) = ($i >= $pixel ? $row[$i - $pixel] : 0, $above[$i], $i >= $pixel ? $above[$i - $pixel] : 0);
-                my $p = $a + $b - $c;
-                my ($pa, $pb, $pc) = map { abs } $p - $a, $p - $b, $p - $c;
-                my $guess = (0, $a, $b, ($a + $b) >> 1, $pa <= $pb && $pa <= $pc ? $a : $pb <= $pc ? $b : $c)[$filter];
-                $row[$i] = ($row[$i] + $guess) & 255;
-            }
-        }
-        @above = @row;
-        push @lines, "row $y: " . join ' ', map { sprintf '%02x', $_ } @row;
+        my $filter = ord substr $data, $y * ($stride + 1), 1;
+        my $row = substr $data, $y * ($stride + 1) + 1, $stride;
+        $row = unfiltered($filter, $pixel, $row, $above) if $filter;
+        $text = join ' ', unpack '(H2)*', $row if $y == 0 || $row ne $above;
+        push @lines, "row $y: $text";
+        $above = $row;
     }
     return ("$width x $height, $depth bits, kind $kind", @lines);
 }
@@ -138,7 +156,7 @@ sub without_times {
         if ($columns && $line !~ /^\s*(refused|skipped|failed)\b/) {
             $line =~ s/ +[\d.]+ \([\d.]+-[\d.]+\)/ #/ or $line =~ s/(?: +\S+){$columns}$//;
         }
-        $line =~ s/$_->[0]/$_->[1]/g for @TIMES;
+        if ($line =~ $ANY_TIME) { $line =~ s/$_->[0]/$_->[1]/g for @TIMES }
         push @lines, $line;
     }
     return @lines;

@@ -43,6 +43,7 @@ command=$(sed -n "s/^$3 //p" "$out/suites")
 logs=$dir
 mkdir "$dir/modules"
 (
+    export RAYDIFF_WHOLE_MODULES=1 # as they are in the build
     export GCOV_PREFIX="$dir/gcov" RAYDIFF_MODULES="$dir/modules" LD_PRELOAD="$(realpath "$build/modules.so")"
     eval "timeout -k 5 1800 $command"
 ) >"$dir/log" 2>&1 </dev/null

@@ -15,7 +15,7 @@ cat >"$dir/swap.json" <<END
 {"file_format_version": "1.1.0", "layer": {"name": "VK_LAYER_RAYDIFF_swap", "type": "GLOBAL",
  "library_path": "$dir/libswap.so", "api_version": "1.3.0", "implementation_version": "1", "description": "swap"}}
 END
-export VK_LAYER_PATH="$dir" VK_INSTANCE_LAYERS=VK_LAYER_RAYDIFF_swap SWAP_FROM="$build/spv/$shader.spv" \
+export RAYDIFF_WHOLE_MODULES=1 VK_LAYER_PATH="$dir" VK_INSTANCE_LAYERS=VK_LAYER_RAYDIFF_swap SWAP_FROM="$build/spv/$shader.spv" \
     SWAP_TO="$dir/mutant.spv" SWAP_SEEN="$dir/seen" OMP_NUM_THREADS=1 SHADER="$shader"
 touch "$folder/$shader.own"
 red() { # test
