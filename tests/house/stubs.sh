@@ -2,13 +2,13 @@
 # No script that plays the program passes, or is skipped, with one that does nothing but end, whatever its exit
 # code, or is killed:
 #   sh tests/house/stubs.sh BUILD [all]
-# The scripts are those of make check, played with exit codes 0 and 77; with "all" with every code, and with them three that
-# wait long for a program that does nothing.
+# The scripts are those of make check, played with exit codes 0 and 77; with "all" with every code, and with them those
+# that wait long for a program that does nothing, or compile much.
 set -u
 build=$1 all=${2-}
 work=$(mktemp -d) || exit 4
 trap 'rm -rf "$work"' EXIT
-slow='render ci_outputs plugin'
+slow='render ci_outputs plugin guest reported told'
 
 # A build whose program is a stub, and so is all else that scripts run of it.
 for end in 0 1 2 3 4 77 killed; do

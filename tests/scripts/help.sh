@@ -97,7 +97,7 @@ while read -r command; do
     grep -q '^passed' "$dir/passed" || cat "$dir/passed"
 done <"$dir/commands"
 
-# Each example runs as it is printed, in a fresh clone: after 2 s it is still at work or has not been refused.
+# Each example runs as it is printed, in a fresh clone: after 1 s it is still at work or has not been refused.
 ln -s "$(pwd)/fuzz" "$dir/fuzz"
 ln -s "$(realpath "$raydiff")" "$dir/raydiff"
 cat >"$dir/play" <<'END'
@@ -117,7 +117,7 @@ while read -r command; do
     examples=$((examples + $(grep -c '^raydiff ' "$dir/example")))
     case $command in fuzz) sed -i 's/--time [0-9]*/--time 1/; /--self-test/d' "$dir/example" ;; esac
     rm -f "$dir/refused"
-    (cd "$dir" && PATH="$dir:$PATH" timeout 2 bash play) >"$dir/out" 2>"$dir/err" </dev/null
+    (cd "$dir" && PATH="$dir:$PATH" OMP_NUM_THREADS=1 LP_NUM_THREADS=0 timeout 1 bash play) >"$dir/out" 2>"$dir/err" </dev/null
     code=$?
     case $code in 0 | 1 | 77 | 124) ;; *) bad "the example of raydiff $command: exit $code" ;; esac
     [ ! -e "$dir/refused" ] || bad "the example of raydiff $command: $(cat "$dir/refused")"
