@@ -287,9 +287,8 @@ static enum status ask_here(struct export_case *the)
         the->model = (struct model){.formula = TWIN_UNKNOWN, .rounding = ROUNDING_VULKAN};
     else if (!the->measured && (the->subject == SUBJECT_VULKAN || the->subject == SUBJECT_BRUTE))
         the->model = specified(the->trial->tri);
-    else
-        the->model =
-            engine_model(the->engine, self, the->trial->tri); /* needs no engine of the others */
+    else /* needs no engine of the others */
+        the->model = engine_model(the->engine, self, the->trial->tri);
     adjust(the);
     if (!status) {
         the->here = alloc_zeroed(the->ray_count, sizeof *the->here);

@@ -121,6 +121,7 @@ static enum status answer(struct batch_engine *engine, struct batch *batch, cons
 static enum status make_pipeline(struct outsider *o, struct reason *reason)
 {
     const struct vk_shader make = {.name = o->named->name,
+                                   .whole = true,
                                    .word = o->named->word,
                                    .word_count = (uint32_t)o->named->count,
                                    .binding_count = BINDINGS,

@@ -131,6 +131,7 @@ struct vk_shader {
     uint32_t word_count;
     uint32_t binding_count; /* storage buffers 0 .. binding_count - 1 of set 0 */
     uint32_t push_bytes;    /* a multiple of 4, at most 128 */
+    bool whole;             /* somebody else's: the driver gets the module as it is (vk_settle.h) */
     bool accel; /* binding `binding_count` is an acceleration structure, see vk_pipeline_use */
     struct vk_ways ways;      /* of these bindings */
     uint32_t words;           /* texel buffers of words; the others are of quads */

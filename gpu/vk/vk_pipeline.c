@@ -22,8 +22,9 @@ static enum status make_pipeline(struct vk *vk, const struct vk_shader *shader,
                                  struct vk_pipeline *pipeline, struct reason *reason)
 {
     uint32_t *settled = NULL;
-    if (!vk->options.whole_modules && vk_settle(shader->word, shader->word_count, shader->constant,
-                                                shader->constant_count, &settled))
+    if (!vk->options.whole_modules && !shader->whole &&
+        vk_settle(shader->word, shader->word_count, shader->constant, shader->constant_count,
+                  &settled))
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for %s", shader->name);
     VkShaderModuleCreateInfo code = {
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
