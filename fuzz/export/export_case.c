@@ -207,8 +207,6 @@ static enum status pack(struct export_case *the)
 {
     const struct fuzz_trial *trial = the->trial;
     enum status status = STATUS_OK;
-    if (trial->step_count > 0 && trial->world.is)
-        return fail(the->reason, STATUS_INPUT, "a world's steps are not exported: replay it");
     if (trial->step_count > 0 && !the->layout)
         return fail(the->reason, STATUS_INPUT,
                     "its steps are not exported for an engine that builds its own tree: replay it");

@@ -47,5 +47,19 @@ for form in c amber text; do
     expect 0 . export steps.trial --engine vulkan --form $form --to finding.$form
     [ -s finding.$form ] || bad "$form is not written"
 done
+
+# --- a world with steps: replayed, and else refused in one line
+sed 's/^query .*/&\nsteps refit:drift:3,rebuild:hide:2,refit:exchange:1/' "$root/fuzz/corpus/inactive-instance.trial" \
+    >world.trial
+grep -q '^steps' world.trial || bad 'a trial of a world with steps'
+expect 0 'world.trial: .*clean' replay world.trial --brief --engine cpu,fast,embree_robust
+expect 77 'world.trial: is of a world with steps: replay it' explain world.trial --engine cpu --layout f32
+expect 2 'world.trial: a trial with steps is not bisected: replay it' bisect world.trial --engine cpu
+expect 2 'world.trial: is a trial of a world: --form text writes' export world.trial --engine vulkan --to finding.c
+expect 0 . export world.trial --engine vulkan --form text --to world.text
+sed 's/^steps .*/steps refit:leap/' world.trial >leap.trial
+expect 2 "leap.trial:[0-9]+: 'refit:leap': 'leap' is no motion" replay leap.trial --engine cpu
+sed 's/^steps .*/steps refit:drift/' steps.trial >drift.trial
+expect 2 "'drift' moves instances, which only worlds have" replay drift.trial --engine cpu
 [ "$failed" -eq 0 ] && echo 'campaigns of lives: as they should be'
 exit "$failed"

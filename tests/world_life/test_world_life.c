@@ -111,6 +111,7 @@ static void masks_go_around_and_instances_hide(void **state)
     assert_true(hidden > 50 && shown > 50);
     for (uint64_t seed = 0; seed < 8; seed++) { /* of one instance alone */
         struct world_lived *lived = after("placed-turned:count=1", MOTION_HIDE, seed, 2);
+        assert_true(same_instances(&lived->world[1], &lived->world[0]));
         assert_true(same_instances(&lived->world[2], &lived->world[0]));
         world_lived_free(lived);
     }
@@ -336,6 +337,7 @@ static void other_active_instances_parts_and_splits_are_built_again(void **state
     assert_int_equal(fate_after("crowd:n=20", "refit:masks:3", 0, 0), LIFE_REFITTED);
     assert_int_equal(fate_after("crowd:n=20", "rebuild:drift:3", 0, 0), LIFE_REBUILT);
     assert_int_equal(fate_after("crowd:n=20", "refit:hide:3", 0, 0), LIFE_FORCED);
+    assert_int_equal(fate_after("crowd:n=20", "rebuild:hide:3,refit:hide:3", 0, 0), LIFE_FORCED);
     assert_int_equal(fate_after("crowd:n=20", "refit:hide:3,refit:turn", 0, 0), LIFE_REFITTED);
     assert_int_equal(fate_after("placed-turned:count=9", "refit:drift:9", 0, 1), LIFE_REFITTED);
     assert_int_equal(fate_after("placed-turned:count=9", "refit:drift:9", 0, 16), LIFE_FORCED);
@@ -345,7 +347,7 @@ static void other_active_instances_parts_and_splits_are_built_again(void **state
 static void other_numbers_are_refused(void **state)
 {
     (void)state;
-    const struct world_build build = build_by("median");
+    struct world_build build = build_by("median");
     struct world_lived *a = world_lived_make("crowd:n=5", ""),
                        *b = world_lived_make("crowd:n=6", ""),
                        *c = world_lived_make("placed-turned:count=5", "");
@@ -354,6 +356,11 @@ static void other_numbers_are_refused(void **state)
     assert_int_equal(world_trees_refit(&trees, &b->first, NULL), STATUS_INPUT);
     assert_int_equal(world_trees_refit(&trees, &c->first, NULL), STATUS_INPUT);
     assert_int_equal(world_trees_refit(&trees, &a->first, NULL), STATUS_OK);
+    world_trees_free(&trees);
+    build.braid = 16; /* opened instances */
+    assert_int_equal(world_trees_make(&c->first, &build, &trees, NULL), STATUS_OK);
+    assert_true(trees.parts.count > 0);
+    assert_int_equal(world_trees_refit(&trees, &c->first, NULL), STATUS_LIMIT);
     world_trees_free(&trees);
     world_lived_free(a);
     world_lived_free(b);

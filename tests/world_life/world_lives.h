@@ -87,7 +87,7 @@ static const char *const world_lived_steps[] = {
     "refit:drift:2",
     "refit:turn:1,refit:drift:5",
     "refit:reflect:1,refit:scale:2",
-    "refit:exchange:1,refit:exchange:9,refit:masks:3",
+    "refit:exchange:7,refit:masks:3",
     "refit:hide:2,refit:turn:3,refit:hide:5,refit:drift:4",
     "refit:jitter:3,refit:mirror:1",
     "rebuild:away:3,refit:drift:4,refit:swap:6",
