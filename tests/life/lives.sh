@@ -56,7 +56,7 @@ expect 0 'world.trial: .*clean' replay world.trial --brief --engine cpu,fast,emb
 expect 77 'world.trial: is of a world with steps: replay it' explain world.trial --engine cpu --layout f32
 expect 2 'world.trial: a trial with steps is not bisected: replay it' bisect world.trial --engine cpu
 expect 2 'world.trial: is a trial of a world: --form text writes' export world.trial --engine vulkan --to finding.c
-expect 0 . export world.trial --engine vulkan --form text --to world.text
+expect 2 'world.trial: its steps are not exported' export world.trial --form text --to world.text
 sed 's/^steps .*/steps refit:leap/' world.trial >leap.trial
 expect 2 "leap.trial:[0-9]+: 'refit:leap': 'leap' is no motion" replay leap.trial --engine cpu
 sed 's/^steps .*/steps refit:drift/' steps.trial >drift.trial
