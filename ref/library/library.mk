@@ -4,7 +4,7 @@
 ABI := $(shell sed -n 's/^\#define RAYDIFF_ABI //p' ref/library/raydiff.h)
 SHARED_ROOMS := $(addprefix ref/,base build builders fast integers judge layouts library match oracle outside packed \
                   primitives scene staged store trace tree twin two_level world) scenes/rays fuzz/play fuzz/shrink
-SHARED_OBJ := $(patsubst %.c,$(B)/pic/%.o,$(wildcard $(SHARED_ROOMS:%=%/*.c) scenes/life_*.c) scenes/move.c)
+SHARED_OBJ := $(patsubst %.c,$(B)/pic/%.o,$(wildcard $(SHARED_ROOMS:%=%/*.c) scenes/life_*.c scenes/world_motion.c) scenes/move.c)
 SHARED_OWN := $(filter $(B)/pic/ref/library/%,$(SHARED_OBJ))
 SHARED     := $(B)/shared/libraydiff.so.$(ABI)
 # A library must not end its user's program: it has no assertions.
