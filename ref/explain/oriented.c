@@ -2,104 +2,30 @@
 
 #include "ref/packed/packed_walk.h"
 #include "ref/primitives/slab.h"
-#include "ref/store.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 /* --- what is below ---------------------------------------------------------------------------- */
 
-/* a + b = sum + *rest, without an error. */
-static double two_sum(double a, double b, double *rest)
-{
-    double sum = a + b, part = sum - a;
-    *rest = (a - (sum - part)) + (b - part);
-    return sum;
-}
-
-/* The product of an axis of small whole numbers and a point, as a sum of three doubles of which the
- * first is nearest to it. */
-static double place_of(const float axis[3], const float point[3], double rest[2])
-{
-    double x = (double)axis[0] * (double)point[0], y = (double)axis[1] * (double)point[1];
-    double sum = two_sum(x, y, &rest[0]);
-    return two_sum(sum, (double)axis[2] * (double)point[2], &rest[1]);
-}
-
-/* The sign of f less the sum. */
-static int compare(float f, double place, const double rest[2])
-{
-    double low, lower, high = two_sum(rest[0], rest[1], &low);
-    double apart = two_sum((double)f - place, -high, &lower); /* the difference is exact */
-    double left = apart + (lower - low);
-    return (left > 0) - (left < 0);
-}
-
-static void extend(struct oriented_bounds *bounds, const float axis[3][3], const float point[3])
-{
-    for (uint32_t j = 0; j < 3; j++) {
-        double rest[2];
-        double place = place_of(axis[j], point, rest);
-        float near = (float)place;
-        int side = compare(near, place, rest);
-        float down = side > 0 ? nextafterf(near, -INFINITY) : near;
-        float up = side < 0 ? nextafterf(near, INFINITY) : near;
-        bounds->lo[j] = fminf(bounds->lo[j], down);
-        bounds->hi[j] = fmaxf(bounds->hi[j], up);
-    }
-}
-
-/* The axes of a node, which do not depend on the ray. */
-static bool axes_of(const struct packed *packed, uint32_t ref, uint32_t child, float axis[3][3])
-{
-    const struct oblique_ray none = {.dir = {1, 0, 0}};
-    struct oblique_box box;
-    if (!packed->layout->oblique(packed, ref, child, &none, &box))
-        return false;
-    for (uint32_t i = 0; i < 9; i++)
-        axis[i / 3][i % 3] = box.axis[i / 3][i % 3];
-    return true;
-}
-
-/* Extends the bounds of all nodes from visit `v` to the root by a triangle. */
-static void add_triangle(struct explain_tree *tree, const struct packed_walk *walk, uint32_t v,
-                         uint32_t prim)
-{
-    float vertex[3][3], axis[3][3];
-    scene_tri(tree->scene, prim, vertex);
-    for (; v > 0; v = walk->visit[v].parent) {
-        const uint32_t ref = walk->visit[v].ref;
-        if (!axes_of(tree->packed, walk->visit[walk->visit[v].parent].ref, ref, axis))
-            continue;
-        for (uint32_t c = 0; c < 3; c++)
-            extend(&tree->oriented[ref], (const float(*)[3])axis, vertex[c]);
-    }
-}
-
 enum status explain_map_oriented(struct explain_tree *tree)
 {
     const struct packed *packed = tree->packed;
     struct packed_walk walk;
+    struct oblique_bounds *bounds = NULL;
     if (!packed->layout->oblique)
         return STATUS_OK;
     enum status status = packed_walk_make(packed, &walk);
+    if (!status)
+        status = packed_oblique_make(packed, tree->scene, &walk, &bounds);
     tree->oriented = alloc_zeroed(packed->ref_count, sizeof *tree->oriented);
     if (!tree->oriented)
         status = STATUS_MEMORY;
     for (uint32_t r = 0; !status && r < packed->ref_count; r++)
-        for (uint32_t j = 0; j < 3; j++) {
-            tree->oriented[r].lo[j] = INFINITY;
-            tree->oriented[r].hi[j] = -INFINITY;
-        }
-    for (uint32_t v = 0; !status && v < walk.visit_count; v++) {
-        struct wide wide;
-        packed->layout->load(packed, walk.visit[v].ref, &wide);
-        for (uint32_t s = 0; wide.child_count == 0 && s < wide.item_count; s++) {
-            uint32_t prim = packed_item(packed, &wide, s);
-            if (prim < tree->scene->tri_count)
-                add_triangle(tree, &walk, v, prim);
-        }
-    }
+        tree->oriented[r] = (struct oblique_bounds){{1, 1, 1}, {0, 0, 0}}; /* empty */
+    for (uint32_t v = 0; !status && v < walk.visit_count; v++)
+        tree->oriented[walk.visit[v].ref] = bounds[v];
+    free(bounds);
     packed_walk_free(&walk);
     return status;
 }
@@ -108,7 +34,7 @@ bool oriented_needs(const struct explain_tree *tree, uint32_t ref, uint32_t chil
                     float hi[3])
 {
     float axis[3][3];
-    if (!tree->oriented || !axes_of(tree->packed, ref, child, axis))
+    if (!tree->oriented || !packed_oblique_axes(tree->packed, ref, child, axis))
         return false;
     for (uint32_t j = 0; j < 3; j++) {
         lo[j] = tree->oriented[child].lo[j];
@@ -119,16 +45,9 @@ bool oriented_needs(const struct explain_tree *tree, uint32_t ref, uint32_t chil
 
 bool oriented_is_loose(const struct explain_tree *tree, uint32_t ref, uint32_t child)
 {
-    const struct oblique_ray none = {.dir = {1, 0, 0}};
-    struct oblique_box box;
-    float lo[3], hi[3];
-    bool holds = true;
-    if (!oriented_needs(tree, ref, child, lo, hi) ||
-        !tree->packed->layout->oblique(tree->packed, ref, child, &none, &box))
-        return false;
-    for (uint32_t j = 0; j < 3; j++)
-        holds = holds && box.lo[j] <= lo[j] && hi[j] <= box.hi[j];
-    return !holds;
+    uint32_t axis;
+    return tree->oriented &&
+           !packed_oblique_holds(tree->packed, ref, child, &tree->oriented[child], &axis);
 }
 
 /* --- the test --------------------------------------------------------------------------------- */

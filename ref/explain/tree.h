@@ -5,14 +5,10 @@
 
 #include "ref/explain/repair.h"
 #include "ref/layout.h"
+#include "ref/packed/packed_oblique.h"
 
 #define EXPLAIN_NONE  0xFFFFFFFFu
 #define EXPLAIN_SLOTS 64u /* slots of a leaf that are counted one by one */
-
-/* What an oriented box has to contain, along the axes of its parent; empty: not known. */
-struct oriented_bounds {
-    float lo[3], hi[3];
-};
 
 /* Owns its arrays (explain_tree_free); scene, bvh and packed are borrowed. */
 struct explain_tree {
@@ -23,8 +19,8 @@ struct explain_tree {
     uint32_t *record;  /* per tree node: its record (a reference), or EXPLAIN_NONE */
     uint32_t *node;    /* per reference: its tree node, or EXPLAIN_NONE */
     struct box *box;   /* wide layouts: per tree node that has a record, the box that is tested */
-    struct oriented_bounds *oriented; /* per reference, or NULL: ref/explain/oriented.h */
-    uint32_t *parent;                 /* per tree node; the root's is EXPLAIN_NONE */
+    struct oblique_bounds *oriented; /* per reference, or NULL: ref/explain/oriented.h */
+    uint32_t *parent;                /* per tree node; the root's is EXPLAIN_NONE */
     uint32_t *leaf;  /* per triangle: its leaf (of a split tree one of them), a tree node, or
                           EXPLAIN_NONE */
     bool shifted;    /* most items are the tree's less one */

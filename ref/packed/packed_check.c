@@ -1,4 +1,5 @@
 #include "ref/tree/cover.h"
+#include "ref/packed/packed_oblique.h"
 #include "ref/packed/packed_unpack.h"
 #include "ref/packed/packed_walk.h"
 #include "ref/packed/packed_check.h"
@@ -204,6 +205,26 @@ static void check_boxes(struct packed_check *check)
     }
 }
 
+/* Checks that oriented boxes contain what is below them, where the layout has such boxes. */
+static enum status check_oblique(struct packed_check *check)
+{
+    const struct packed *packed = check->packed;
+    struct oblique_bounds *bounds;
+    uint32_t axis;
+    enum status status = packed_oblique_make(packed, check->scene, &check->walk, &bounds);
+    for (uint32_t i = check->walk.visit_count; i-- > 1 && bounds;) {
+        const struct packed_visit *visit = &check->walk.visit[i];
+        const uint32_t above = check->walk.visit[visit->parent].ref, ref = visit->ref;
+        if (packed_oblique_holds(packed, above, ref, &bounds[i], &axis))
+            continue;
+        check->faults.loose_boxes++;
+        report(check, PACKED_BOUND, i, "its oriented box does not contain [%a, %a] along axis %u",
+               (double)bounds[i].lo[axis], (double)bounds[i].hi[axis], axis);
+    }
+    free(bounds);
+    return status;
+}
+
 enum status packed_check(const struct packed *packed, const struct scene *scene,
                          struct packed_faults *faults, struct reason *reason)
 {
@@ -228,6 +249,8 @@ enum status packed_check_without(const struct packed *packed, const struct scene
             status = check_cover(&check);
         else
             check_boxes(&check);
+        if (!status)
+            status = check_oblique(&check);
     } else {
         status = STATUS_MEMORY;
     }
