@@ -19,7 +19,7 @@ $(TESTS): $(B)/libraydiff.a
 # symbols for a debugger (config=debug has). The linker gold, where there is one, takes less than half of the time.
 ifeq ($(config),release)
 TEST_HELPERS := $(patsubst %.c,$(B)/obj/%.o,$(filter-out $(TEST_SRC),$(wildcard tests/*/*.c)))
-$(TEST_OBJ) $(TEST_HELPERS): CFLAGS := $(filter-out -g,$(CFLAGS:-O3=-O1))
+$(TEST_OBJ) $(TEST_HELPERS): CFLAGS := $(filter-out -g -g1,$(CFLAGS:-O3=-O1))
 TEST_LDFLAGS := -Wl,-S $(if $(shell command -v ld.gold),-fuse-ld=gold)
 endif
 

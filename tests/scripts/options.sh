@@ -165,7 +165,7 @@ for (my $i = 5; $i < @word; $i += $word[$i] >> 16) {
 print pack 'V*', @out;
 END
 chmod +x "$dir/bare"
-walk "bisect soup:n=40,seed=2 --count 64 --rays primary --compiler passes:$dir/bare" 'compiler=size:final ~good=size symptom=bits
+walk "bisect soup:n=40,seed=2 --count 64 --rays primary --tries 1 --compiler passes:$dir/bare" 'compiler=size:final ~good=size symptom=bits
     ~tries=3 ~time=9 layout=rf16 ~store=compact engine=vulkan_stackless ~builder=sah_sweep ~leaf=1 ~box=watertight ~tri=woop
     ~query=any ~rays=random count=70 json=@ ~driver=stock ~device=0 ~workgroup=32 ~wide ~color=always'
 # A finding brings its own.
