@@ -9,13 +9,11 @@
 struct vk_options vulkan_options(const struct engine_options *options)
 {
     const char *validate = getenv("RAYDIFF_VALIDATE");
-    const char *whole = getenv("RAYDIFF_WHOLE_MODULES");
     return (struct vk_options){
         .library = getenv("RAYDIFF_VULKAN_LIBRARY"),
         .driver = options->driver,
         .device = options->device,
         .compiler = options->compiler,
-        .whole_modules = whole && strcmp(whole, "1") == 0,
         .validate = validate && strcmp(validate, "1") == 0,
         .watch = validate && strcmp(validate, "gpu") == 0,
     };

@@ -127,6 +127,9 @@ static enum status open_instance(const struct vk_options *options, struct vk **o
     if (!vk)
         return fail(reason, STATUS_MEMORY, "vulkan: no memory for the device");
     vk->options = *options;
+    const char *whole = getenv("RAYDIFF_WHOLE_MODULES");
+    if (whole && strcmp(whole, "1") == 0)
+        vk->options.whole_modules = true;
     struct driver_scope scope = {0};
     enum status status = driver_find(options->driver, &vk->driver, reason);
     if (!status)

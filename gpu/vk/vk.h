@@ -44,7 +44,8 @@ struct vk_options {
     bool validate; /* run under VK_LAYER_KHRONOS_validation and count its messages */
     bool watch;    /* also check every memory access of a shader; switches off the robustness that
                     * makes invalid accesses harmless */
-    bool whole_modules; /* leave to the driver which branches the constants decide (vk_settle.h) */
+    bool whole_modules; /* leave branches that constants decide to the driver, see vk_settle.h; so
+                         * does RAYDIFF_WHOLE_MODULES=1 in the environment */
     bool staging;       /* copy through a staging buffer even if memory is shared */
     bool ray_query;     /* require ray queries, see gpu/vk/vk_accel.h */
     struct vk_ray_more ray_more;        /* with ray_query; zeros: nothing more */
