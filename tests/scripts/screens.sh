@@ -28,7 +28,7 @@ whole() { awk '/^    / { sub(/^ */, " "); line = line $0; next } NR > 1 { print 
 bench_masked() {
     case $name in
     bench-fuzz) sed -E 's/[0-9][-0-9.]*/#/g' ;; # as many workers as there are cores
-    bench*) sed -E '/ left out: |left out, not fetched|rayquery|avx512|^  (plain|sse2|avx2|neon) |^[^ ]+ +teapot/d; /^[^ ]+ +.*embree/s/[0-9]+/#/g; s/[0-9]+\.[0-9]+(e[-+][0-9]+)?(-[0-9.e]+)?/#/g; s/% (less|more)/% #/; s/(front of size, speed and lost hits: ).*/\1#/; s/^(bench [a-z]+: )[0-9]+ row/\1# row/' ;;
+    bench*) sed -E '/ left out: |left out, not fetched|rayquery|avx512|^  (plain|sse2|avx2|neon) |^[^ ]+ +teapot/d; /^[^ ]+ +.*embree/s/[0-9]+/#/g; s/[0-9]+\.[0-9]+(e[-+][0-9]+)?(-[0-9.e]+)?/#/g; s/% (less|more)/% #/; s/[03] to warm up/# to warm up/; s/(front of size, speed and lost hits: ).*/\1#/; s/^(bench [a-z]+: )[0-9]+ row/\1# row/' ;;
     leaks) sed -E '/^[a-z]+ +- +embree/s/[0-9]+/#/g' ;; # some processors estimate reciprocals otherwise
     *) cat ;;
     esac
