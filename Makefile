@@ -171,9 +171,9 @@ format:
 format-check:
 	clang-format --dry-run -Werror $(SOURCES)
 
-# Programs include the first seven headers. Layout plugins include only the eighth, engines from outside only the ninth.
-HEADERS  := ref/abi.h ref/base/base.h ref/scene/scene.h ref/primitives/primitives.h ref/tree/bvh.h ref/layout.h \
-            ref/engine.h ref/plugin.h ref/raydiff_engine.h
+# Programs include all headers but the last two: layout plugins include only the one, engines from outside the other.
+HEADERS  := ref/abi.h ref/base/base.h ref/scene/scene.h ref/primitives/primitives.h ref/tree/bvh.h ref/tree/oblique_box.h \
+            ref/layout.h ref/engine.h ref/plugin.h ref/raydiff_engine.h
 BASH_DIR := share/bash-completion/completions
 ZSH_DIR  := share/zsh/site-functions
 install: all lib

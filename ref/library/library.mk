@@ -7,12 +7,13 @@ SHARED_ROOMS := $(addprefix ref/,base build builders fast integers judge layouts
 SHARED_OBJ := $(patsubst %.c,$(B)/pic/%.o,$(wildcard $(SHARED_ROOMS:%=%/*.c) scenes/life_*.c scenes/world_motion.c) scenes/move.c)
 SHARED_OWN := $(filter $(B)/pic/ref/library/%,$(SHARED_OBJ))
 SHARED     := $(B)/shared/libraydiff.so.$(ABI)
-# A library must not end its user's program: it has no assertions.
+# A library must not end its user's program: it has no assertions. Its types are told to debuggers, and compared with
+# those of its interface before.
 PIC        := -fPIC -DNDEBUG -fvisibility=hidden -ffunction-sections -fdata-sections
 
 $(B)/pic/%.o: %.c $(B)/gen/flags ref/library/library.mk | $(B)/gen/counts.h $(B)/gen/have_sdl2.h $(B)/gen/have_glslang.h
 	@mkdir -p $(@D)
-	$(call warned,$(CC) $(CPPFLAGS) $(CFLAGS) $(PIC) -MMD -MP -c -o $@ $<)
+	$(call warned,$(CC) $(CPPFLAGS) $(CFLAGS:-g1=-g) $(PIC) -MMD -MP -c -o $@ $<)
 
 $(B)/shared/pic.a: $(SHARED_OBJ)
 	@mkdir -p $(@D)
