@@ -294,8 +294,12 @@ static void boxes_must_be_counted(struct named_tree *t)
                    (double)at->exact.hi[of]);
     assert_int_equal(check(t, &got, &reason), STATUS_INPUT);
     assert_int_equal(got.first, PACKED_BOUND);
-    assert_int_equal(got.loose_boxes, loose);
-    text_must_be(t, &reason, at, rule);
+    /* Oriented boxes are counted, too (tests/layouts/test_explain_oriented.c). */
+    const bool oriented = strstr(reason.text, "its oriented box does not contain") != NULL;
+    assert_true(oriented ? got.loose_boxes > loose : got.loose_boxes >= loose);
+    assert_true(got.loose_boxes == loose || t->packed.layout->oblique);
+    if (!oriented)
+        text_must_be(t, &reason, at, rule);
 }
 
 static void loose_boxes_are_counted(void **state)
@@ -341,7 +345,8 @@ static void lost_parts_are_counted(void **state)
                                     &prim, &parts, &end),
                              2);
             assert_true(text[end] == 0 && prim % 7 == 3 && prim / 7 < moved);
-            assert_true(parts == moved && got.loose_boxes == moved);
+            assert_true(parts == moved && got.loose_boxes >= moved);
+            assert_true(got.loose_boxes == moved || layouts_all[l]->oblique);
             assert_int_equal(got.first, PACKED_BOUND);
             tree_drop(&t);
         }
