@@ -36,7 +36,7 @@ int main(void)
     struct hit hit;
     struct trace_report report;
     void *self;
-    if (engine->open(&options, &self, &why) || engine->prepare(self, &job, &why) ||
+    if (engine_open(engine, &options, &self, &why) || engine->prepare(self, &job, &why) ||
         engine->trace(self, &ray, 1, &hit, &report, &why))
         return puts(why.text), 1;
     printf("prim %u t %g\n", hit.prim, (double)hit.t);
@@ -86,7 +86,7 @@ done
 [ "$(tr '\n' ' ' <"$dir/shared")" = '1 0 ' ] || { echo "libraydiff is shared, raydiff is static: $(cat "$dir/shared")"; exit 1; }
 # The public header, seven of the parts, the plugin's and the engine's are all; each compiles alone, so none needs one that is not there.
 find "$include" -type f | sort >"$dir/headers"
-[ "$(wc -l <"$dir/headers")" = 10 ] || { echo "installed headers are not ten:"; cat "$dir/headers"; exit 1; }
+[ "$(wc -l <"$dir/headers")" = 11 ] || { echo "installed headers are not eleven:"; cat "$dir/headers"; exit 1; }
 while read -r header; do
     gcc -std=c17 -fsyntax-only -I"$include" -x c "$header" || { echo "$header does not stand alone"; exit 1; }
 done <"$dir/headers"
