@@ -15,10 +15,10 @@ struct world;
 enum status world_upload_check(const struct world_job *job, struct reason *reason) MUST_USE;
 
 /* Makes the buffers of nodes, items, triangles and the world, and sets those members of *push that
- * depend on the world. Without job->packed there are no trees. A buffer that is there and as large
- * is kept and written again; on error buffers that were made are left in `buffer`. Errors:
- * STATUS_LIMIT a buffer over the device's limits, or, without job->packed, the inverse of a
- * transform beyond float32; STATUS_DEVICE; STATUS_MEMORY. */
+ * depend on the world. Without job->packed there are no trees. A buffer of the right size is kept
+ * and written again; on error buffers that were made are left in `buffer`. Errors: STATUS_LIMIT a
+ * buffer over the device's limits, or, without job->packed, the inverse of a transform beyond
+ * float32; STATUS_DEVICE; STATUS_MEMORY. */
 enum status world_upload(struct vk *vk, const struct world_job *job,
                          struct vk_buffer *buffer[WORLD_BINDINGS], struct world_push *push,
                          struct reason *reason) MUST_USE;
