@@ -78,7 +78,7 @@ $(B)/obj/tests/judge/honest_fast.o: CFLAGS += -ffast-math -ffp-contract=fast $(i
 $(B)/tests/test_adversaries: $(addprefix $(B)/obj/tests/adversaries/,cheats.o outsiders.o outsiders_table.o table.o)
 
 $(B)/tests/test_traffic_memory: $(B)/obj/tests/traffic/plain_memory.o
-$(addprefix $(B)/tests/test_,scene_treelets schedulers): $(B)/obj/tests/traffic/traffic_fixture.o
+$(addprefix $(B)/tests/test_,scene_treelets schedulers traffic_places): $(B)/obj/tests/traffic/traffic_fixture.o
 
 # Parts of commands, which are no part of the library (but of that for mutations).
 COMMAND_TESTS := $(addprefix $(B)/tests/,$(notdir $(basename $(wildcard tests/commands/test_*.c))))
@@ -97,6 +97,9 @@ $(MEMORY_TESTS): TEST_LIBS += \
 
 # What it computes together is looked at.
 $(B)/tests/test_judge_many: TEST_LIBS += -Wl,--wrap=twin_eval_many
+
+# What builders on a device compare is looked at.
+$(B)/tests/test_builders_compare: TEST_LIBS += -Wl,--wrap=wide_compare
 
 # A Vulkan within the program, which the loader of the library finds in it.
 FAKE_VULKAN_TESTS := $(addprefix $(B)/tests/,test_card test_ways $(addprefix test_vulkan_,faults answers refusals frame_faults memory parts))

@@ -1,5 +1,6 @@
 /* How variants of rayquery are called: what is written is read as the same, and what is none is
  * refused by one line. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -81,6 +82,30 @@ static void what_is_written_is_read_as_the_same(void **state)
         copies += copy;
     }
     assert_true(copies > 5000);
+}
+
+/* What is said of the triangles, not of how they are built: each word alone is enough, whatever the
+ * others say. */
+static void a_form_is_what_is_left_of_a_name_without_flags(void **state)
+{
+    (void)state;
+    static const char *const alone[] = {"f16x4",  "u16",   "unindexed",    "stride20",   "split7",
+                                        "offset", "moved", "first_vertex", "degenerate", "nan"};
+    uint32_t seed = 7;
+    for (int i = 0; i < 20000; i++) {
+        const struct accel_variant variant = drawn(&seed);
+        struct accel_variant bare = variant;
+        char name[ACCEL_NAME_MOST];
+        memset(&bare.how, 0, sizeof bare.how);
+        accel_write(&bare, name);
+        assert_int_equal(accel_has_form(&variant), strcmp(name, "rayquery") != 0);
+    }
+    for (size_t i = 0; i < ARRAY_COUNT(alone); i++) {
+        char name[ACCEL_NAME_MOST];
+        snprintf(name, sizeof name, "rayquery:fast_build:%s", alone[i]);
+        const struct accel_variant variant = parsed(name);
+        assert_true(accel_has_form(&variant));
+    }
 }
 
 static void words_stand_in_any_order_and_lose_what_changes_nothing(void **state)
@@ -181,6 +206,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_written_is_read_as_the_same),
+        cmocka_unit_test(a_form_is_what_is_left_of_a_name_without_flags),
         cmocka_unit_test(words_stand_in_any_order_and_lose_what_changes_nothing),
         cmocka_unit_test(what_is_no_variant_is_refused),
         cmocka_unit_test(compilers_are_no_variants),

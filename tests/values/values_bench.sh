@@ -173,6 +173,8 @@ play_traffic() {
     done
     run bench traffic --scene soup:n=300,size=0.5 --count 300 --scheduler dual,raycore --store gathered --json "$dir/json" --csv "$dir/csv" &&
         rows traffic 0 && values bench_traffic 40 "$dir/text"
+    run bench traffic --scene soup:n=300,size=0.5 --count 200 --scheduler packets,depth_first,sorted --layout f32,rf16 \
+        --json "$dir/json" --csv "$dir/csv" && rows traffic 0 && values bench_traffic 100 "$dir/text"
 }
 # All in one run: each has heads of its own in the CSV, and the rows told at its end are those of the files.
 play_together() {

@@ -55,6 +55,8 @@ columns && NF == columns && !/^ / {
     if (v[p ".depth"] == 1) equal(name "rays of depth 1", rays " " v[p ".alive"], v[p ".paths"] " " v[p ".paths"])
     if (v[p ".scheduler"] == "depth_first") base[v[p ".scene"], v[p ".layout"], v[p ".store"], v[p ".depth"]] = dram
     of = v[p ".scheduler"] == "raycore" ? v["rows.0.layout"] SUBSEP v["rows.0.store"] : v[p ".layout"] SUBSEP v[p ".store"]
+    # To depth_first of the same tree, if that was played before.
+    equal(name "has a ratio", v[p ".ratio"] != "null", (v[p ".scene"], of, v[p ".depth"]) in base)
     if (v[p ".ratio"] != "null") near(name "ratio to depth_first", v[p ".ratio"], dram / base[v[p ".scene"], of, v[p ".depth"]])
     # Deeper paths are more rays, and the same ones at first.
     key = v[p ".scene"] SUBSEP v[p ".scheduler"] SUBSEP v[p ".layout"] SUBSEP v[p ".store"]

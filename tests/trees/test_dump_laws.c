@@ -1,0 +1,76 @@
+/* What nodes that the root does not lead to, and numbers at the end of their range, change of what
+ * is found: faults alone. */
+#define _POSIX_C_SOURCE 200809L
+#include "tests/trees/dump_fixture.h"
+#include "tests/trees/saved.h"
+
+/* Adds nodes that nothing leads to, with large boxes. */
+static void add_islands(struct tree_dump *dump, uint32_t islands)
+{
+    const size_t count = dump->node_count;
+    struct dump_node *node = realloc(dump->node, (count + islands) * sizeof *node);
+    assert_non_null(node);
+    dump->node = node;
+    for (uint32_t i = 0; i < islands; i++)
+        node[count + i] = (struct dump_node){.leaf = i % 2 == 0,
+                                             .box = {{-1000, -1000, -1000}, {1000, 1000, 1000}}};
+    dump->node_count += islands;
+}
+
+static void nodes_that_nothing_leads_to_measure_nothing(void **state)
+{
+    (void)state;
+    for (uint32_t islands = 1; islands < 6; islands++)
+        for (int known = 0; known < 2; known++) {
+            struct dumped d = dumped_make(built_soup(64, 7), "median", 2);
+            const struct scene *scene = known ? &d.scene : NULL;
+            struct dump_report before = dump_found(&d.dump, scene);
+            add_islands(&d.dump, islands);
+            struct dump_report after = dump_found(&d.dump, scene);
+            assert_int_equal(after.faults, before.faults + islands);
+            assert_int_equal(after.count[DUMP_UNREACHED], islands);
+            for (uint32_t i = 0; i < islands; i++)
+                assert_int_equal(after.fault[i].node, d.dump.node_count - islands + i);
+            free(before.fault);
+            free(after.fault);
+            after.faults = before.faults;
+            after.fault_count = before.fault_count;
+            after.fault = before.fault;
+            memcpy(after.count, before.count, sizeof after.count);
+            if (!known) /* a NaN, which is not measured without a scene */
+                after.overlap = before.overlap = 0;
+            assert_memory_equal(&after, &before, sizeof after);
+            dumped_free(&d);
+        }
+}
+
+/* Neighbours that begin with the last number: neither is a node, and none is another's. */
+static void the_neighbour_of_the_last_number_is_none(void **state)
+{
+    (void)state;
+    static struct saved file;
+    struct dumped d = dumped_make(built_soup(20, 2), "median", 3);
+    for (uint32_t first = UINT32_MAX; first > UINT32_MAX - 3; first--) {
+        struct tree_dump dump;
+        struct reason reason = {""};
+        saved_tinybvh(&d.bvh, false, &file);
+        saved_set(&file, saved_tiny_node(0) + 12, first);
+        if (tree_dump_read("t", (const char *)file.bytes, file.size, DUMP_TINYBVH, &dump, &reason))
+            fail_msg("%s", reason.text);
+        struct dump_report report = dump_found(&dump, &d.scene);
+        assert_int_equal(report.count[DUMP_CHILD], 2);
+        assert_int_equal(report.count[DUMP_CYCLE] + report.count[DUMP_SHARED], 0);
+        free(report.fault);
+        tree_dump_free(&dump);
+    }
+    dumped_free(&d);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nodes_that_nothing_leads_to_measure_nothing),
+        cmocka_unit_test(the_neighbour_of_the_last_number_is_none),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
