@@ -176,8 +176,9 @@ static float number_of(struct rng *rng, uint32_t kind)
 static void check_numbers(struct device_tree *tree)
 {
     /* Flat triangles: at the ends of a node, and so little inside that a quotient is half of the
-     * least float. */
-    static const float flat[] = {0, 4096, 0x1p-138f};
+     * least float, or between that and the least. */
+    static const float flat[] = {0,           4096,      0x1p-138f, 0x1.002p-138f,
+                                 0x1.8p-138f, 0x1p-137f, 0x1p-139f};
     struct rng rng = rng_make(5, 7);
     uint32_t refitted = 0;
     for (uint32_t n = 0; n < 100; n++)
@@ -189,7 +190,8 @@ static void check_numbers(struct device_tree *tree)
             struct scene scene = built_soup(3 + n % 40, n);
             assert_true(packed_of(&scene, layouts_all[l], &packed));
             for (size_t c = 0; c < 3 * (size_t)scene.vertex_count; c++)
-                scene.vertex[c] = n % 5 < 4 ? number_of(&rng, n % 5) : flat[(c / 9 + c) % 3];
+                scene.vertex[c] = n % 5 < 4 ? number_of(&rng, n % 5)
+                                            : flat[(c / 9 + c + n / 5) % ARRAY_COUNT(flat)];
             refitted += refit_both(tree, &packed, &scene, "any numbers");
             packed_free(&packed);
             scene_free(&scene);
