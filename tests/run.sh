@@ -124,6 +124,7 @@ plain)
     suite lists sh tests/reported/lists.sh "$build/raydiff"
     suite lazy sh tests/guest/lazy.sh "$build/raydiff"
     suite bytes sh tests/guest/bytes.sh "$build/raydiff"
+    suite traffic_options sh tests/traffic/unused.sh "$build/raydiff"
     suite lives sh tests/life/lives.sh "$build/raydiff"
     alone fair sh tests/bench/fair.sh "$build/raydiff" quick
     suite diff sh tests/scripts/diff.sh "$build"
