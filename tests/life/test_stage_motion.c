@@ -58,6 +58,7 @@ static void a_stage_tells_what_the_last_step_did(void **state)
             told[trial.world.is][stage->motion[i]]++;
             others[trial.world.is] += first != refitted;
         }
+        stage_clear(stage);
         fuzz_trial_free(&trial);
     }
     for (int worlds = 0; worlds < 2; worlds++)
