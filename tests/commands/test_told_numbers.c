@@ -1,36 +1,12 @@
 /* Numbers that commands tell, each beside its own name: what is told is made up, no two numbers of
  * it are the same, and each is looked for in the text, the JSON and the page. */
 #define _GNU_SOURCE /* open_memstream */
-#include "cmd/build/cmd_build.h"
 #include "cmd/explain/cmd_explain_oriented.h"
 #include "cmd/tree/cmd_tree_dump.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "tests/commands/told.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-
-static double number_at(json_t *from, const char *path)
-{
-    char name[64];
-    while (*path) {
-        const size_t length = strcspn(path, ".");
-        snprintf(name, sizeof name, "%.*s", (int)length, path);
-        from = json_is_array(from) ? json_array_get(from, strtoul(name, NULL, 10))
-                                   : json_object_get(from, name);
-        path += length + (path[length] == '.');
-    }
-    if (!json_is_number(from))
-        fail_msg("no number");
-    return json_number_value(from);
-}
 
 /* --- oriented boxes --------------------------------------------------------------------------- */
 
@@ -296,31 +272,6 @@ static void the_json_and_the_text_of_a_tree(void **state)
     free(text);
 }
 
-/* --- builders on devices ---------------------------------------------------------------------- */
-
-/* What was refused, was not played or differs is not equal. */
-static void only_what_was_compared_is_equal(void **state)
-{
-    (void)state;
-    for (uint32_t how = 0; how < 4; how++) {
-        static struct build_wide wide;
-        struct build_refit refit = {.scene = "s", .layout = layouts_all[0]};
-        wide = (struct build_wide){.scene = "s", .layout = layouts_all[0], .unplayed = how == 3};
-        wide.builder = builders_all[0];
-        if (how == 1)
-            wide.refused = refit.refused = (struct reason){"too large"};
-        wide.differs.stage = how == 2 ? "words" : NULL;
-        refit.differing = how == 2;
-        json_t *a = build_wide_json(&wide, 1), *b = build_refits_json(&refit, 1);
-        json_t *one = json_array_get(a, 0), *other = json_array_get(b, 0);
-        assert_int_equal(json_is_true(json_object_get(one, "equal")), how == 0);
-        assert_int_equal(json_is_true(json_object_get(other, "equal")), how == 0 || how == 3);
-        assert_int_equal(json_is_string(json_object_get(one, "refused")), how == 1);
-        json_decref(a);
-        json_decref(b);
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -328,7 +279,6 @@ int main(void)
         cmocka_unit_test(the_json_of_an_oriented_box),
         cmocka_unit_test(the_page_of_an_oriented_box),
         cmocka_unit_test(the_json_and_the_text_of_a_tree),
-        cmocka_unit_test(only_what_was_compared_is_equal),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -175,6 +175,34 @@ static void a_life_of_a_scene_is_counted_at_its_end(void **state)
     assert_true(others > 1);
 }
 
+/* Times of parts, which follow each other, are no more than that of the whole. */
+static void times_add_up_to_no_more_than_the_whole(void **state)
+{
+    (void)state;
+    struct lived lived = lived_make("soup:n=20000", "refit:jitter:9");
+    struct match_options options = options_of(4, NULL);
+    struct pool pool = {.count = 0};
+    struct ray ray[RAYS];
+    struct match match;
+    struct reason reason = {""};
+    options.builder = builder_find("lbvh63");
+    options.rest = &lived.scene[0];
+    assert_int_equal(ray_set_make(ray_set_find("mixed"), &lived.scene[1], 3, RAYS, ray, &reason),
+                     STATUS_OK);
+    uint64_t begun = time_ns();
+    assert_int_equal(match_make(&lived.scene[1], ray, RAYS, &options, &pool, &match, &reason),
+                     STATUS_OK);
+    assert_true(match.refit.build_ns > 0 && match.refit.build_ns <= time_ns() - begun);
+    begun = time_ns();
+    assert_int_equal(match_pack(&match, layout_find("f32"), &reason), STATUS_OK);
+    const uint64_t whole = time_ns() - begun;
+    assert_true(match.refit.pack_ns > 0 && match.refit.refit_ns > 0);
+    assert_true(match.refit.pack_ns + match.refit.refit_ns <= whole);
+    match_free(&match);
+    pool_free(&pool);
+    lived_free(&lived);
+}
+
 /* Boxes of parts of triangles do not contain their triangles, in any mesh of a world. */
 static void no_split_tree_keeps_a_test_watertight(void **state)
 {
@@ -208,6 +236,7 @@ int main(void)
         cmocka_unit_test(worlds_are_counted_whole),
         cmocka_unit_test(a_life_is_counted_at_its_end),
         cmocka_unit_test(a_life_of_a_scene_is_counted_at_its_end),
+        cmocka_unit_test(times_add_up_to_no_more_than_the_whole),
         cmocka_unit_test(no_split_tree_keeps_a_test_watertight),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
