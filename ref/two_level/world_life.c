@@ -1,7 +1,6 @@
 #include "ref/two_level/world_life.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 void world_life_free(struct world_life *life)
 {
@@ -41,17 +40,8 @@ static bool copy_packed(const struct packed *from, struct packed *out)
     return !out->word == !from->word && !out->item == !from->item;
 }
 
-static bool copy_scene(const struct scene *from, struct scene *out)
-{
-    *out = (struct scene){0};
-    if (scene_make(from->vertex_count, from->tri_count, out))
-        return false;
-    memcpy(out->vertex, from->vertex, 3 * sizeof *out->vertex * (size_t)from->vertex_count);
-    memcpy(out->index, from->index, 3 * sizeof *out->index * (size_t)from->tri_count);
-    return true;
-}
-
-/* Of trees without parts. What is not yet copied is zero, so that all can be freed. */
+/* Of trees without parts, without their items, which a refit makes anew. What is not yet copied is
+ * zero, so that all can be freed. */
 static bool copy_trees(const struct world_trees *from, struct world_trees *out)
 {
     *out = *from;
@@ -60,8 +50,7 @@ static bool copy_trees(const struct world_trees *from, struct world_trees *out)
     out->items = (struct scene){0};
     out->mesh_count = 0;
     out->box = alloc_copy(from->box, from->instance_count, sizeof *out->box);
-    bool room = (out->box || !from->box) && copy_scene(&from->items, &out->items) &&
-                copy_bvh(&from->top, &out->top);
+    bool room = (out->box || !from->box) && copy_bvh(&from->top, &out->top);
     out->bottom = room ? alloc_zeroed(from->mesh_count, sizeof *out->bottom) : NULL;
     room = room && out->bottom;
     for (uint32_t i = 0; i < from->mesh_count && room; i++) {

@@ -15,8 +15,8 @@
 
 #define INST(op, length) ((uint32_t)(length) << 16 | (uint32_t)(op))
 
-enum { CONSTANTS = 24, BLOCKS = 16, FIRST = 4, WORDS_MOST = 1000, VALUES_MOST = 6 };
-enum { LABELS = FIRST + CONSTANTS, IDS = LABELS + BLOCKS, BOOL = 1, UINT, LONG };
+enum { CONSTANTS = 24, BLOCKS = 16, FIRST = 1, WORDS_MOST = 1000, VALUES_MOST = 6 };
+enum { BOOL = FIRST + CONSTANTS, UINT, LONG, LABELS, IDS = LABELS + BLOCKS };
 
 struct settle_drawing {
     struct rng rng;
@@ -62,7 +62,7 @@ static uint32_t no_id(struct settle_drawing *m)
 
 static void draw_decorations(struct settle_drawing *m)
 {
-    for (uint32_t id = FIRST; id < LABELS; id++) {
+    for (uint32_t id = FIRST; id < BOOL; id++) {
         if (below(m, 2)) {
             m->constant[id].spec = 1 + below(m, VALUES_MOST + 2);
             PUT(m, INST(71, 4), id, 1, m->constant[id].spec - 1);
@@ -234,7 +234,7 @@ static struct settle_drawing *draw(uint64_t seed)
         m->value[i] = below(m, 3);
     PUT(m, 0x07230203, 0x00010300, 0, m->bound, 0);
     draw_decorations(m);
-    for (uint32_t id = FIRST; id < LABELS; id++)
+    for (uint32_t id = FIRST; id < BOOL; id++)
         draw_constant(m, id);
     draw_blocks(m);
     return m;

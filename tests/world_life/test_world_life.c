@@ -352,8 +352,11 @@ static void other_numbers_are_refused(void **state)
                        *b = world_lived_make("crowd:n=6", ""),
                        *c = world_lived_make("placed-turned:count=5", "");
     struct world_trees trees;
+    struct reason reason = {""};
     assert_int_equal(world_trees_make(&a->first, &build, &trees, NULL), STATUS_OK);
-    assert_int_equal(world_trees_refit(&trees, &b->first, NULL), STATUS_INPUT);
+    assert_int_equal(world_trees_refit(&trees, &b->first, &reason), STATUS_INPUT);
+    assert_string_equal(reason.text, "the trees are of 5 instances and 1 meshes, the world has 6 "
+                                     "and 1");
     assert_int_equal(world_trees_refit(&trees, &c->first, NULL), STATUS_INPUT);
     assert_int_equal(world_trees_refit(&trees, &a->first, NULL), STATUS_OK);
     world_trees_free(&trees);

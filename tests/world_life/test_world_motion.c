@@ -193,6 +193,39 @@ static void every_choice_is_drawn(void **state)
         assert_true(exchanged[i] > 0 && origin[i] > 0);
 }
 
+/* Steps are kept in findings as a motion and a seed: what they do is the same on every machine, and
+ * stays so. FNV-1a of all transforms, masks and meshes. */
+static uint64_t hash_of(enum life_motion motion)
+{
+    uint64_t hash = 0xCBF29CE484222325u;
+    for (uint64_t seed = 0; seed < 30; seed++) {
+        struct world_lived *lived = moved("mixed", motion, seed);
+        for (uint32_t i = 0; i < lived->first.instance_count; i++) {
+            const struct instance *instance = &lived->world[1].instance[i];
+            for (int j = 0; j < 14; j++) {
+                const uint32_t word = j < 12    ? float_bits(instance->m[j / 4][j % 4])
+                                      : j == 12 ? instance->mask
+                                                : instance->mesh;
+                hash = (hash ^ word) * 0x100000001B3u;
+            }
+        }
+        world_lived_free(lived);
+    }
+    return hash;
+}
+
+static void a_seed_stands_for_the_same_motion_for_ever(void **state)
+{
+    (void)state;
+    static const uint64_t was[MOTIONS - MOTIONS_OF_VERTICES] = {
+        0x80DA0988A701CD24u, 0xC3BC6C15F6B95778u, 0xF29F57F7BEF9B6ADu,
+        0x4103BD2F2679B6ADu, 0xD0148F4ED13B25D1u, 0x22BF5F2D683E31D5u,
+        0xD17DC9B6E7919195u, 0x01503760D0066A46u, 0x2B2AB3CC1CD2E34Bu};
+    for (enum life_motion m = MOTIONS_OF_VERTICES; m < MOTIONS; m++)
+        if (hash_of(m) != was[m - MOTIONS_OF_VERTICES])
+            fail_msg("%s: 0x%016llXu", motion_name(m), (unsigned long long)hash_of(m));
+}
+
 /* --- what is left out ------------------------------------------------------------------------- */
 
 /* The largest coordinate that a corner of the mesh's box can have. */
@@ -212,25 +245,29 @@ static double reach_of(const struct world *world, uint32_t at)
     return most;
 }
 
-/* A world of one mesh whose box is lo to hi on each axis, at one instance: M has `m` on the
- * diagonal and `beside` behind it, T is `t` along one axis. */
+/* One instance of a mesh whose box is lo to hi on each axis: M has `m` on the diagonal and `beside`
+ * behind it, T is `t` along one axis. */
 struct far_place {
     float lo, hi, m, beside, t;
     int axis;
+    uint32_t mesh; /* of the world's */
 };
 
 static struct world far_world(const struct far_place *place)
 {
     struct world world;
-    assert_int_equal(world_open("sphere:n=1", 1, &world, NULL), STATUS_OK);
-    struct scene *scene = world.mesh[0].scene;
+    assert_int_equal(world_open("mixed:count=1", 1, &world, NULL), STATUS_OK);
+    struct scene *scene = world.mesh[place->mesh].scene;
     const struct box box = scene_bounds(scene);
     for (size_t i = 0; i < 3 * (size_t)scene->vertex_count; i++) {
         const float x = scene->vertex[i];
         scene->vertex[i] = x == box.lo[i % 3] ? place->lo : x == box.hi[i % 3] ? place->hi : 0;
     }
+    world.instance[0].mesh = place->mesh;
+    world.instance[0].mask = 0xFF;
     for (int i = 0; i < 3; i++) {
         world.instance[0].m[i][i] = place->m;
+        world.instance[0].m[i][(i + 2) % 3] = 0;
         world.instance[0].m[i][(i + 1) % 3] = place->beside;
         world.instance[0].m[i][3] = i == place->axis ? place->t : 0;
     }
@@ -242,7 +279,8 @@ static struct world far_world(const struct far_place *place)
 static void expect_room(const struct far_place *place, const struct step *step, uint32_t *stayed,
                         uint32_t *went)
 {
-    struct world near = far_world(&(struct far_place){place->lo, place->hi, 1, 0, 0, 0}),
+    struct world near =
+                     far_world(&(struct far_place){place->lo, place->hi, 1, 0, 0, 0, place->mesh}),
                  far = far_world(place);
     struct instance wanted = far.instance[0];
     const struct instance was = wanted;
@@ -276,10 +314,14 @@ static void an_instance_stays_where_it_would_reach_too_far(void **state)
         for (int e = 116; e < 124; e++)
             for (uint64_t seed = 0; seed < 6; seed++) {
                 const float lo = side[s][0], hi = side[s][1], size = ldexpf(1, e);
-                const struct far_place place[] = {{lo, hi, size, 0, 0, 0},
-                                                  {lo, hi, size / 2, size / 2, 0, 0},
-                                                  {lo, hi, size / 2, 0, -size / 2, (int)seed % 3},
-                                                  {lo, hi, size / 2, -size, size, (int)seed % 3}};
+                const int axis = (int)(seed % 3);
+                const uint32_t mesh = seed / 3 % 2;
+                const struct far_place place[] = {
+                    {lo, hi, size, 0, 0, 0, mesh},
+                    {lo, hi, size / 2, size / 2, 0, 0, mesh},
+                    {lo, hi, size / 2, 0, -size / 2, axis, mesh},
+                    {lo, hi, size / 2, -size, size, axis, mesh},
+                };
                 for (size_t p = 0; p < ARRAY_COUNT(place); p++) {
                     const struct step scale = {LIFE_REFIT, MOTION_SCALE, seed},
                                       mirror = {LIFE_REFIT, MOTION_REFLECT, seed % 3};
@@ -336,6 +378,7 @@ int main(void)
         cmocka_unit_test(turns_are_rotations_by_up_to_a_part),
         cmocka_unit_test(all_go_away_along_one_axis),
         cmocka_unit_test(every_choice_is_drawn),
+        cmocka_unit_test(a_seed_stands_for_the_same_motion_for_ever),
         cmocka_unit_test(an_instance_stays_where_it_would_reach_too_far),
         cmocka_unit_test(a_mesh_stays_where_an_instance_would_reach_too_far),
     };
