@@ -79,6 +79,7 @@ $(B)/tests/test_adversaries: $(addprefix $(B)/obj/tests/adversaries/,cheats.o ou
 
 $(B)/tests/test_traffic_memory: $(B)/obj/tests/traffic/plain_memory.o
 $(addprefix $(B)/tests/test_,scene_treelets schedulers traffic_places): $(B)/obj/tests/traffic/traffic_fixture.o
+$(addprefix $(B)/tests/test_,scene_treelets schedulers traffic_cuts traffic_no_memory): $(B)/obj/tests/traffic/traffic_fixture.o
 
 # Parts of commands, which are no part of the library (but of that for mutations).
 COMMAND_TESTS := $(addprefix $(B)/tests/,$(notdir $(basename $(wildcard tests/commands/test_*.c))))
@@ -91,7 +92,7 @@ $(COMMAND_TESTS): TEST_LIBS += $(B)/libraydiff.a $(LDLIBS) $(PROGRAM_LIBS)
 endif
 
 # Their allocations are made to fail, or measured.
-MEMORY_TESTS := $(addprefix $(B)/tests/test_,out_of_memory text_memory explain_memory cache_sim judge_memory oracle_world_memory hits_memory hits_tagged memory vulkan_memory world_memory worlds_memory library_memory wide_memory dump_memory dump_driver_memory world_life_memory)
+MEMORY_TESTS := $(addprefix $(B)/tests/test_,out_of_memory text_memory explain_memory cache_sim judge_memory oracle_world_memory hits_memory hits_tagged memory vulkan_memory world_memory worlds_memory library_memory wide_memory dump_memory dump_driver_memory world_life_memory traffic_no_memory)
 $(MEMORY_TESTS): TEST_LIBS += \
     -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 

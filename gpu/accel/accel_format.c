@@ -22,7 +22,7 @@ const struct accel_format_facts accel_format[ACCEL_FORMATS] = {
     [ACCEL_U8X4] = {"u8x4", "R8G8B8A8_UNORM", 37, 4, 1, 4, 8, ACCEL_UNORM, false, false},
     [ACCEL_U10X3] = {"u10x3", "A2B10G10R10_UNORM_PACK32", 64, 4, 4, 3, 10, ACCEL_UNORM, true,
                      false},
-    [ACCEL_F64X3] = {"f64x3", "R64G64B64_SFLOAT", 121, 24, 8, 3, 64, ACCEL_FLOAT, false, true},
+    [ACCEL_F64X3] = {"f64x3", "R64G64B64_SFLOAT", 118, 24, 8, 3, 64, ACCEL_FLOAT, false, true},
 };
 
 /* The bits of a number, or false if the format does not hold it. */

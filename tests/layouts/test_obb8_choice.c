@@ -44,6 +44,28 @@ static double area_of(const double e[3])
     return e[0] * e[1] + e[1] * e[2] + e[2] * e[0];
 }
 
+/* Where there are no axes there is no oriented box, nor is there one below a leaf; bounds along
+ * axes are in order. */
+static void check_boxes(const struct packed *packed, uint32_t record, bool any)
+{
+    const struct oblique_ray ray = {{3, 4, 5}, {1, -2, 3}, 0, 0};
+    struct wide node, leaf;
+    packed->layout->load(packed, record, &node);
+    for (uint32_t c = 0; c < node.child_count; c++) {
+        struct oblique_box box;
+        const uint32_t child = node.child[c];
+        assert_int_equal(packed->layout->oblique(packed, record, child, &ray, &box), any);
+        for (int j = 0; j < 3 && any; j++)
+            assert_true(box.lo[j] <= box.hi[j] && box.step[j] > 0 && box.beside[j] > 0);
+        packed->layout->load(packed, child, &leaf);
+        if (leaf.child_count == 0)
+            assert_false(packed->layout->oblique(packed, child, record, &ray, &box));
+        assert_true(any || !packed->layout->misses(packed, record, child, &ray, 0));
+    }
+    struct oblique_box none; /* of no child */
+    assert_false(packed->layout->oblique(packed, record, record, &ray, &none));
+}
+
 /* What each rotation saves of the areas of a record's children. */
 static void find_savings(const struct packed *packed, const struct scene *scene, uint32_t record,
                          double saved[TILTS])
@@ -101,6 +123,7 @@ static void each_node_has_the_rotation_that_saves_most(void **state)
         for (uint32_t r = 0; r < packed.node_count; r++) {
             double saved[TILTS], most = 0;
             const uint32_t is = tilt_of(packed.word + WORDS * (size_t)r);
+            check_boxes(&packed, r, is < TILTS);
             find_savings(&packed, &scene, r, saved);
             for (uint32_t t = 0; t < TILTS; t++)
                 most = fmax(most, saved[t]);
@@ -117,9 +140,81 @@ static void each_node_has_the_rotation_that_saves_most(void **state)
         assert_true(chosen[t] > 0);
 }
 
+/* From 2^-100 on, of both signs, a ray meets the planes of an axis; below it is along them, and at
+ * all distances or at none. */
+static void rays_are_along_planes_below_2_to_minus_100(void **state)
+{
+    (void)state;
+    static const float dirs[] = {0x1p-100f, 0x1.fffffep-101f, 0, 0x1.000002p-100f, 1};
+    struct rng rng = rng_make(17, 7);
+    uint32_t along = 0, across = 0;
+    for (uint32_t round = 0; round < 40; round++) {
+        struct scene scene = slivers(&rng, 6, 0, 3, 1);
+        struct packed packed;
+        struct wide node;
+        pack(&packed, "obb8", &scene, 1);
+        packed.layout->load(&packed, packed.root, &node);
+        for (uint32_t n = 0; n < 5 * 2 * 3 && bits(packed.word, 120, 8); n++) {
+            struct oblique_ray ray = {{0, 0, 0}, {0, 0, 0}, 0, 0};
+            struct oblique_box box;
+            ray.dir[n % 3] = dirs[n / 6] * (n / 3 % 2 ? -1 : 1);
+            ray.org[0] = n % 2 ? 1e4f : 0; /* outside, or among them */
+            assert_true(packed.layout->oblique(&packed, packed.root, node.child[0], &ray, &box));
+            for (int j = 0; j < 3; j++) {
+                const float dir = (float)box.axis[j][n % 3] * ray.dir[n % 3];
+                const float org = (float)box.axis[j][0] * ray.org[0];
+                const bool parallel = fabsf(dir) < 0x1p-100f;
+                const bool inside =
+                    org >= box.lo[j] - box.beside[j] && org <= box.hi[j] + box.beside[j];
+                if (parallel) {
+                    assert_true(box.enter[j] == (inside ? -INFINITY : INFINITY));
+                    assert_true(box.leave[j] == -box.enter[j]);
+                } else {
+                    assert_true(isfinite(box.enter[j]) && isfinite(box.leave[j]));
+                }
+                *(parallel ? &along : &across) += 1;
+            }
+        }
+        packed_free(&packed);
+        scene_free(&scene);
+    }
+    assert_true(along > 200 && across > 200);
+}
+
+static int gcd(int a, int b)
+{
+    return b ? gcd(b, a % b) : abs(a);
+}
+
+/* Each is a rotation, none of them twice; axes have no common divisor, so that their places are as
+ * small as they can be, and fit in four bits. */
+static void rotations_are_those_of_small_numbers(void **state)
+{
+    (void)state;
+    for (uint32_t t = 0; t < TILTS; t++) {
+        const tilt_axes *m = &tilts[t];
+        int det = 0, size = 1;
+        for (int j = 0; j < 3; j++) {
+            const int8_t *a = (*m)[j], *b = (*m)[(j + 1) % 3];
+            assert_int_equal(a[0] * b[0] + a[1] * b[1] + a[2] * b[2], 0);
+            assert_int_equal(gcd(gcd(a[0], a[1]), a[2]), 1);
+            size *= a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+            det += (*m)[0][j] * ((*m)[1][(j + 1) % 3] * (*m)[2][(j + 2) % 3] -
+                                 (*m)[1][(j + 2) % 3] * (*m)[2][(j + 1) % 3]);
+            for (int k = 0; k < 3; k++)
+                assert_in_range(a[k] + 8, 0, 15);
+        }
+        assert_true(det > 0 && det * det == size);
+        for (uint32_t other = 0; other < t; other++)
+            assert_memory_not_equal(tilts[t], tilts[other], sizeof tilts[t]);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rotations_are_those_of_small_numbers),
+        cmocka_unit_test(rays_are_along_planes_below_2_to_minus_100),
         cmocka_unit_test(each_node_has_the_rotation_that_saves_most),
     };
     return cmocka_run_group_tests_name("obb8_choice", tests, NULL, NULL);
