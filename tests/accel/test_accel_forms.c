@@ -100,6 +100,32 @@ static void a_vertex_is_written_whole_and_alone(void **state)
         }
 }
 
+/* Each coordinate on its own: what is taken comes again, and what the format has not is refused. */
+static void coordinates_come_again_or_are_refused(void **state)
+{
+    (void)state;
+    static const float all[] = {-1,    -0.5f, 0,     0.5f,     1,        2,          -2,
+                                -0.0f, 65504, 65536, 0x1p-24f, 0x1p-25f, 0x1.004p0f, 0x1.002p0f};
+    for (size_t f = 0; f < ACCEL_FORMATS; f++)
+        for (size_t n = 0; n < 3 * ARRAY_COUNT(all); n++) {
+            const struct accel_format_facts *facts = &accel_format[f];
+            const uint32_t k = (uint32_t)(n % 3);
+            float at[3] = {0, 0, 0};
+            uint8_t to[32];
+            const float x = at[k] = all[n / 3];
+            const bool taken = accel_encode((enum accel_format)f, at, to);
+            const bool half =
+                facts->bits != 16 || (fabsf(x) < 65536 && x != 0x1p-25f && x != 0x1.002p0f);
+            const bool is = k >= facts->components ? x == 0
+                            : facts->kind == ACCEL_FLOAT
+                                ? half
+                                : x == 0 || x == 1 || (x == -1 && facts->kind == ACCEL_SNORM);
+            assert_int_equal(taken, is);
+            for (uint32_t i = 0; i < 3 && i < facts->components && is; i++)
+                assert_true(component(facts, to, i) == (double)at[i]);
+        }
+}
+
 /* --- transforms ------------------------------------------------------------------------------- */
 
 /* One number in each row and column; of turned ones off the diagonal, and of both signs. */
@@ -272,6 +298,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(formats_are_what_their_names_say),
         cmocka_unit_test(a_vertex_is_written_whole_and_alone),
+        cmocka_unit_test(coordinates_come_again_or_are_refused),
         cmocka_unit_test(transforms_are_what_their_words_say),
         cmocka_unit_test(what_is_undone_comes_again_exactly),
         cmocka_unit_test(what_is_not_read_is_what_no_driver_may_read),
