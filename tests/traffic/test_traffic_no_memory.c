@@ -76,8 +76,31 @@ static void each_allocation_may_fail(void **state)
     traffic_case_close(&c);
 }
 
+/* What cannot be walked leaves nothing behind, of any storage. */
+static void what_is_refused_keeps_nothing(void **state)
+{
+    (void)state;
+    uint32_t empty = 0, large = 0;
+    for (size_t s = 0; tri_stores[s]; s++)
+        for (int n = 0; n < 2; n++) {
+            struct traffic_case c;
+            struct traffic_walker walker;
+            struct reason reason = {""};
+            if (!traffic_case_open(n ? "soup:n=9" : "soup:n=0", "f32", tri_stores[s]->name, &c))
+                continue;
+            const long before = held;
+            assert_int_equal(traffic_walker_make(&c.job, 16, &walker, &reason), STATUS_INPUT);
+            assert_non_null(strstr(reason.text, n ? "treelets of 16 bytes" : "no triangles"));
+            assert_int_equal(held, before);
+            *(n ? &large : &empty) += 1;
+            traffic_case_close(&c);
+        }
+    assert_true(empty > 2 && large > 2);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(each_allocation_may_fail)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(each_allocation_may_fail),
+                                       cmocka_unit_test(what_is_refused_keeps_nothing)};
     return cmocka_run_group_tests_name("traffic_no_memory", tests, NULL, NULL) ? 1 : 0;
 }
