@@ -15,6 +15,8 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "tests/driver_trees/lavapipe_file.h"
+
 #define INSTANCES 40u
 
 /* Instances of an empty mesh and of a sphere in turn, by whole numbers, so that all is exact. */
@@ -96,12 +98,28 @@ static void tinybvh_has_twelve_layouts(void **state)
         }
 }
 
+/* A level of lavapipe that ends where its leaves would begin has none. */
+static void a_level_without_leaves_is_a_tree(void **state)
+{
+    (void)state;
+    static struct lvp_file file;
+    const struct box bounds = {{0, 0, 0}, {0, 0, 0}};
+    lvp_begin(&file, NULL, 1, 0, &bounds, 0);
+    for (size_t k = 0; k < 2; k++)
+        lvp_put(&file, lvp_box_word(&file, 0, 0, 48 + 4 * k), UINT32_MAX);
+    struct tree_dump dump = lvp_read_ok(&file);
+    assert_int_equal(dump.node_count, 1);
+    assert_int_equal(dump.child_count + dump.scene.tri_count, 0);
+    tree_dump_free(&dump);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_instance_has_its_least_box),
         cmocka_unit_test(there_are_all_boxes_or_none),
         cmocka_unit_test(tinybvh_has_twelve_layouts),
+        cmocka_unit_test(a_level_without_leaves_is_a_tree),
     };
     return cmocka_run_group_tests_name("dump_place", tests, NULL, NULL);
 }
