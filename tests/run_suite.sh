@@ -1,7 +1,8 @@
 #!/bin/sh
 # Runs one suite for tests/run.sh and prints its line at its end, with the log's end if it failed:
 #   sh tests/run_suite.sh LOGS 'NAME COMMAND...'    the words of a line of the shell
-# LOGS/NAME.log: what it printed; LOGS/NAME.word: passed (exit code 0), skipped (77) or FAILED.
+# LOGS/NAME.log: what it printed; LOGS/NAME.word: passed (exit code 0), skipped (77) or FAILED;
+# LOGS/NAME.time: the processor time of it and of what it waited for, of user and system, as `times` prints it.
 set -u
 logs=$1
 eval "set -- $2"
@@ -11,6 +12,7 @@ start=$(date +%s)
 "$@" >"$logs/$name.log" 2>&1 </dev/null
 code=$?
 took=$(($(date +%s) - start))
+times >"$logs/$name.time"
 # CMocka's own count of skipped tests, with the line each printed before it.
 inner=$(grep -c '^\[  SKIPPED \] [a-z_0-9]*$' "$logs/$name.log")
 case $code in
