@@ -1,6 +1,6 @@
 #include "ref/base/json_record.h"
+#include "ref/base/invariant.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -29,7 +29,7 @@ static json_t *next_value(const char *at, va_list *list)
     case 'i':
         return json_boolean(va_arg(*list, int));
     default:
-        assert(at[1] == 'p');
+        invariant(at[1] == 'p');
         return va_arg(*list, void *);
     }
 }
@@ -47,7 +47,7 @@ static const char *next_name(const char *name, char key[NAME_MOST], va_list *lis
         } else {
             key[used++] = *name;
         }
-        assert(used < NAME_MOST);
+        invariant(used < NAME_MOST);
     }
     key[used] = '\0';
     return name + 1;

@@ -1,6 +1,6 @@
 #include "ref/integers/wide.h"
+#include "ref/base/invariant.h"
 
-#include <assert.h>
 #include <stdbool.h>
 
 /* Drops leading zero limbs; no limb left means zero. */
@@ -47,7 +47,7 @@ static void add_sizes(const struct oracle_wide *a, const struct oracle_wide *b, 
         carry = (uint64_t)(sum >> 64);
     }
     if (carry) {
-        assert(count < WIDE_LIMBS);
+        invariant(count < WIDE_LIMBS);
         out->limb[count++] = carry;
     }
     trim(out, sign, count);
@@ -91,9 +91,9 @@ void wide_sub(const struct oracle_wide *a, const struct oracle_wide *b, struct o
 void wide_mul(const struct oracle_wide *a, const struct oracle_wide *b, struct oracle_wide *out)
 {
     int count = a->count + b->count;
-    assert(out != a && out != b);
+    invariant(out != a && out != b);
     /* The operands are bounded so that the product fits, its leading zero limb included. */
-    assert(count <= WIDE_LIMBS);
+    invariant(count <= WIDE_LIMBS);
     for (int i = 0; i < count; i++)
         out->limb[i] = 0;
     for (int i = 0; i < a->count; i++) {
@@ -116,7 +116,7 @@ void wide_shift_left(struct oracle_wide *a, unsigned bits)
     unsigned rest = bits % 64;
     if (a->sign == 0 || bits == 0)
         return;
-    assert(wide_bits(a) + bits <= 64u * WIDE_LIMBS);
+    invariant(wide_bits(a) + bits <= 64u * WIDE_LIMBS);
     int count = a->count + limbs;
     uint64_t over = rest ? a->limb[a->count - 1] >> (64 - rest) : 0;
     for (int i = count - 1; i >= limbs; i--) {

@@ -1,12 +1,11 @@
 #include "ref/judge/judge_inner.h"
-
-#include <assert.h>
+#include "ref/base/invariant.h"
 
 /* A judge of rays of one mode. */
 static struct judge of_mode(const struct judge *judge, struct ray_mode mode)
 {
     struct judge out = *judge;
-    assert(judge->world);
+    invariant(judge->world);
     out.mode = mode;
     return out;
 }

@@ -13,6 +13,11 @@ uint32_t raydiff_version(void)
            (uint32_t)RAYDIFF_VERSION_PATCH;
 }
 
+void library_goes_on(const char *truth, const char *file, int line)
+{
+    (void)truth, (void)file, (void)line;
+}
+
 enum raydiff_error library_end(unsigned long modes, enum status status, const struct reason *reason,
                                struct raydiff_why *why)
 {

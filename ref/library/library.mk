@@ -1,29 +1,31 @@
 # The public library (ref/library/raydiff.h) as a shared object, which `make lib` makes beside the static one.
-# Its objects are compiled apart: position-independent code is no part of the program. Of the rooms below
-# only what the interface needs is linked. config=mutation has a shared object of its own.
+# Of the rooms below only what the interface needs is linked. Their objects are those of the program: compiled once, so
+# that both have the same bits. config=mutation has a shared object of its own.
 ABI := $(shell sed -n 's/^\#define RAYDIFF_ABI //p' ref/library/raydiff.h)
 SHARED_ROOMS := $(addprefix ref/,base build builders fast integers judge layouts library match oracle outside packed \
                   primitives scene staged store trace tree twin two_level world) scenes/rays fuzz/play fuzz/shrink
-SHARED_OBJ := $(patsubst %.c,$(B)/pic/%.o,$(wildcard $(SHARED_ROOMS:%=%/*.c) scenes/life_*.c scenes/world_motion.c) scenes/move.c)
-SHARED_OWN := $(filter $(B)/pic/ref/library/%,$(SHARED_OBJ))
+SHARED_OBJ := $(patsubst %.c,$(B)/obj/%.o,$(wildcard $(SHARED_ROOMS:%=%/*.c) scenes/life_*.c scenes/world_motion.c) scenes/move.c)
+SHARED_OWN := $(filter $(B)/obj/ref/library/%,$(SHARED_OBJ))
 SHARED     := $(B)/shared/libraydiff.so.$(ABI)
-# A library must not end its user's program: it has no assertions. Its types are told to debuggers, and compared with
-# those of its interface before.
-PIC        := -fPIC -DNDEBUG -fvisibility=hidden -ffunction-sections -fdata-sections
-
-$(B)/pic/%.o: %.c $(B)/gen/flags ref/library/library.mk | $(B)/gen/counts.h $(B)/gen/have_sdl2.h $(B)/gen/have_glslang.h
-	@mkdir -p $(@D)
-	$(call warned,$(CC) $(CPPFLAGS) $(CFLAGS:-g1=-g) $(PIC) -MMD -MP -c -o $@ $<)
+PIC        := -fPIC -fvisibility=hidden -ffunction-sections -fdata-sections
+ifneq ($(config),mutation)
+$(SHARED_OBJ): ref/library/library.mk
+$(SHARED_OBJ): private CFLAGS := $(CFLAGS) $(PIC)
+# Its types are told to debuggers, and compared with those of its interface before.
+$(SHARED_OWN): private CFLAGS := $(CFLAGS:-g1=-g) $(PIC)
+endif
 
 $(B)/shared/pic.a: $(SHARED_OBJ)
 	@mkdir -p $(@D)
 	@rm -f $@
 	$(AR) rcs $@ $^
 
-# Sanitizers leave symbols to the program.
+# Sanitizers leave symbols to the program. A library must not end its user's program: a broken invariant
+# (ref/base/invariant.h) is gone past.
 $(SHARED): $(SHARED_OWN) $(B)/shared/pic.a ref/library/raydiff.map
 	$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(@F) -Wl,--version-script=ref/library/raydiff.map \
-	    -Wl,--gc-sections -Wl,--as-needed $(if $(filter sanitize tsan,$(config)),,-Wl,--no-undefined) \
+	    -Wl,--defsym,invariant_broken=library_goes_on -Wl,--gc-sections -Wl,--as-needed \
+	    $(if $(filter sanitize tsan,$(config)),,-Wl,--no-undefined) \
 	    -o $@ $(SHARED_OWN) $(B)/shared/pic.a -lm -lpthread
 	@ln -sf $(@F) $(B)/shared/libraydiff.so
 
@@ -50,5 +52,3 @@ uninstall-library:
 	rm -f $(addprefix $(DESTDIR)$(LIBDIR)/,libraydiff.a libraydiff.so libraydiff.so.$(ABI) \
 	      pkgconfig/raydiff.pc pkgconfig/libraydiff.pc) $(DESTDIR)$(PYTHON_DIR)/raydiff.py
 	-rmdir $(DESTDIR)$(PREFIX)/share/raydiff/python $(DESTDIR)$(PREFIX)/share/raydiff 2>/dev/null
-
--include $(wildcard $(B)/pic/*/*/*.d)

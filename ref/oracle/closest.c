@@ -1,9 +1,8 @@
 #include "ref/oracle/environment.h"
+#include "ref/base/invariant.h"
 #include "ref/oracle/internal.h"
 #include "ref/oracle/nearest.h"
 #include "ref/oracle/tree_walk.h"
-
-#include <assert.h>
 
 #define TILE 16 /* rays that go through the triangles together, while these are in the cache */
 
@@ -105,7 +104,7 @@ enum status oracle_closest(const struct oracle *oracle, enum oracle_path path,
     bool brute = path == ORACLE_BRUTE ||
                  (path == ORACLE_AUTO && oracle->scene->tri_count <= ORACLE_BRUTE_MOST);
     (void)reason;
-    assert(!oracle->placing);
+    invariant(!oracle->placing);
 #pragma omp parallel num_threads(team)
     {
         unsigned long saved = environment_enter();

@@ -1,9 +1,9 @@
 #include "ref/oracle/environment.h"
+#include "ref/base/invariant.h"
 #include "ref/oracle/internal.h"
 #include "ref/oracle/tree_walk.h"
 #include "ref/oracle/world_walk.h"
 
-#include <assert.h>
 #include <math.h>
 
 /* A crossing whose integers are not known. */
@@ -113,7 +113,7 @@ enum status oracle_crossings(const struct oracle *oracle, const struct ray *ray,
                              struct reason *reason)
 {
     *count = 0;
-    assert(!oracle->placing);
+    invariant(!oracle->placing);
     if (!oracle_takes(ray) || ray_is_still(ray))
         return STATUS_OK;
     unsigned long saved = environment_enter();
@@ -152,7 +152,7 @@ enum status oracle_crossings_world(const struct oracle *oracle, const struct ray
     struct crossings_visitor all = {
         {.reach = reach_to(ray, t_most), .take = take_placed}, t_most, list, capacity, count};
     *count = 0;
-    assert(oracle->placing);
+    invariant(oracle->placing);
     if (!oracle_takes(ray) || ray_is_still(ray))
         return STATUS_OK;
     unsigned long saved = environment_enter();

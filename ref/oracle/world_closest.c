@@ -1,10 +1,9 @@
 #include "ref/oracle/environment.h"
+#include "ref/base/invariant.h"
 #include "ref/oracle/internal.h"
 #include "ref/oracle/nearest.h"
 #include "ref/oracle/tree_walk.h"
 #include "ref/oracle/world_walk.h"
-
-#include <assert.h>
 
 #define CHUNK 16 /* rays that a thread takes at once */
 
@@ -49,7 +48,7 @@ enum status oracle_closest_world(const struct oracle *oracle, enum oracle_path p
 {
     int team = oracle_team((count + CHUNK - 1) / CHUNK, threads);
     (void)reason;
-    assert(oracle->placing);
+    invariant(oracle->placing);
 #pragma omp parallel num_threads(team)
     {
         unsigned long saved = environment_enter();

@@ -1,7 +1,7 @@
 #include "ref/packed/packed_file.h"
+#include "ref/base/invariant.h"
 #include "ref/store.h"
 
-#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -28,7 +28,7 @@ void packed_file_write(const struct packed *packed, FILE *stream)
                         .root = packed->root,
                         .triangles = packed->tri_count,
                         .stack = packed->stack_need};
-    assert(packed->store == tri_stores[0]); /* the file has no field for the storage */
+    invariant(packed->store == tri_stores[0]); /* the file has no field for the storage */
     size_t length = strlen(packed->layout->name);
     memcpy(head.layout, packed->layout->name, length < NAME_BYTES ? length : NAME_BYTES);
     fwrite(&head, sizeof head, 1, stream);

@@ -1,9 +1,9 @@
 #include "ref/twin/twin.h"
+#include "ref/base/invariant.h"
 
 #include "ref/base/base.h"
 #include "ref/twin/twin_lanes.h"
 
-#include <assert.h>
 #include <math.h>
 
 #include "ref/twin/twin_scalar.h"
@@ -15,7 +15,7 @@ enum twin_formula twin_of_tri(uint32_t id)
                                                  [ABI_TRI_WOOP] = TWIN_WOOP,
                                                  [ABI_TRI_PLUECKER] = TWIN_PLUECKER,
                                                  [ABI_TRI_BALDWIN_WEBBER] = TWIN_BALDWIN_WEBBER};
-    assert(id < ARRAY_COUNT(formulas));
+    invariant(id < ARRAY_COUNT(formulas));
     return formulas[id];
 }
 

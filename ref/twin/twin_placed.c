@@ -1,6 +1,5 @@
 #include "ref/twin/twin_placed.h"
-
-#include <assert.h>
+#include "ref/base/invariant.h"
 
 /* Rays have bounds here. */
 #define RAY_BOUNDED 1
@@ -177,7 +176,7 @@ struct twin twin_eval_placed(enum twin_formula formula, struct rounding rounding
 {
     if (ray->place->identity)
         return twin_eval(formula, rounding, &ray->world, v);
-    assert(twin_is_own(formula));
+    invariant(twin_is_own(formula));
     const struct rules rules = rules_of(&rounding);
     int axis[3][3], orders = twin_placed_axes(formula, ray, axis);
     struct input in = input_of(ray, v, axis[0]);
