@@ -90,6 +90,13 @@ length "@$_" < 5000 or die "golden: a case is too long\n" for @cases;
 @cases = grep { !$number{$_->[0]}++ } @cases;
 $number{$cases[$_][0]} = $_ + 1 for 0 .. $#cases;
 
+# The files in a folder and below, without what is linked.
+sub files_of {
+    my ($folder) = @_;
+    opendir my $in, $folder or return ();
+    return map { -l $_ ? () : -d _ ? files_of($_) : -f _ ? $_ : () } map {"$folder/$_"} grep { !/^(?:\.\.?|in)$/ } readdir $in;
+}
+
 # Runs a case; returns its streams: [name, what it reads].
 sub play {
     my ($n) = @_;
@@ -101,8 +108,7 @@ sub play {
     my $status = shell($folder, $script, "$work/case/said$n");
     my @streams = (['out', slurp("$work/case/said$n.out") . ($status & 127 ? "[signal $status]\n" : '')],
                    ['err', slurp("$work/case/said$n.err")]);
-    my @files = grep { $_ ne '' } map { s{^\Q$folder\E/?}{}r } split /\n/, `find '$folder' -name in -prune -o -type f -print`;
-    push @streams, [$_, slurp("$folder/$_")] for sort @files;
+    push @streams, [$_, slurp("$folder/$_")] for sort map { s{^\Q$folder\E/}{}r } files_of($folder);
     remove_tree($folder);
     unlink "$work/case/said$n.out", "$work/case/said$n.err";
     return map { [$_->[0], [readable($_->[0], $_->[1], $work)]] } @streams;
