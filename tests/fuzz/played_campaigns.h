@@ -9,7 +9,7 @@
 #include <signal.h>
 #include <time.h>
 
-#define TRIALS       1000u
+#define TRIALS       640u
 #define PLAN_WORK_MS 60
 
 /* --- an engine that dies ---------------------------------------------------------------------- */

@@ -11,7 +11,7 @@ full)
     slow=$engines
     ;;
 quick | deep)
-    rays=1500 lists=300 published=300 brute=1500 engines=all
+    rays=500 lists=300 published=300 brute=300 engines=all
     [ "$2" = quick ] || { rays=3000 lists=600 published=600 brute=3000; }
     # The published box test enters so many boxes that those without a stack would take a third of
     # all the time; conform holds them to cpu's bits on it. An engine named here must be there, so
