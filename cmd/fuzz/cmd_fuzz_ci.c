@@ -43,6 +43,7 @@ static void fill_contestants(const struct campaign_view *view, struct report_roo
         room->contestant[i] =
             (struct report_contestant){.name = room->name[i],
                                        .played = view->turnout[i].played,
+                                       .declined = view->turnout[i].declined,
                                        .refused = view->refused[i],
                                        .vacuous = vacuous ? vacuous : campaign_loses(view, i),
                                        .seconds = fuzz_seconds(view->time.engine[i])};
@@ -75,6 +76,7 @@ enum status fuzz_write_ci(const struct fuzz_command *c, const struct campaign_vi
     } else {
         struct findings_report report = {.seed = c->seed,
                                          .trials = view->trials + view->before,
+                                         .before = view->before,
                                          .judged = view->judged,
                                          .seconds = fuzz_seconds(view->ns),
                                          .harness_share = campaign_harness_share(view, NULL),

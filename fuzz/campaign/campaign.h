@@ -78,7 +78,8 @@ struct campaign_view {
     uint64_t trials, corpus, mutants; /* played in this run; corpus and mutants are of them */
     uint64_t before;                  /* trials of stream gen of earlier runs */
     uint64_t rays, judged, wrong, count[VERDICT_COUNT];
-    uint64_t refused[FUZZ_CONTESTANTS_MOST]; /* trials that a contestant refused */
+    uint64_t refused[FUZZ_CONTESTANTS_MOST]; /* trials that a contestant's layout refused, or a
+                                                rule, not its engine */
     uint64_t unasked[FUZZ_CONTESTANTS_MOST]; /* trials without its turn, or that drew another */
     struct campaign_turnout turnout[FUZZ_CONTESTANTS_MOST];
     bool turnout_unknown;                              /* an earlier run did not count it */

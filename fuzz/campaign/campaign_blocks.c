@@ -277,7 +277,7 @@ static void count_trial(struct campaign *c, const struct campaign_block *block,
     for (size_t v = 0; v < VERDICT_COUNT; v++)
         view->count[v] += one->count[v];
     for (size_t i = 0; i < c->rules.field.count; i++) {
-        view->refused[i] += one->refusers >> i & 1u;
+        view->refused[i] += (one->refusers & ~one->decliners) >> i & 1u;
         view->unasked[i] +=
             (block->draw.on && i != block->draw.contestant) || block->waiting >> i & 1u;
         view->turnout[i].played += one->players >> i & 1u;

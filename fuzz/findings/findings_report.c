@@ -27,6 +27,7 @@ typedef void case_fn(void *user, const struct ci_case *one);
 
 static void case_of_campaign(const struct findings_report *report, struct written *out)
 {
+    char run[60] = ",";
     out->one =
         (struct ci_case){.group = "raydiff.fuzz",
                          .name = "trials",
@@ -35,18 +36,32 @@ static void case_of_campaign(const struct findings_report *report, struct writte
                          .why = report->trials ? "" : "no trial was played: nothing is tested",
                          .detail = out->detail,
                          .seconds = report->seconds};
+    if (report->before > 0)
+        snprintf(run, sizeof run,
+                 "; %llu of this run:", (unsigned long long)(report->trials - report->before));
     int used = snprintf(out->detail, sizeof out->detail,
-                        "%llu trials of seed %llu, %llu rays judged, %.1f s",
-                        (unsigned long long)report->trials, (unsigned long long)report->seed,
+                        "%llu trials of seed %llu%s %llu rays judged, %.1f s",
+                        (unsigned long long)report->trials, (unsigned long long)report->seed, run,
                         (unsigned long long)report->judged, report->seconds);
     for (size_t i = 0; i < report->notes && used > 0 && (size_t)used < sizeof out->detail; i++)
         used += snprintf(out->detail + used, sizeof out->detail - (size_t)used, "\n%s",
                          report->note[i]);
 }
 
+/* "refused 3; its layout refused 4 of this run" */
+static const char *refused_text(const struct report_contestant *who, char text[100])
+{
+    int used = snprintf(text, 100, "refused %llu", (unsigned long long)who->declined);
+    if (who->refused > 0)
+        snprintf(text + used, 100 - (size_t)used, "; its layout refused %llu of this run",
+                 (unsigned long long)who->refused);
+    return text;
+}
+
 static void case_of_contestant(const struct report_contestant *who, struct written *out)
 {
     bool played = who->played > 0;
+    char refused[100];
     snprintf(out->name, sizeof out->name, "%s.played", who->name);
     out->one = (struct ci_case){.group = "raydiff.fuzz",
                                 .name = out->name,
@@ -59,16 +74,15 @@ static void case_of_contestant(const struct report_contestant *who, struct writt
                                 .seconds = who->seconds};
     out->why[0] = out->detail[0] = '\0';
     if (who->vacuous)
-        snprintf(out->why, sizeof out->why, "%s: %llu played, %llu refused", who->vacuous,
-                 (unsigned long long)who->played, (unsigned long long)who->refused);
+        snprintf(out->why, sizeof out->why, "%s: %llu played, %s", who->vacuous,
+                 (unsigned long long)who->played, refused_text(who, refused));
     else if (who->played > 0)
-        snprintf(out->detail, sizeof out->detail, "%llu trials played, %llu refused",
-                 (unsigned long long)who->played, (unsigned long long)who->refused);
+        snprintf(out->detail, sizeof out->detail, "%llu trials played, %s",
+                 (unsigned long long)who->played, refused_text(who, refused));
     else if (who->why && who->why[0])
         snprintf(out->why, sizeof out->why, "%s", who->why);
     else
-        snprintf(out->why, sizeof out->why, "played no trial, refused %llu",
-                 (unsigned long long)who->refused);
+        snprintf(out->why, sizeof out->why, "played no trial, %s", refused_text(who, refused));
 }
 
 /* Appends "LABEL: TEXT" if there is a text. */

@@ -31,17 +31,22 @@ struct report_finding {
 };
 
 struct report_contestant {
-    const char *name;         /* "cpu.rf16", "embree_robust" */
-    uint64_t played, refused; /* trials */
-    double seconds;           /* of work */
+    const char *name;    /* "cpu.rf16", "embree_robust" */
+    uint64_t played;     /* trials of the campaign */
+    uint64_t declined;   /* likewise, by the engine */
+    uint64_t refused;    /* trials of this run, by the layout */
+    double seconds;      /* of work */
     const char *why;     /* it was not played; NULL: because there was no trial, or it refused */
     const char *vacuous; /* why it tested nothing, or loses too much, a failure; NULL: it did, or
                             was not asked */
 };
 
 struct findings_report {
-    uint64_t seed, trials, judged; /* judged: rays with a verdict of all that played */
-    double seconds, harness_share; /* on the clock; of the time, what was not the engines' */
+    uint64_t seed, trials;         /* of all runs of the campaign */
+    uint64_t before;               /* of these trials, those of earlier runs */
+    uint64_t judged;               /* of this run: rays with a verdict of all that played */
+    double seconds, harness_share; /* of this run on the clock; of the time, what was not the
+                                      engines' */
     const struct report_contestant *contestant;
     size_t contestants;
     const struct report_finding *finding;

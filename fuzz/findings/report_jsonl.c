@@ -38,9 +38,10 @@ static void put_campaign(FILE *to, const struct findings_report *report)
     fputs("{\"type\": \"campaign\", \"version\": 1", to);
     put_text(to, "seed", seed);
     put_whole(to, "trials", report->trials);
+    put_whole(to, "trials_before", report->before);
     put_whole(to, "judged_rays", report->judged);
     put_real(to, "seconds", report->seconds);
-    put_real(to, "trials_per_s", (double)report->trials / seconds);
+    put_real(to, "trials_per_s", (double)(report->trials - report->before) / seconds);
     put_real(to, "judged_rays_per_s", (double)report->judged / seconds);
     put_real(to, "harness_share", report->harness_share);
     put_whole(to, "failures", report_failures(report));
@@ -80,7 +81,8 @@ enum status report_jsonl(const struct findings_report *report, const char *path,
         fputs("{\"type\": \"contestant\"", out.stream);
         put_text(out.stream, "name", who->name);
         put_whole(out.stream, "played", who->played);
-        put_whole(out.stream, "refused", who->refused);
+        put_whole(out.stream, "refused", who->declined);
+        put_whole(out.stream, "refused_in_this_run", who->refused);
         put_real(out.stream, "seconds", who->seconds);
         put_text(out.stream, "why", who->vacuous ? who->vacuous : who->played ? "" : who->why);
         fputs("}\n", out.stream);

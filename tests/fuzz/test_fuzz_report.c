@@ -34,9 +34,9 @@ static char path[100];
     "??????"
 
 static const struct report_contestant who[] = {
-    {.name = "cpu.rf16", .played = 90, .refused = 10, .seconds = 1.25},
+    {.name = "cpu.rf16", .played = 90, .declined = 7, .refused = 10, .seconds = 1.25},
     {.name = "vulkan.f32", .why = "no Vulkan device here"},
-    {.name = "pipe:a.out", .refused = 100},
+    {.name = "pipe:a.out", .declined = 100},
 };
 
 static const struct report_finding found[] = {
@@ -67,6 +67,7 @@ static struct findings_report made_up(void)
 {
     return (struct findings_report){.seed = UINT64_MAX,
                                     .trials = 100,
+                                    .before = 60,
                                     .judged = 50000,
                                     .seconds = 2.5,
                                     .harness_share = 0.125,
@@ -220,9 +221,12 @@ static void junit_is_read_back(void **state)
                                       "size: 1 triangle, 3 vertices, 1 ray\n"
                                       "first: f/cpu.rf16.missed.stack/first.trial");
         if (strcmp(name, "/system-out") == 0 && strcmp(last, "cpu.rf16.played") == 0)
-            assert_string_equal(text, "90 trials played, 10 refused");
+            assert_string_equal(text,
+                                "90 trials played, refused 7; its layout refused 10 of this run");
         if (strcmp(name, "/system-out") == 0 && strcmp(last, "trials") == 0)
-            assert_non_null(strstr(text, "\nlist:3: excused nothing"));
+            assert_string_equal(text, "100 trials of seed 18446744073709551615; 40 of this run: "
+                                      "50000 rays judged, 2.5 s\n"
+                                      "list:3: excused nothing");
     }
     assert_int_equal(cases, 1 + ARRAY_COUNT(who) + ARRAY_COUNT(found));
     assert_int_equal(failures, 2);
@@ -288,8 +292,16 @@ static void json_lines_are_read_back(void **state)
     assert_string_equal(text_of(one, "seed"), "18446744073709551615");
     assert_int_equal(json_integer_value(json_object_get(one, "trials")), 100);
     assert_int_equal(json_integer_value(json_object_get(one, "failures")), 2);
-    assert_true(json_number_value(json_object_get(one, "trials_per_s")) == 40);
+    assert_int_equal(json_integer_value(json_object_get(one, "trials_before")), 60);
+    assert_true(json_number_value(json_object_get(one, "trials_per_s")) == 16);
+    assert_true(json_number_value(json_object_get(one, "judged_rays_per_s")) == 20000);
     assert_true(json_number_value(json_object_get(one, "harness_share")) == 0.125);
+    json_decref(one);
+    one = line_of(file, "contestant", 0);
+    assert_int_equal(json_integer_value(json_object_get(one, "played")), 90);
+    assert_int_equal(json_integer_value(json_object_get(one, "refused")), 7);
+    assert_int_equal(json_integer_value(json_object_get(one, "refused_in_this_run")), 10);
+    assert_true(json_number_value(json_object_get(one, "seconds")) == 1.25);
     json_decref(one);
     one = line_of(file, "contestant", 1);
     assert_string_equal(text_of(one, "name"), "vulkan.f32");
@@ -319,12 +331,13 @@ static void what_was_tested_is_told(void **state)
     struct findings_report report = {.trials = 5, .contestant = who, .contestants = 1};
     assert_int_equal(report_failures(&report), 0);
     char *file = written(report_tap, &report, "c.tap");
-    assert_string_equal(file, "TAP version 13\n1..2\nok 1 - trials\n"
-                              "  ---\n  severity: comment\n  detail: |\n"
-                              "    5 trials of seed 0, 0 rays judged, 0.0 s\n  ...\n"
-                              "ok 2 - cpu.rf16.played\n"
-                              "  ---\n  severity: comment\n  seconds: 1.250\n  detail: |\n"
-                              "    90 trials played, 10 refused\n  ...\n");
+    assert_string_equal(
+        file, "TAP version 13\n1..2\nok 1 - trials\n"
+              "  ---\n  severity: comment\n  detail: |\n"
+              "    5 trials of seed 0, 0 rays judged, 0.0 s\n  ...\n"
+              "ok 2 - cpu.rf16.played\n"
+              "  ---\n  severity: comment\n  seconds: 1.250\n  detail: |\n"
+              "    90 trials played, refused 7; its layout refused 10 of this run\n  ...\n");
     free(file);
     report.trials = 0;
     report.contestants = 0;
