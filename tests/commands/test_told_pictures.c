@@ -8,14 +8,15 @@
 #include "tests/commands/told.h"
 
 #define WIDTH 3
-#define SIZE  6
+#define SIZE  9
 
 static char scene_name[] = "s";
 
-/* Three pixels have more in the second layer, two have less, one has no value in either. */
-static double first[SIZE] = {11, 12, 13, 14, 15, NAN},
-              second[SIZE] = {12, 13, 14, 13.5, 14.25, NAN};
-static double apart[SIZE] = {1, 1, 1, -0.5, -0.75, NAN};
+/* Three pixels have more in the second layer, two have less, three as much; the last has no value
+ * in either. */
+static double first[SIZE] = {11, 12, 13, 14, 15, 16, 17, 18, NAN};
+static double second[SIZE] = {12, 13, 14, 13.5, 14.25, 16, 17, 18, NAN};
+static double apart[SIZE] = {1, 1, 1, -0.5, -0.75, 0, 0, 0, NAN};
 
 static struct show_layer layer_made(const char *name, double *value, double at)
 {
@@ -28,7 +29,7 @@ static struct show_layer layer_made(const char *name, double *value, double at)
                 .least = at + 5.5,
                 .most = at + 6.5,
                 .mean = at + 7.5,
-                .most_at = 4},
+                .most_at = 5},
         .quantiles = {
             .count = (size_t)at + 8, .p50 = at + 9.5, .p99 = at + 10.5, .most = at + 11.5}};
     for (size_t v = 0; v < VERDICT_COUNT; v++)
@@ -94,9 +95,9 @@ static void what_two_layers_show(void **state)
     struct reason reason;
     const char *const lines[] = {
         "boxes sum least mean median 99 % most\n",
-        "a 104 106 107.5 110 110 106 at 1,1; 103 of 6 pixels",
-        "b 204 206 207.5 210 210 206 at 1,1; 203 of 6 pixels",
-        "b - a 304 306 307.5 310 310 306 at 1,1; 303 of 6 pixels",
+        "a 104 106 107.5 110 110 106 at 2,1; 103 of 9 pixels",
+        "b 204 206 207.5 210 210 206 at 2,1; 203 of 9 pixels",
+        "b - a 304 306 307.5 310 310 306 at 2,1; 303 of 9 pixels",
         "b: more in 3 pixels, less in 2",
         "only one of them has a value in 17 pixels",
         "a: engine cpu counted 101 boxes, 102 triangles for these rays",
@@ -127,7 +128,7 @@ static void the_csv_of_two_layers(void **state)
         double a, b, difference;
         assert_non_null(fgets(line, sizeof line, file));
         if (isnan(first[i])) {
-            assert_string_equal(line, "2,1,,,\n");
+            assert_string_equal(line, "2,2,,,\n");
             continue;
         }
         assert_int_equal(sscanf(line, "%u,%u,%lf,%lf,%lf", &x, &y, &a, &b, &difference), 5);
@@ -166,7 +167,7 @@ static void verdicts_that_layers_show(void **state)
         }
     }
     lines[VERDICT_COUNT] = "verdict a b\n";
-    lines[VERDICT_COUNT + 1] = "b and a: different in 3 of 6 pixels";
+    lines[VERDICT_COUNT + 1] = "b and a: different in 3 of 9 pixels";
     lines[VERDICT_COUNT + 2] = "pixels 0,0, 1,0, 2,0, 0,1, 1,1, ...";
     lines[VERDICT_COUNT + 3] = "o: 33 x 34";
     told_begin(&stdout);

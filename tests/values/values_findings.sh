@@ -67,6 +67,11 @@ try 1 fuzz --dir "$dir/a" --trials 129 --no-shrink
 laws fuzz 60 -v rays=40
 try 0 fuzz --rays 30 --jobs 1 --corpus none --engine cpu,brute --layout f32 --trials 64 --dir "$dir/sound"
 laws fuzz 60 -v rays=30
+# What an engine refuses is not told as refused by its layout, too.
+. tests/values/tracers.sh
+tracer refuser
+try 1 fuzz --rays 20 --jobs 1 --corpus none --engine "cpu,pipe:$dir/refuser" --layout f32 --trials 64 --dir "$dir/refused"
+laws fuzz 60 -v rays=20
 printf '%s until - a word docs/fuzzing.md\n' 'cpu.rtrs_rf.missed.*' 'cpu.*.*.determinant_threshold' >"$dir/known.txt"
 try 1 fuzz --dir "$dir/a" --baseline "$dir/known.txt" --trials 129 --no-shrink
 laws fuzz 60 -v rays=40

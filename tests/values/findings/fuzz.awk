@@ -92,6 +92,7 @@ FNR == 1 && !begun {
     wanted = v[p ".name"] " answered " v[p ".answered"] " trials, refused " v[p ".refused"]
     if (v[p ".refused_in_this_run"] > 0) wanted = wanted "; its layout refused " v[p ".refused_in_this_run"] " of this run"
     if (v["turns"] == "true" && v[p ".unasked_in_this_run"] > 0) wanted = wanted "; in " v[p ".unasked_in_this_run"] " trials of this run it was another's turn"
+    vacuous += v[p ".vacuous"] != "null"
     if (v[p ".vacuous"] != "null") wanted = wanted "; vacuous: " v[p ".vacuous"]
     equal("contestant", substr($0, 12), wanted)
     truth("right hits", v[p ".with_a_right_hit"] <= v[p ".answered"] + 0)
@@ -108,7 +109,7 @@ END {
     equal("lines of sums", heads, 5)
     equal("findings printed", found + 0, v["findings.count"])
     equal("contestants printed", who, v["contestants.count"])
-    truth("exit code", v["exit"] == (news > 0 ? 1 : 0))
+    truth("exit code", v["exit"] == (news + vacuous > 0 ? 1 : 0))
     print "fuzz: " checked " values, " wrong + 0 " wrong"
     exit wrong > 0 || checked < least
 }
