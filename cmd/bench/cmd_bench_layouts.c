@@ -136,6 +136,19 @@ static void judge_all(struct layouts_field *field)
     }
 }
 
+/* Of what has neither a layout nor a tree of its own, 0 is what is not known. */
+static json_t *bytes_json(const struct contestant *c, uint64_t bytes)
+{
+    return c->layout || c->engine->own_tree ? json_integer((json_int_t)bytes) : json_known(bytes);
+}
+
+/* What the engine holds, over the triangles; "-" is not known. */
+static const char *memory_text(const struct contestant *c, double tris, char text[32])
+{
+    snprintf(text, 32, c->memory_bytes ? "%.1f" : "-", (double)c->memory_bytes / tris);
+    return text;
+}
+
 static void write_row(struct layouts_field *field, size_t i, const struct spread *speed,
                       const struct spread *ratio, size_t allowed)
 {
@@ -145,13 +158,14 @@ static void write_row(struct layouts_field *field, size_t i, const struct spread
     json_t *out = json_record(
         "scene=%s triangles=%u rays=%s engine=%s layout=%s count=%zu rounds=%zu mrays_median=%g "
         "mrays_min=%g mrays_max=%g base_engine=%s base_layout=%s ratio_median=%g ratio_min=%g "
-        "ratio_max=%g node_bytes=%zu item_bytes=%zu memory_bytes=%zu differences=%zu allowed=%zu "
+        "ratio_max=%g node_bytes=%p item_bytes=%p memory_bytes=%p differences=%zu allowed=%zu "
         "boxes_per_ray=%g tris_per_ray=%g",
         field->spec, field->scene->tri_count, field->rays, c->engine->name,
         c->layout ? c->layout->name : "-", field->ray_count, field->bench->rounds, speed->median,
         speed->least, speed->most, base->engine->name, base->layout ? base->layout->name : "-",
-        ratio->median, ratio->least, ratio->most, row->node_bytes, row->item_bytes, c->memory_bytes,
-        row->differences, allowed, (double)row->boxes / (double)field->ray_count,
+        ratio->median, ratio->least, ratio->most, bytes_json(c, row->node_bytes),
+        bytes_json(c, row->item_bytes), json_known(c->memory_bytes), row->differences, allowed,
+        (double)row->boxes / (double)field->ray_count,
         (double)row->tris / (double)field->ray_count);
     bench_row(field->bench, &bench_layouts, out);
 }
@@ -164,18 +178,18 @@ static void add_contestant(struct layouts_field *field, size_t i, const struct s
     struct contestant *c = &field->race.contestant[i];
     const bool wrong = row->differences > 0, vacuous = row->status == ROW_VACUOUS;
     double tris = field->scene->tri_count ? (double)field->scene->tri_count : 1.0;
-    char nodes[32] = "-", all[32] = "-";
+    char nodes[32] = "-", all[32] = "-", memory[32];
     if (c->layout || c->engine->own_tree) {
         snprintf(nodes, sizeof nodes, "%.1f", (double)row->node_bytes / tris);
         snprintf(all, sizeof all, "%.1f", (double)(row->node_bytes + row->item_bytes) / tris);
     }
     grid_add(field->grid, wrong || vacuous ? PAINT_BAD : PAINT_GOOD,
-             "%s\t%s\t%s\t%s\t%zu\t%zu\t%s\t%.1f\t%.3f\t%.2f\t%s\t%.3f-%.3f\t%s",
+             "%s\t%s\t%s\t%s\t%zu\t%zu\t%s\t%s\t%.3f\t%.2f\t%s\t%.3f-%.3f\t%s",
              wrong     ? "WRONG"
              : vacuous ? "vacuous"
                        : "agrees",
              c->layout ? c->layout->name : "-", c->engine->name, field->rays, row->differences,
-             allowed, nodes, (double)c->memory_bytes / tris, speed->median, ratio->median,
+             allowed, nodes, memory_text(c, tris, memory), speed->median, ratio->median,
              race_base_name(&field->race, c), speed->least, speed->most, all);
 }
 
@@ -194,6 +208,7 @@ static void print_contestant(struct layouts_field *field, size_t i)
         return;
     }
     double node = (double)row->node_bytes / tris;
+    char memory[32];
     double nodes = (double)(row->node_bytes + row->item_bytes) / tris;
     printf("%-8s %-13s %-5s %7.3f (%.3f-%.3f) %5.2f (%.2f-%.2f) of %-8s ", field->rays,
            c->engine->name, c->layout ? c->layout->name : "-", speed.median, speed.least,
@@ -202,7 +217,7 @@ static void print_contestant(struct layouts_field *field, size_t i)
         printf("%6.1f %6.1f", node, nodes);
     else
         printf("%6s %6s", "-", "-");
-    printf(" %8.1f %7zu %6zu\n", (double)c->memory_bytes / tris, row->differences, allowed);
+    printf(" %8s %7zu %6zu\n", memory_text(c, tris, memory), row->differences, allowed);
     write_row(field, i, &speed, &ratio, allowed);
 }
 

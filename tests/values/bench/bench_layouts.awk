@@ -29,7 +29,7 @@ function laws(p, name,  base, tris, nodes, other) {
         return
     }
     if (v[p ".layout"] == "-") {
-        truth(name "bytes of no layout", v[p ".node_bytes"] + v[p ".item_bytes"] == 0)
+        truth(name "bytes of no layout", v[p ".node_bytes"] == "null" && v[p ".item_bytes"] == "null" && v[p ".memory_bytes"] != "0")
         if (v[p ".engine"] ~ /brute/) equal(name "triangles tested", v[p ".tris_per_ray"] + 0, tris)
         return
     }
