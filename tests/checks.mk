@@ -134,6 +134,7 @@ deep: sanitize-check tsan-check validate-check validate-gpu-check slow mutants
 	@sh tests/conform/conform.sh $(B)/raydiff $(B)/check/hard-deep.xml 8000 --hard --quick
 	@sh tests/scripts/agree.sh $(B) deep $(B)/check/agree-deep
 	SHADER=all $(B)/tests/test_vulkan_shaders
+	$(B)/raydiff conform
 	RAYDIFF_WHOLE_MODULES=1 $(B)/raydiff conform --engine vulkan,vulkan_brute,vulkan_stackless
 	@sh tests/worlds/worlds_piped.sh $(B)/raydiff lies
 
