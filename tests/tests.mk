@@ -79,7 +79,7 @@ $(B)/tests/test_adversaries: $(addprefix $(B)/obj/tests/adversaries/,cheats.o ou
 
 $(B)/tests/test_traffic_memory: $(B)/obj/tests/traffic/plain_memory.o
 $(addprefix $(B)/tests/test_,scene_treelets schedulers traffic_places): $(B)/obj/tests/traffic/traffic_fixture.o
-$(addprefix $(B)/tests/test_,scene_treelets schedulers traffic_cuts traffic_no_memory): $(B)/obj/tests/traffic/traffic_fixture.o
+$(addprefix $(B)/tests/test_,scene_treelets schedulers traffic_cuts traffic_no_memory traffic_order): $(B)/obj/tests/traffic/traffic_fixture.o
 
 # Parts of commands, which are no part of the library (but of that for mutations).
 COMMAND_TESTS := $(addprefix $(B)/tests/,$(notdir $(basename $(wildcard tests/commands/test_*.c))))

@@ -84,6 +84,80 @@ static void there_are_all_boxes_or_none(void **state)
     }
 }
 
+/* A root above leaves, whose boxes lack 1, 2, .. 16 at one side each. */
+static void put_boxes(struct tree_dump *dump)
+{
+    dump->node_count = INSTANCES + 1;
+    dump->child_count = dump->item_count = INSTANCES;
+    dump->node = calloc(dump->node_count, sizeof *dump->node);
+    dump->child = calloc(INSTANCES, sizeof *dump->child);
+    dump->item = calloc(INSTANCES, sizeof *dump->item);
+    assert_true(dump->node && dump->child && dump->item);
+    dump->node[0].count = INSTANCES;
+    for (uint32_t i = 0; i < INSTANCES; i++) {
+        struct box box = scene_tri_bounds(&dump->scene, i);
+        const float lacks = (float)(1u << i % 5);
+        if (i % 6 < 3)
+            box.lo[i % 6] += lacks;
+        else
+            box.hi[i % 6 - 3] -= lacks;
+        dump->node[1 + i] = (struct dump_node){box, i, 1, true};
+        dump->child[i] = 1 + i;
+        dump->item[i] = i;
+    }
+}
+
+/* Twice the rounding unit of what a bound is the sum of, from the largest number of each axis. */
+static double plain_unit(const struct tree_dump *dump, uint32_t item)
+{
+    const struct scene *mesh = &dump->below[dump->instance[item].below].scene;
+    const float *row = dump->instance[item].m[item % 3];
+    double sum = fabs((double)row[3]);
+    for (int k = 0; k < 3; k++) {
+        double most = 0;
+        for (size_t v = 0; v < mesh->vertex_count; v++)
+            most = fmax(most, fabs((double)mesh->vertex[3 * v + (size_t)k]));
+        sum += fabs((double)row[k]) * most;
+    }
+    return ldexp(sum, -24);
+}
+
+/* Each coordinate of a vertex in turn is the largest of its axis. Only meshes with vertices are
+ * judged, which every other instance is of. */
+static void what_boxes_lack_is_of_all_vertices(void **state)
+{
+    (void)state;
+    size_t numbers = 1;
+    for (size_t n = 0; n < numbers; n++) {
+        struct tree_dump dump = make();
+        struct dump_lacks lacks;
+        struct scene *mesh = &dump.below[1].scene;
+        double most = 0;
+        numbers = 3 * (size_t)mesh->vertex_count;
+        mesh->vertex[n] = n % 2 ? -40 : 40;
+        assert_int_equal(dump_place(&dump, NULL), STATUS_OK);
+        put_boxes(&dump);
+        assert_int_equal(dump_measure(&dump, &lacks, NULL), STATUS_OK);
+        assert_true(lacks.judged == INSTANCES / 2 && lacks.small == INSTANCES / 2);
+        assert_int_equal(lacks.sides, INSTANCES / 2);
+        for (uint32_t i = 1; i < INSTANCES; i += 2) {
+            const double u = (double)(1u << i % 5) / plain_unit(&dump, i);
+            if (u > most)
+                assert_true(lacks.most.item >= i);
+            most = fmax(most, u);
+            assert_int_equal(lacks.side[i / 2].item, i);
+            assert_int_equal(lacks.side[i / 2].side, i % 6);
+            if (lacks.most.item != i)
+                continue;
+            assert_true(lacks.most.side == i % 6 && lacks.most.lacks == 1u << i % 5);
+            assert_true(fabs(lacks.most.u - u) <= 1e-12 * u);
+        }
+        assert_true(fabs(lacks.most.u - most) <= 1e-12 * most);
+        free(lacks.side);
+        tree_dump_free(&dump);
+    }
+}
+
 /* From the first of its layouts to the last, of versions 0.x and 1.x or 2.x as it writes them. */
 static void tinybvh_has_twelve_layouts(void **state)
 {
@@ -118,6 +192,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_instance_has_its_least_box),
         cmocka_unit_test(there_are_all_boxes_or_none),
+        cmocka_unit_test(what_boxes_lack_is_of_all_vertices),
         cmocka_unit_test(tinybvh_has_twelve_layouts),
         cmocka_unit_test(a_level_without_leaves_is_a_tree),
     };

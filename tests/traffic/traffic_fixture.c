@@ -1,5 +1,8 @@
 #include "tests/traffic/traffic_fixture.h"
 
+#include <math.h>
+#include <stdio.h>
+
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,12 +28,17 @@ bool traffic_case_open(const char *spec, const char *layout, const char *store,
 {
     struct reason reason = {""};
     bool twice = strncmp(spec, TRAFFIC_TWICE, strlen(TRAFFIC_TWICE)) == 0;
+    int power = 0, length = 0;
+    if (sscanf(spec, TRAFFIC_SCALED "%d %n", &power, &length) == 1)
+        spec += length;
     const struct build_options build = {.leaf = twice ? 1 : 3, .eps = BUILD_EPS_DEFAULT};
     memset(out, 0, sizeof *out);
     if (scene_open(spec + (twice ? strlen(TRAFFIC_TWICE) : 0), 1, &out->scene, &reason))
         fail_msg("%s: %s", spec, reason.text);
     if (twice)
         double_triangles(&out->scene);
+    for (size_t i = 0; i < 3 * (size_t)out->scene.vertex_count; i++)
+        out->scene.vertex[i] = ldexpf(out->scene.vertex[i], power);
     if (bvh_build(builder_find(twice ? "median" : "sah_binned"), &out->scene, &build, &out->bvh,
                   &reason))
         fail_msg("%s: %s", spec, reason.text);

@@ -20,6 +20,8 @@ struct traffic_case {
 
 /* Before a scene: it has each triangle twice, and a leaf for each. */
 #define TRAFFIC_TWICE "twice "
+/* Before a scene, with a number and a blank: it is larger by that power of two. */
+#define TRAFFIC_SCALED "scaled "
 
 /* Opens a scene and packs it. Returns false if the layout cannot hold it. Fails the test if
  * anything else is wrong. */
