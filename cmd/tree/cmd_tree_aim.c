@@ -2,26 +2,19 @@
  * stays in a plane between the end of such a box and the exact vertex beyond it, and the oracle
  * tells whether it hits the instance there. What the driver then misses it has to find in the same
  * world with larger boxes of meshes, or the box was not why. */
-#include "cmd/tree/cmd_tree_dump.h"
+#include "cmd/tree/cmd_tree_aim.h"
 
 #include "gpu/engines/rayquery_named.h"
-#include "ref/base/rng.h"
 #include "ref/oracle/oracle_world.h"
 #include "ref/world/placed.h"
 #include "scenes/worlds.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define AIM_SEED 1u
-
-struct aiming {
-    const struct tree_told *told;
-    const struct dump_side *goal; /* of each ray */
-    struct ray *ray;
-    uint32_t count;
-};
 
 /* --- rays ------------------------------------------------------------------------------------- */
 
@@ -79,8 +72,8 @@ static float beyond(double x, const struct dump_side *goal)
     return is_beyond ? near : nextafterf(goal->bound, end);
 }
 
-static bool draw_ray(const struct tree_dump *dump, const struct dump_side *goal, struct rng *rng,
-                     struct ray *out)
+bool tree_aim_ray(const struct tree_dump *dump, const struct dump_side *goal, struct rng *rng,
+                  struct ray *out)
 {
     const struct dump_instance *instance = &dump->instance[goal->item];
     const struct scene *mesh = &dump->below[instance->below].scene;
@@ -105,14 +98,15 @@ static bool draw_ray(const struct tree_dump *dump, const struct dump_side *goal,
 
 /* --- answers ---------------------------------------------------------------------------------- */
 
-/* The world with two points, as triangles, in each mesh, which make its box larger. */
-static enum status enlarge(struct world *world, struct reason *reason)
+enum status tree_aim_enlarge(struct world *world, struct reason *reason)
 {
     for (uint32_t i = 0; i < world->mesh_count; i++) {
         struct world_mesh *mesh = &world->mesh[i];
         const struct scene *from = mesh->scene;
-        struct scene *to = alloc_zeroed(1, sizeof *to);
         const struct box box = scene_bounds(from);
+        if (from->tri_count == 0)
+            continue;
+        struct scene *to = alloc_zeroed(1, sizeof *to);
         if (!to || scene_make(from->vertex_count + 2, from->tri_count + 2, to)) {
             free(to);
             return fail(reason, STATUS_MEMORY, "no memory for a mesh");
@@ -121,8 +115,10 @@ static enum status enlarge(struct world *world, struct reason *reason)
         memcpy(to->index, from->index, 3 * sizeof(uint32_t) * from->tri_count);
         for (int k = 0; k < 3; k++) {
             const float by = 0.25f * (box.hi[k] - box.lo[k]) + 0x1p-10f * fabsf(box.hi[k]);
-            to->vertex[3 * (size_t)from->vertex_count + (size_t)k] = box.lo[k] - by;
-            to->vertex[3 * (size_t)from->vertex_count + 3 + (size_t)k] = box.hi[k] + by;
+            to->vertex[3 * (size_t)from->vertex_count + (size_t)k] =
+                fmaxf(box.lo[k] - by, -FLT_MAX);
+            to->vertex[3 * (size_t)from->vertex_count + 3 + (size_t)k] =
+                fminf(box.hi[k] + by, FLT_MAX);
         }
         for (uint32_t c = 0; c < 6; c++)
             to->index[3 * (size_t)from->tri_count + c] = from->vertex_count + c / 3;
@@ -189,8 +185,8 @@ static enum status ask_oracle(const struct world *world, const struct aiming *ai
     return status;
 }
 
-static void count(const struct aiming *aiming, const uint32_t *exact, const uint32_t *driver,
-                  const uint32_t *larger, struct tree_aimed *out)
+void tree_aim_count(const struct aiming *aiming, const uint32_t *exact, const uint32_t *driver,
+                    const uint32_t *larger, struct tree_aimed *out)
 {
     for (uint32_t i = 0; i < aiming->count; i++) {
         const uint32_t number = aiming->told->dump->instance[aiming->goal[i].item].number;
@@ -221,11 +217,12 @@ static enum status play(const struct tree_command *command, struct world *world,
     if (!status)
         status = ask_driver(command, world, aiming, found + aiming->count, reason);
     if (!status)
-        status = enlarge(world, reason);
+        status = tree_aim_enlarge(world, reason);
     if (!status)
         status = ask_driver(command, world, aiming, found + 2 * (size_t)aiming->count, reason);
     if (!status)
-        count(aiming, found, found + aiming->count, found + 2 * (size_t)aiming->count, out);
+        tree_aim_count(aiming, found, found + aiming->count, found + 2 * (size_t)aiming->count,
+                       out);
     free(found);
     return status;
 }
@@ -243,7 +240,7 @@ enum status tree_aim(const struct tree_command *command, const char *spec, struc
                              : fail(reason, STATUS_MEMORY, "no memory for %u rays", command->aim);
     for (uint32_t i = 0; i < command->aim && told->lacks.sides && !status; i++) {
         goal[aiming.count] = told->lacks.side[i % told->lacks.sides];
-        aiming.count += draw_ray(told->dump, &goal[aiming.count], &rng, &ray[aiming.count]);
+        aiming.count += tree_aim_ray(told->dump, &goal[aiming.count], &rng, &ray[aiming.count]);
     }
     told->aimed = (struct tree_aimed){.done = true, .tries = aiming.count};
     if (!status && aiming.count)
