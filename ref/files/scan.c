@@ -70,21 +70,6 @@ bool scan_line_done(const struct scan *scan)
            (scan->comment && *scan->at == scan->comment);
 }
 
-void scan_next_line(struct scan *scan)
-{
-    bool comment = scan->comment && *scan->at == scan->comment;
-    while (scan->at < scan->end && !is_line_end(*scan->at)) {
-        if (!comment && at_join(scan)) {
-            scan->at++;
-            step_line(scan);
-        } else {
-            scan->at++;
-        }
-    }
-    if (scan->at < scan->end)
-        step_line(scan);
-}
-
 bool scan_word_done(const struct scan *scan)
 {
     return scan->at == scan->end || is_blank(*scan->at) || is_line_end(*scan->at) || at_join(scan);
@@ -99,6 +84,17 @@ size_t scan_word(struct scan *scan, const char **word)
     while (!scan_word_done(scan))
         scan->at++;
     return (size_t)(scan->at - *word);
+}
+
+void scan_next_line(struct scan *scan)
+{
+    const char *word;
+    while (scan_word(scan, &word) > 0)
+        continue;
+    while (scan->at < scan->end && !is_line_end(*scan->at)) /* a comment */
+        scan->at++;
+    if (scan->at < scan->end)
+        step_line(scan);
 }
 
 const char *scan_show(const struct scan *scan, char shown[SCAN_SHOWN])
