@@ -9,6 +9,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -156,6 +157,32 @@ static void names_are_listed_until_one_is_refused(void **state)
     }
 }
 
+/* Files and empty folders are removed, and what is not there has been, whatever failed before. */
+static void what_can_be_removed_is(void **state)
+{
+    (void)state;
+    static const int before[] = {0, ENOENT, EISDIR, EINVAL, EACCES};
+    for (size_t i = 0; i < ARRAY_COUNT(before); i++)
+        for (int kind = 0; kind < 4; kind++) {
+            struct reason reason = {""};
+            struct stat info;
+            if (kind == 0)
+                write_file("gone", "x");
+            else if (kind == 1)
+                assert_int_equal(mkdir(path_in("gone"), 0700), 0);
+            else if (kind == 2)
+                assert_int_equal(symlink("file", path_in("gone")), 0);
+            errno = before[i];
+            assert_int_equal(folder_remove(&folder, "gone", &reason), STATUS_OK);
+            assert_true(lstat(path_in("gone"), &info) != 0 && errno == ENOENT);
+        }
+    struct reason reason = {""};
+    assert_int_equal(mkdir(path_in("full"), 0700), 0);
+    write_file("full/one", "x");
+    assert_true(folder_remove(&folder, "full", &reason) != STATUS_OK);
+    assert_int_equal(unlink(path_in("full/one")) | rmdir(path_in("full")), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -163,6 +190,7 @@ int main(void)
         cmocka_unit_test(no_more_is_read_than_is_allowed),
         cmocka_unit_test(what_is_there_is_told_by_its_kind),
         cmocka_unit_test(a_file_with_a_second_name_is_not_appended_to),
+        cmocka_unit_test(what_can_be_removed_is),
         cmocka_unit_test(names_are_listed_until_one_is_refused),
     };
     return cmocka_run_group_tests_name("folder", tests, make, drop);

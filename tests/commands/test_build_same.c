@@ -99,6 +99,44 @@ static void one_build_that_differs_is_seen(void **state)
     assert_non_null(strstr(row[1].text, "word "));
 }
 
+/* Planted: with several threads leaves are smaller, so that there are more nodes. */
+static enum status grown(const struct scene *scene, const struct build_options *options,
+                         struct bvh *out, struct reason *reason)
+{
+    struct build_options of = *options;
+    of.leaf = options->threads > 2 ? 1 : of.leaf;
+    return note(scene, &of, out, reason);
+}
+
+static void a_tree_of_another_size_is_seen(void **state)
+{
+    (void)state;
+    struct same_row row[2];
+    struct bvh one, other;
+    struct scene scene;
+    struct reason reason;
+    char text[64];
+    play(grown, row);
+    assert_int_equal(row[0].differing, 4);
+    assert_int_equal(row[1].differing, 4);
+    assert_int_equal(scene_open("soup:n=50", 1, &scene, &reason), STATUS_OK);
+    for (uint32_t many = 2; many <= 8; many += 6) {
+        const struct build_options options = {.leaf = 4, .threads = many};
+        assert_int_equal(grown(&scene, &options, many == 2 ? &one : &other, &reason), STATUS_OK);
+    }
+    snprintf(text, sizeof text, "with 8 threads: number of nodes %u", other.node_count);
+    assert_string_equal(row[0].text, text);
+    struct packed packed;
+    assert_int_equal(packed_make(layout_find("f32"), &other, &scene, &packed, &reason), STATUS_OK);
+    snprintf(text, sizeof text, "with 8 threads: number of words %zu", (size_t)packed.word_count);
+    assert_string_equal(row[1].text, text);
+    assert_true(one.node_count < other.node_count);
+    packed_free(&packed);
+    bvh_free(&one);
+    bvh_free(&other);
+    scene_free(&scene);
+}
+
 /* Any row that differs and any WRONG answer counts, whichever stands where; other bits of others do
  * not. */
 static void what_differs_is_a_mismatch(void **state)
@@ -125,6 +163,7 @@ int main(void)
         cmocka_unit_test(every_number_of_threads_has_its_builds),
         cmocka_unit_test(a_tree_that_depends_on_threads_is_seen),
         cmocka_unit_test(one_build_that_differs_is_seen),
+        cmocka_unit_test(a_tree_of_another_size_is_seen),
         cmocka_unit_test(what_differs_is_a_mismatch),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

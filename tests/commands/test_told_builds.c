@@ -103,11 +103,33 @@ static void only_what_was_compared_is_equal(void **state)
     }
 }
 
+/* Each part of a collapse is of its own rounds. */
+static void parts_are_of_their_own_rounds(void **state)
+{
+    (void)state;
+    static struct build_wide wide;
+    for (uint32_t rounds = 1; rounds < 6; rounds++) {
+        for (int p = 0; p < WIDE_PARTS; p++)
+            for (uint32_t r = 0; r < rounds; r++) {
+                wide.device_ns[p][r] = 1e6 * (1 + p) + 1e3 * (r * 7 % 5);
+                wide.c_ns[p][r] = 3e6 * (2 + p) + 1e3 * (r * 3 % 5);
+            }
+        build_wide_sum(&wide, rounds);
+        for (int p = 0; p < WIDE_PARTS; p++) {
+            const struct build_part own = build_part_of(wide.device_ns[p], wide.c_ns[p], rounds);
+            assert_memory_equal(&wide.part[p], &own, sizeof own);
+            assert_true(fabs(own.device_ms - (1 + p)) < 0.01 &&
+                        fabs(own.c_ms - 3 * (2 + p)) < 0.01);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_text_and_the_json_of_a_builder),
         cmocka_unit_test(only_what_was_compared_is_equal),
+        cmocka_unit_test(parts_are_of_their_own_rounds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
