@@ -2,6 +2,7 @@
 #include "cmd/common/cmd_options.h"
 
 #include "ref/base/command.h"
+#include "ref/base/text.h"
 
 #include <fcntl.h>
 #include <string.h>
@@ -119,6 +120,29 @@ enum status outputs_apart(struct reason *reason)
             if (strcmp(outputs[i].path, "-") != 0 && is_same_file(outputs[k].path, outputs[i].path))
                 return fail(reason, STATUS_INPUT, "--%s and --%s: both would be written to %s",
                             outputs[k].name, outputs[i].name, outputs[i].path);
+    return STATUS_OK;
+}
+
+static bool is_output(const char *word)
+{
+    const char *value = strncmp(word, "--", 2) == 0 ? strchr(word, '=') : NULL;
+    for (size_t i = 0; i < output_count; i++)
+        if (strcmp(outputs[i].path, value ? value + 1 : word) == 0)
+            return true;
+    return false;
+}
+
+enum status outputs_can_tell(int argc, char *const *argv, struct reason *reason)
+{
+    static const char *const telling[] = {"json", "jsonl", "junit"};
+    const char *option = NULL;
+    for (size_t i = 0; i < ARRAY_COUNT(telling) && !option; i++)
+        if (option_was_given(telling[i]))
+            option = telling[i];
+    for (int i = 1; i < argc && option; i++)
+        if (!utf8_is_text(argv[i]) && !is_output(argv[i]))
+            return fail(reason, STATUS_INPUT,
+                        "%s: a name that is not UTF-8 cannot be written by --%s", argv[i], option);
     return STATUS_OK;
 }
 

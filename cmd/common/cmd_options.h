@@ -21,6 +21,9 @@ enum status option_note(const char *name, bool repeats, struct reason *reason) M
 void output_note(const char *name, const char *path, bool tried);
 enum status outputs_apart(struct reason *reason) MUST_USE;
 enum status outputs_try(struct reason *reason) MUST_USE;
+/* Checks the words of a command line, of which JSON and JUnit would tell. Errors: STATUS_INPUT one
+ * of them is to be written, and a word that is not the path of an output is not UTF-8. */
+enum status outputs_can_tell(int argc, char *const *argv, struct reason *reason) MUST_USE;
 /* For "-": redirects standard output to standard error from here on. Errors: STATUS_INPUT a second
  * "-", or cannot redirect. */
 enum status output_aside(struct reason *reason) MUST_USE;

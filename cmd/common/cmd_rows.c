@@ -302,6 +302,8 @@ int options_read(const struct option_set *set, void *options, int argc, char **a
     enum status status = code < 0 ? plugin_shader_settle(&reason) : STATUS_OK;
     if (!status && code < 0)
         status = outputs_apart(&reason);
+    if (!status && code < 0)
+        status = outputs_can_tell(argc, argv, &reason);
     if (!status && code < 0 && !set->makes_folder)
         status = outputs_try(&reason);
     return status ? option_error(set->command, status, &reason) : code;

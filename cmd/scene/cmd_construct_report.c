@@ -25,8 +25,7 @@ enum status construct_json(const struct construct_options *o, const struct scene
     for (uint32_t i = 0; i < o->construct.model_count; i++)
         if (json_array_append_new(models, model_json(&o->construct.model[i], notes->red)) != 0) {
             json_decref(models);
-            return fail(reason, STATUS_INPUT,
-                        "--json: a name that is not UTF-8 cannot be written to JSON");
+            return fail(reason, STATUS_MEMORY, "--json: no memory");
         }
     json_t *red = notes->red == CONSTRUCT_DEFAULT ? json_null() : json_integer(notes->red);
     *out =
@@ -35,9 +34,7 @@ enum status construct_json(const struct construct_options *o, const struct scene
                     RAYDIFF_VERSION, o->out, models, scene->tri_count, scene->vertex_count,
                     scene->material_count, red, scene->light_count,
                     scene->camera.orbit ? "orbit" : "fixed", notes->unused, notes->filled);
-    return *out ? STATUS_OK
-                : fail(reason, STATUS_INPUT,
-                       "--json: a name that is not UTF-8 cannot be written to JSON");
+    return *out ? STATUS_OK : fail(reason, STATUS_MEMORY, "--json: no memory");
 }
 
 void construct_print(const struct construct_options *o, const struct scene *scene,

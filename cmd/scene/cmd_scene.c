@@ -111,8 +111,7 @@ static enum status inform(const char *spec, uint64_t seed, json_t *list, struct 
     else
         world_print(spec, &world);
     if (!status && list && json_array_append_new(list, json) != 0)
-        status = fail(reason, STATUS_INPUT,
-                      "%s: a name that is not UTF-8 cannot be written to JSON", spec);
+        status = fail(reason, STATUS_MEMORY, "%s: no memory for the JSON", spec);
     world_free(&world);
     return status;
 }

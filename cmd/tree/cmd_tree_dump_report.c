@@ -251,15 +251,7 @@ static json_t *tree_json(const struct tree_told *told)
 enum status tree_write_json(const char *path, const struct tree_told *told, int code,
                             struct reason *reason)
 {
-    json_t *file = json_string(told->file), *scene = json_text(told->scene);
-    if (!file || !scene) {
-        json_decref(file);
-        json_decref(scene);
-        return fail(reason, STATUS_INPUT, "%s: a name that is not UTF-8 cannot be written to JSON",
-                    told->file);
-    }
-    json_decref(scene);
-    json_t *root = json_record("raydiff=%s exit=%d file=%p", RAYDIFF_VERSION, code, file);
+    json_t *root = json_record("raydiff=%s exit=%d file=%s", RAYDIFF_VERSION, code, told->file);
     json_t *tree = tree_json(told), *below = json_array();
     if (root && tree)
         json_object_update(root, tree);

@@ -1,14 +1,37 @@
 #include "ref/base/json_record.h"
 #include "ref/base/invariant.h"
+#include "ref/base/text.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define NAME_MOST 256
 
 _Static_assert(sizeof(size_t) == sizeof(uint64_t), "%zu takes both");
+
+/* A text value; each byte that is not part of UTF-8 becomes U+FFFD, so that no name of a file or
+ * of a tracer takes away what is told of it. */
+static json_t *text_value(const char *text)
+{
+    if (!text || utf8_is_text(text))
+        return json_string(text);
+    char *told = malloc(3 * strlen(text) + 1), *end = told;
+    if (!told)
+        return NULL;
+    while (*text) {
+        const size_t bytes = utf8_bytes(text);
+        memcpy(end, bytes ? text : "\xEF\xBF\xBD", bytes ? bytes : 3);
+        end += bytes ? bytes : 3;
+        text += bytes ? bytes : 1;
+    }
+    *end = '\0';
+    json_t *value = json_string(told);
+    free(told);
+    return value;
+}
 
 /* Makes the next value from `list`, of the conversion at `at`. */
 static json_t *next_value(const char *at, va_list *list)
@@ -16,7 +39,7 @@ static json_t *next_value(const char *at, va_list *list)
     double number;
     switch (at[1]) {
     case 's':
-        return json_string(va_arg(*list, const char *));
+        return text_value(va_arg(*list, const char *));
     case 'd':
         return json_integer(va_arg(*list, int));
     case 'u':
@@ -70,7 +93,7 @@ static bool add(json_t *object, const char *names, va_list *list)
 
 json_t *json_text(const char *text)
 {
-    return text ? json_string(text) : json_null();
+    return text ? text_value(text) : json_null();
 }
 
 json_t *json_known(uint64_t count)

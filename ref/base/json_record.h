@@ -8,7 +8,7 @@
 #include <jansson.h>
 
 /* Makes an object from NAME=CONVERSION words, separated by blanks, in their order. Conversions:
- *   %s         a text, not NULL
+ *   %s         a text, not NULL; each byte of it that is not part of UTF-8 becomes U+FFFD
  *   %d %u %zu  integers; %zu is for size_t and uint64_t
  *   %g         a number; null if it is not finite, which JSON cannot represent
  *   %i         true or false
@@ -17,7 +17,7 @@
  * if out of memory, or if a json_t is NULL. */
 json_t *json_record(const char *names, ...) PRINTF_LIKE(1, 2);
 
-/* Returns a text value, or null for NULL. */
+/* Returns a text value, as of %s, or null for NULL. */
 json_t *json_text(const char *text);
 
 /* Returns an integer, or null for 0, which stands for what is not known. */

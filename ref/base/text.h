@@ -7,6 +7,13 @@
 /* Appends to the text in `text`, cut to what fits. */
 void text_append(char *text, size_t text_bytes, const char *format, ...) PRINTF_LIKE(3, 4);
 
+/* Bytes of the character in UTF-8 that begins there (1 to 4, the shortest form of a Unicode scalar
+ * value); 0 if none does, as at the end of the text. */
+size_t utf8_bytes(const char *text);
+
+/* True if all of the text is UTF-8. */
+bool utf8_is_text(const char *text);
+
 #define COUNTED_MOST 64u /* bytes, the end included */
 
 /* Writes "1 triangle", "2 triangles", "0 vertices": the noun in its plural unless the count is 1,

@@ -92,6 +92,18 @@ expect 2 'No such file' tree "$dir/below/b.tree" "$dir/none.obj"
 
 cp $input/mine.tree "$dir/$(printf '\351').tree"
 expect 2 'not UTF-8' tree "$dir/$(printf '\351').tree" --json "$dir/j.json"
+# So does any command, before anything is played.
+byte=$(printf '\351')
+cannot_tell() { # option, words
+    option=$1
+    shift
+    expect 2 "not UTF-8 cannot be written by --$option" "$@" --"$option" "$dir/j"
+    [ ! -e "$dir/j" ] && [ ! -e "$dir/$byte" ] || bad "$1: written, with a name that is not UTF-8"
+}
+cannot_tell json check "$byte.obj"
+cannot_tell jsonl fuzz --trials 1 --engine cpu --corpus none --dir "$dir/$byte"
+cannot_tell junit conform "$byte*"
+expect 0 'agree' check soup:n=9 --engine cpu --layout f32 --count 50 --json "$dir/$byte.json"
 expect 2 'no file given' tree
 expect 2 "unexpected argument 'c'" tree a b c
 expect 2 'No such file' tree "$dir/nothing"
