@@ -182,8 +182,8 @@ static void the_text_of_a_leaking_world(void **state)
     scene.is_world = row.promises = true;
     row.broken[0] = '\0';
     const char *const lines[] = {
-        "s: 101 placed triangles, 113 instances, each closed, that rays start in; 200 rays from "
-        "127 points inside, seed 109",
+        ("s: 101 placed triangles, 113 instances, each closed, that rays start in; 200 rays from "
+         "127 points inside, seed 109"),
         " 6044 11 1011 2011 3011 6052 6060 6064 6056 6068 73",
         "1 of 1 rows promise",
     };
