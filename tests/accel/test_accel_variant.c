@@ -84,8 +84,8 @@ static void what_is_written_is_read_as_the_same(void **state)
     assert_true(copies > 5000);
 }
 
-/* What is said of the triangles, not of how they are built: each word alone is enough, whatever the
- * others say. */
+/* Words of the triangles make a form, words of how they are built make none. One word is enough,
+ * whatever stands beside it. */
 static void a_form_is_what_is_left_of_a_name_without_flags(void **state)
 {
     (void)state;

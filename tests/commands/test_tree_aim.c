@@ -1,5 +1,5 @@
-/* What raydiff tree --aim does without a driver: rays meet a triangle beyond the bound, every one
- * that is there is aimed at, larger worlds keep their triangles, and losses are counted. */
+/* The parts of raydiff tree --aim that need no driver. Rays meet a triangle beyond the bound, and
+ * each such triangle is drawn. Enlarged worlds keep their triangles. Lost rays are counted. */
 #include "cmd/tree/cmd_tree_aim.h"
 #include "scenes/worlds.h"
 

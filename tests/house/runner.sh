@@ -35,6 +35,13 @@ made_up good '[ "$MALLOC_CHECK_" = 3 ]' # tests/heap.sh
 made_up vulkan '[ -z "${MALLOC_CHECK_:-}" ]'
 expect 0 '3 passed, 0 failed, 1 skipped'
 rm "$dir/tests/test_vulkan"
+# What a suite computes counts in its processor time, what it sleeps does not.
+made_up good 'i=0; while [ $i -lt 300000 ]; do i=$((i + 1)); done'
+made_up pipe 'sleep 1'
+expect 0 '2 passed, 0 failed, 1 skipped'
+centiseconds() { tail -n 1 "$dir/check/$1.time" | awk -F'[ms ]+' '{ printf "%d", 100 * (60 * ($1 + $3) + $2 + $4) }'; }
+[ "$(centiseconds test_good)" -ge 3 ] && [ "$(centiseconds test_pipe)" -lt 50 ] || bad 'processor times'
+made_up pipe 'exit 0'
 made_up fuzz_campaign_deaths 'sleep 2; [ "${OMP_WAIT_POLICY-}" = passive ]' # beside the others, which end before
 made_up good 'exit 0'
 expect 0 '3 passed, 0 failed, 1 skipped'
