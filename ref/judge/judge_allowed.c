@@ -34,9 +34,20 @@
 /* Products of three such, less 2^-24 of each on the way, are normal numbers. */
 #define SAFE 0x1p-60
 
+/* fmax and fmin, of which these are most of the calls in a judgement, without a call. */
+static inline double larger(double a, double b)
+{
+    return a > b || isnan(b) ? a : b;
+}
+
+static inline double lesser(double a, double b)
+{
+    return a < b || isnan(b) ? a : b;
+}
+
 static double largest(const double a[3])
 {
-    return fmax(fabs(a[0]), fmax(fabs(a[1]), fabs(a[2])));
+    return larger(fabs(a[0]), larger(fabs(a[1]), fabs(a[2])));
 }
 
 /* The bound of [a, b, c]: relative parts, and what is lost where numbers are flushed: of b x c
@@ -51,9 +62,9 @@ static double bound_of(const double a[3], const double b[3], const double c[3])
         perm += fabs(a[k]) * (pair[0] + pair[1]);
         for (int p = 0; p < 2; p++) {
             if (pair[p] > 0.0)
-                least = fmin(least, pair[p]);
+                least = lesser(least, pair[p]);
             if (pair[p] > 0.0 && a[k] != 0.0)
-                least = fmin(least, fabs(a[k]) * fmin(pair[p], 1.0));
+                least = lesser(least, fabs(a[k]) * lesser(pair[p], 1.0));
         }
     }
     double tiny = least > SAFE ? 0.0 : 5.0 + 9.0 * x + 6.0 * x * (y + z) + 6.0 * y * z;
@@ -68,11 +79,11 @@ static void widen(int base, struct judge_rounding *out)
     const double *s = tri->v[base], *d = tri->d, *e1 = tri->side[base], *e2 = tri->side[last];
     double u = bound_of(s, d, e2), w = bound_of(d, s, e1), det = bound_of(e1, d, e2);
     double third = u + w + det + DIVIDED * JUDGE_UNIT * fabs(out->det);
-    out->edge_most[next] = fmax(out->edge_most[next], u);
-    out->edge_most[last] = fmax(out->edge_most[last], w);
-    out->edge_most[base] = fmax(out->edge_most[base], third);
-    out->det_most = fmax(out->det_most, det);
-    out->t_most = fmax(out->t_most, bound_of(e2, s, e1));
+    out->edge_most[next] = larger(out->edge_most[next], u);
+    out->edge_most[last] = larger(out->edge_most[last], w);
+    out->edge_most[base] = larger(out->edge_most[base], third);
+    out->det_most = larger(out->det_most, det);
+    out->t_most = larger(out->t_most, bound_of(e2, s, e1));
 }
 
 /* The rest of a judge_rounding whose triangle is set. */
