@@ -66,7 +66,7 @@ plain)
         --engine cpu,vulkan,fast,brute,vulkan_brute,embree,embree_robust
     waits golden env JOBS=1 sh tests/golden/golden.sh "$build/raydiff"
     suite agree sh tests/scripts/agree.sh "$build" quick "$logs/agree"
-    suite conform sh tests/conform/conform.sh "$build/raydiff" "$logs/conform.xml" 400 --count 500
+    suite conform sh tests/conform/conform.sh "$build/raydiff" "$logs/conform.xml" 400 --fewest
     suite conform_worlds sh tests/conform/conform.sh "$build/raydiff" "$logs/worlds.xml" 250 --worlds --count 200
     suite rules sh tests/house/rules.sh
     suite constants sh tests/house/constants.sh

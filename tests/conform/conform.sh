@@ -1,10 +1,16 @@
 #!/bin/sh
 # The conformance suite, or its hard cases, and that what it prints and writes is as much as it should be:
 #   sh tests/conform/conform.sh RAYDIFF JUNIT LEAST [ARGUMENTS OF CONFORM...]
-# LEAST: so many trials must pass.
+# LEAST: so many trials must pass. --fewest: with the fewest rays a trial that are enough, as the help says.
 set -u
 raydiff=$1 junit=$2 least=$3
 shift 3
+if [ "${1-}" = --fewest ]; then
+    shift
+    fewest=$("$raydiff" conform --help | tr -s ' \n' ' ' | sed -n 's/.*rays per trial; below \([0-9]*\) some.*/\1/p')
+    [ "${fewest:-0}" -gt 0 ] || { echo "conform: the help names no fewest rays"; exit 1; }
+    set -- "$@" --count "$fewest"
+fi
 rm -f "$junit"
 log=$(mktemp) || exit 4
 trap 'rm -f "$log"' EXIT
