@@ -15,11 +15,13 @@ $(TESTS): $(B)/libraydiff.a
 	$(CC) $(CFLAGS) $(TEST_LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LDLIBS) $(CMOCKA_LIBS) $(TEST_LIBS)
 	@mkdir -p $(B)/links; echo '$(filter-out %/$(@F).o,$(filter %.o,$^)) $(filter %.a,$^) $(LDLIBS) $(CMOCKA_LIBS) $(TEST_LIBS)' >$(B)/links/$(@F)
 
-# A test runs for seconds, most of them in the library: less of the optimiser ends sooner, and so does what has no
-# symbols for a debugger (config=debug has). The linker gold, where there is one, takes less than half of the time.
+# A test runs for seconds, nearly all of them in the library: without the optimiser it ends sooner, and so does what
+# has no symbols for a debugger (config=debug has). What tests share computes more. The linker gold, where there is
+# one, takes less than half of the time.
 ifeq ($(config),release)
 TEST_HELPERS := $(patsubst %.c,$(B)/obj/%.o,$(filter-out $(TEST_SRC),$(wildcard tests/*/*.c)))
-$(TEST_OBJ) $(TEST_HELPERS): CFLAGS := $(filter-out -g -g1,$(CFLAGS:-O3=-O1))
+$(TEST_OBJ): CFLAGS := $(filter-out -g -g1,$(CFLAGS:-O3=-O0))
+$(TEST_HELPERS): CFLAGS := $(filter-out -g -g1,$(CFLAGS:-O3=-O1))
 TEST_LDFLAGS := -Wl,-S $(if $(shell command -v ld.gold),-fuse-ld=gold)
 endif
 

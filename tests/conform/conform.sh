@@ -25,9 +25,11 @@ ran=$(sed -nE 's/^([0-9]+) trials in [0-9.]+ s(, ([0-9]+) waived)?.*$/\1 \3/p' "
 trials=${ran% *} waived=${ran#* }
 [ "$trials" = $((passed + skipped + ${waived:-0})) ] ||
     { echo "conform: $passed passed, $skipped skipped and ${waived:-0} waived are not $trials trials"; exit 1; }
-# What is waived was not judged: it counts as skipped in JUnit. Of engines that are named each is a case, too.
+# What is waived was not judged: it counts as skipped in JUnit. Of members that are named each is a case, too.
 named=0
-case " $* " in *' --engine '*) named=$(grep -c '^engine .* answered ' "$log") ;; esac
+for table in engine box; do
+    case " $* " in *" --$table "*) named=$((named + $(grep -c "^$table .* answered " "$log"))) ;; esac
+done
 cases=$((trials + named))
 skipped=$((skipped + ${waived:-0}))
 grep -q "^<testsuite .*tests=\"$cases\" failures=\"0\" errors=\"0\" skipped=\"$skipped\"" "$junit" ||
