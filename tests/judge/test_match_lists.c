@@ -102,7 +102,8 @@ static void honest_lists_are_right(void **state)
         struct fixture *f = play(specs[s], "median", 4);
         for (size_t t = 0; tri_tests[t]; t++)
             for (size_t e = 0; engines[e]; e++) {
-                if (!tri_tests[t]->core && (s > 1 || engines[e]->own_tri))
+                /* Of the two scenes that the others are played in, each engine takes one. */
+                if (!tri_tests[t]->core && (s != (t + e) % 2 || engines[e]->own_tri))
                     continue;
                 assert_int_equal(match_rebuild(&f->match, f->options.builder, &f->options.build,
                                                tri_tests[t], &f->reason),
