@@ -1,5 +1,5 @@
 # make check and slower checks.
-.PHONY: check rooms-graph agree conform-all deep slow sanitize-check tsan-check validate-check validate-gpu-check drivers webgpu \
+.PHONY: check rooms-graph agree conform-all deep slow seldom-check sanitize-check tsan-check validate-check validate-gpu-check drivers webgpu \
         mutants lint fuzz-files fuzz-afl fuzz-oss readers-engine honest leaks bounds parallel-check slurm-check \
         report-check selftest selftest-quick fresh-check arm-check warnings-check adversaries
 
@@ -130,13 +130,18 @@ lint:
 # All slow checks: sanitizers, threads, validation, all 2^32 half conversions, all planted bugs (of which
 # `make check` plays one in 24), those for the rules of the house included. What finds few bugs of the product
 # for its time stands here.
-deep: sanitize-check tsan-check validate-check validate-gpu-check slow mutants
+deep: seldom-check sanitize-check tsan-check validate-check validate-gpu-check slow mutants
 	@sh tests/conform/conform.sh $(B)/raydiff $(B)/check/hard-deep.xml 8000 --hard --quick
 	@sh tests/scripts/agree.sh $(B) deep $(B)/check/agree-deep
 	SHADER=all $(B)/tests/test_vulkan_shaders
 	$(B)/raydiff conform
 	RAYDIFF_WHOLE_MODULES=1 $(B)/raydiff conform --engine vulkan,vulkan_brute,vulkan_stackless
 	@sh tests/worlds/worlds_piped.sh $(B)/raydiff lies
+
+seldom-check:
+	@sh .ci/deps.sh check
+	@$(MAKE) --no-print-directory -s -j$(JOBS) $(CHECKED) all lib tests
+	@sh tests/run.sh $(B) seldom
 
 sanitize-check:
 	@sh .ci/deps.sh check

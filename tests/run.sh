@@ -1,6 +1,8 @@
 #!/bin/sh
 # Runs the suites of a build, as many at a time as there are processors, and sums up:
-#   sh tests/run.sh BUILD [sanitize|tsan|validate|watch]
+#   sh tests/run.sh BUILD [seldom|sanitize|tsan|validate|watch]
+# seldom: what finds few bugs of the product for its time: the tests of the tests' own tools and of packages, and whole
+# streams of trials.
 # A line per suite; the log of a failing one is printed. Ends with "N passed, N failed, N skipped",
 # counted in suites; what a suite skipped is listed with its reason.
 set -u
@@ -175,25 +177,27 @@ plain)
     suite heap_checked sh tests/house/heap_checked.sh "$logs"
     suite fetch sh tests/house/fetch.sh
     suite drivers sh tests/house/drivers.sh "$build/raydiff"
-    suite warnings sh tests/house/warnings.sh
     suite libs sh tests/house/libs.sh
-    suite fresh sh tests/house/fresh.sh
     suite runner sh tests/house/runner.sh
-    waits stubs sh tests/house/stubs.sh "$build"
     suite other sh tests/house/other.sh
-    suite deb sh tests/house/deb.sh
     suite image sh tests/house/image.sh
     suite hardware sh tests/house/hardware_steps.sh
+    suite install sh tests/house/install.sh
+    suite library sh tests/library/abi.sh "$build"
+    suite library_python sh tests/library/python.sh "$build"
+    waits plugin sh tests/scripts/plugin.sh "$build"
+    suite plugin_findings sh tests/scripts/plugin_findings.sh "$build/raydiff"
+    ;;
+seldom)
+    suite warnings sh tests/house/warnings.sh
+    suite fresh sh tests/house/fresh.sh
+    waits stubs sh tests/house/stubs.sh "$build"
+    suite deb sh tests/house/deb.sh
     suite planted sh tests/planted/selftest.sh "$build"
     suite mutate sh tests/mutation/selftest.sh "$build"
     suite shader_mutants sh tests/shader_mutants/selftest.sh "$build"
     alone selftest make -s selftest-quick
-    suite install sh tests/house/install.sh
-    suite library sh tests/library/abi.sh "$build"
-    suite library_python sh tests/library/python.sh "$build"
     suite tutorial sh tests/house/tutorial.sh "$build"
-    waits plugin sh tests/scripts/plugin.sh "$build"
-    suite plugin_findings sh tests/scripts/plugin_findings.sh "$build/raydiff"
     ;;
 sanitize)
     suite corpus sh tests/conform/corpus.sh "$build/raydiff"
@@ -236,6 +240,11 @@ for test in "$build"/tests/test_*; do
         # Threads of drivers and of Embree are not ours to judge: CPU suites only.
         case $name in test_abi | test_bad_input | test_half_gpu | test_vulkan* | test_spirv) continue ;; esac
     fi
+    # Those of whole streams of trials.
+    case $name:$mode in
+    test_fuzz_seed:seldom) ;;
+    *:seldom | test_fuzz_seed:plain) continue ;;
+    esac
     if [ "$mode" = watch ]; then # what runs shaders
         case $name in test_abi | test_half_gpu | test_vulkan*) ;; *) continue ;; esac
     fi
