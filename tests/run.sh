@@ -60,6 +60,11 @@ if [ -z "${VK_DRIVER_FILES-}${VK_ICD_FILENAMES-}" ] && ! ls /dev/dri /dev/nvidia
     done
 fi
 
+# Where python3 is a script that looks for the one to start (pyenv), it takes six times as long to begin: it looks once.
+python=$(command -v python3) && [ "$(head -c 2 "$python")" = '#!' ] && python=$(python3 -c 'import sys; print(sys.executable)') &&
+    [ -x "$python" ] && mkdir -p "$logs/bin" && printf '#!/bin/sh\nexec "%s" "$@"\n' "$python" >"$logs/bin/python3" &&
+    chmod +x "$logs/bin/python3" && export PATH="$(cd "$logs/bin" && pwd):$PATH"
+
 # What takes long begins first.
 case $mode in
 plain)
