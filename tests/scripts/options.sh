@@ -8,129 +8,13 @@ walked=${2-}
 . tests/scripts/expect.sh
 files=$dir/files
 mkdir "$files"
-runs=0 pairs=0 done= input=/dev/null
-
-commands=$("$raydiff" help --commands)
-for command in $commands; do
-    "$raydiff" $command --help >"$dir/help"
-    [ $command != diff ] || "$raydiff" diff a.png --help >>"$dir/help"
-    grep -oE -- '--[a-z][a-z-]*[a-z]' "$dir/help" | sed 's/^--//' | sort -u |
-        grep -vx 'help\|matrix\|self-test' | tr '\n' ' ' | sed 's/^/ /' >"$dir/knows.$command"
-done
-every=$(cat "$dir"/knows.* | tr ' ' '\n' | sort -u)
-
-# A value that the option would take; "" for those without.
-value_of() {
-    case $1 in
-    all | as-expected | brief | camera-fixed | camera-orbit | decimal | faithful | feedback | fill-normals | force | \
-        general | handler-* | hard | list | no-shrink | quick | summary | verbose | waves | wide | window | worlds | \
-        shaders) value= ;;
-    color) value=always ;;
-    engine | require) value=cpu ;;
-    layout) value=f32 ;; builder) value=median ;; box) value=robust ;; tri) value=mt ;; store) value=compact ;;
-    query) value=any ;; modes) value=all ;; rays) value=random ;; profile) value=rtrs ;; optimize) value=reinsert ;; handler) value=bvh ;;
-    show) value=t ;; form) value=text ;; plan) value=steps ;; parts) value=machine ;; size) value=8x8 ;;
-    pixel) value=1,1 ;; shard) value=1/2 ;; show-range) value=0:1 ;; triangles) value=8-16 ;; driver) value=stock ;;
-    format) value=raydiff ;; compiler) value=opt ;; decorate) value=final ;; buffers) value=texel ;;
-    ray) value='0,0,0 1,0,0' ;; cause) value=sentinel ;; scene) value=soup:n=9 ;; path) value=soup:n=9 ;;
-    baseline) value=fuzz/baseline.txt ;; steps) value=refit ;;
-    bvh | shader | waivers | check | bench | benchmark | doctor | findings | corpus | verify | picture)
-        value=$dir/nothing ;;
-    out | json | csv | svg | junit | jsonl | tap | markdown | html | log | paths | to | dir | save | benchmark-out)
-        value=$files/x.$1 ;;
-    *) value=3 ;;
-    esac
-}
-
-# What a run says and writes, without the digits of times; a file that it made is part of it.
-look() { # name, command line
-    rm -rf "$files"
-    mkdir "$files"
-    "$raydiff" "$@" >"$dir/out" 2>"$dir/err" <"$input"
-    code=$?
-    runs=$((runs + 1))
-    { echo "$code"; cat "$dir/out" "$dir/err"; cd "$files" && find . -type f -size +0 && cat tree* w/*.html 2>/dev/null | cksum; } |
-        sed -E 's/[0-9]+\.[0-9]+(e[+-]?[0-9]+)?/#/g' >"$dir/seen"
-}
-
-# The last run was refused by one line that names the option.
-is_refused() { # option
-    [ "$code" -eq 2 ] || return 1
-    { IFS= read -r said && ! read -r more; } <"$dir/err" || return 1
-    case "$said " in *"--$1"[!a-z-]* | *"--handler ${1#handler-} "*) return 0 ;; esac
-    return 1
-}
-
-# No two outputs of $base are one file, by the same name or by another: the second would take the first one's place.
-apart() {
-    outputs=$(echo "$uses" | tr ' ' '\n' | sed -n 's/^~\{0,1\}\([a-z]*\)=@$/\1/p' | grep -vx 'dir\|to')
-    for first in $outputs; do
-        for second in $outputs; do
-            [ "$first" != "$second" ] || continue
-            others=$(echo " $base " | sed -E "s# --($first|$second) [^- ][^ ]* # #g")
-            for other in x.png link.png; do
-                pairs=$((pairs + 1))
-                rm -rf "$files"
-                mkdir "$files"
-                [ $other = x.png ] || { : >"$files/x.png"; ln -s x.png "$files/$other"; }
-                find "$files" -exec ls -ld {} + | sort >"$dir/before"
-                "$raydiff" $others --$first "$files/x.png" --$second "$files/$other" >"$dir/out" 2>"$dir/err" <"$input"
-                code=$?
-                is_refused "$first" && is_refused "$second" || bad "raydiff $base: --$first and --$second are one file: exit $code"
-                find "$files" -exec ls -ld {} + | sort | cmp -s - "$dir/before" || bad "raydiff $base: --$first and --$second: written"
-            done
-        done
-    done
-}
+input=/dev/null
 
 # walk 'COMMAND WORDS' 'OPTION=VALUE ...': these are used, all others that any command knows refused. A
 # '~' before an option: nothing of the output can show it. A '%': it is used, and another walk tries it. '@' as value: a
-# file that it writes.
+# file that it writes. tests/options/walks.pl plays it.
 walk() {
-    base=$1
-    command=${base%% *}
-    case ${walked:-$command} in "$command") ;; *) return ;; esac
-    uses=" $(echo $2) "
-    knows=$(cat "$dir/knows.$command")
-    look $base
-    mv "$dir/seen" "$dir/plain"
-    for use in $uses; do
-        case $use in %*) continue ;; esac
-        name=${use#\~}
-        option=${name%%=*}
-        given=${name#*=}
-        pairs=$((pairs + 1))
-        case "$knows " in *" $option "*) ;; *) bad "$command --help has no --$option" ;; esac
-        [ "$given" != @ ] || given=$files/y.$option
-        [ "$given" != "$files/y.out" ] || given=$files/y.png
-        # No option is given twice: the base has its own value.
-        others=$(echo " $base " | sed -E "s# --$option( [^- ][^ ]*)? # #")
-        if [ "$given" = "$name" ]; then
-            look $others --$option
-        else
-            look $others --$option "$given"
-        fi
-        if is_refused "$option" && grep -q 'not used' "$dir/err"; then
-            bad "raydiff $base --$option: refused"
-        elif [ "$code" -gt 1 ] && [ "$code" -ne 77 ]; then
-            bad "raydiff $base --$option $given: exit $code"
-        elif [ "${use#\~}" = "$use" ] && cmp -s "$dir/seen" "$dir/plain"; then
-            bad "raydiff $base --$option $given: is taken, and changes nothing"
-        fi
-    done
-    apart
-    for option in $every; do
-        case $uses in *" $option "* | *" ~$option "* | *" %$option "* | *" $option="* | *" ~$option="*) continue ;; esac
-        # What the command knows nothing of is tried once.
-        case " $done $knows " in *" $command "*" $option "*) ;; *" $command "*) continue ;; esac
-        pairs=$((pairs + 1))
-        value_of "$option"
-        case $option,$command in tap,conform | benchmark,render | turns,fuzz | steps,fuzz) value= ;; esac
-        "$raydiff" $base --$option ${value:+"$value"} >"$dir/out" 2>"$dir/err" <"$input"
-        code=$?
-        is_refused "$option" || bad "raydiff $base --$option $value: exit $code, and it is not used"
-    done
-    done="$done $command"
+    printf '%s\t%s\t%s\n' "$input" "$1" "$(echo $2)" >>"$dir/walks"
 }
 
 "$raydiff" precompute --scene soup:n=40,seed=2 --out "$dir/soup.json" 2>/dev/null
@@ -143,7 +27,7 @@ walk 'check soup:n=40,seed=2 --count 64 --repeat 1 --engine cpu --rays primary' 
     "layout=f32 store=compact engine=fast builder=sah_sweep leaf=1 ~bvh=$dir/soup.json optimize=reinsert presplit=3 move=0.1 steps=refit:one:2 box=watertight
     tri=woop query=any rays=random count=70 ~repeat=2 brute=300 brute-rays=3 ~require=watertight
     json=@ ~threads=1 wide color=always"
-walk 'check soup:n=40,seed=2 --count 64 --repeat 1 --engine vulkan_brute --rays primary --compiler size' \
+walk 'check soup:n=40,seed=2 --count 64 --repeat 1 --engine vulkan_brute --rays primary --compiler passes:strip-debug' \
     'engine=vulkan move=0.1 steps=refit:one:2 tri=woop query=any rays=random count=70 ~repeat=2 brute=300 brute-rays=3 ~require=watertight
     json=@ compiler=opt decorate=final buffers=texel ~driver=stock ~device=0 ~workgroup=32 wide color=always'
 walk 'check soup:n=40 --count 64 --repeat 1 --engine brute' \
@@ -211,12 +95,12 @@ walk 'conform hard.01-* --list --engine cpu' 'engine=brute layout=rf16 builder=p
 walk 'conform world.*.identity.*.1.1 --list --engine cpu' 'engine=brute layout=rf16 builder=ploc box=watertight tri=woop ~list
     ~worlds'
 walk 'bench builders --scene soup:n=40 --rounds 1 --threads 1' 'scene=soup:n=41 ~rounds=2 csv=@ json=@ threads=2 wide color=always'
-walk 'bench layouts --scene soup:n=40,seed=2 --count 64 --rounds 1 --layout f32 --engine vulkan --compiler size' "%scene %layout
+walk 'bench layouts --scene soup:n=40,seed=2 --count 64 --rounds 1 --layout f32 --engine vulkan --compiler passes:strip-debug' "%scene %layout
     engine=vulkan_stackless %count %rounds %csv %json %seed %bvh compiler=opt decorate=final buffers=reference ~driver=stock
     ~device=0 ~workgroup=32 %wide %color"
 walk 'bench layouts --scene soup:n=40,seed=2 --count 64 --rounds 1 --layout f32 --engine cpu' "scene=soup:n=41 layout=rf16
     engine=cpu_stackless ~count=70 ~rounds=2 csv=@ json=@ ~seed=3 ~bvh=$dir/soup.json ~threads=1 wide color=always"
-walk 'bench fuzz --count 3 --rounds 1 --engine cpu --layout f32' '~count=4 ~rounds=2 csv=@ ~seed=3 json=@ engine=cpu_stackless
+walk 'bench fuzz --count 1 --rounds 1 --engine cpu --layout f32' '~count=2 ~rounds=2 csv=@ ~seed=3 json=@ engine=cpu_stackless
     layout=f32,rf16'
 bench='--scene cornell --count 64 --rounds 1'
 walk "bench error $bench --engine cpu --layout f32 --tri mt --rays random" "scene=sphere:n=2 ~count=70 ~rounds=2 csv=@ json=@ svg=@
@@ -232,7 +116,7 @@ walk 'bench traffic --scene cornell --count 64 --depths 2' "scene=sphere:n=2 cou
     queue=7 private=1k:2:64 shared=2k:2:64 ~row=64 wide color=always"
 walk "bench worlds $bench --instances 9" 'scene=sphere:n=2 ~count=70 ~rounds=2 csv=@ json=@ ~seed=3 threads=2 instances=10'
 # Frames draw no rays: there is no seed but of a scene that is drawn by chance.
-walk "bench frames --scene cornell --engine cpu --layout f32 --frames 2 --size 16x12 --out $files/f" "scene=sphere:n=2 ~engine=cpu layout=rf16
+walk "bench frames --scene cornell --engine cpu --layout f32 --frames 2 --turns 1 --warm-up 0 --size 16x12 --out $files/f" "scene=sphere:n=2 ~engine=cpu layout=rf16
     ~tri=woop ~box=watertight ~bvh=$dir/cornell.json frames=3 ~size=8x8 ~out=@ turns=2 ~warm-up=3 bounces=2 ~profile=rtrs ~threads=1 ~wide"
 walk 'bench oracle --scene soup:n=40 --count 64 --rounds 1' 'scene=soup:n=41 count=70 ~rounds=2 csv=@ ~seed=3 json=@'
 walk "render --path rtrs --width 8 --height 8 --engine cpu --out $files/tree.png" \
@@ -266,16 +150,12 @@ walk "fuzz --trials 20 --jobs 1 --engine cpu --layout f32 --corpus none --dir $f
     --benchmark-out "$dir/benchmark" >/dev/null 2>&1
 "$raydiff" fuzz --trials 2 --jobs 1 --engine cpu --layout f32 --corpus none --dir "$dir/found" >/dev/null 2>&1
 walk "merge --to $files/all $dir/found" 'to=@'
-walk "report soup:n=40 --out $files/r.html --parts machine" "~title=T parts=check ~threads=1 json=@ out=@ ~driver=stock
+walk "report soup:n=40 --out $files/r.html --parts machine" "~title=T parts=pictures ~threads=1 json=@ out=@ ~driver=stock
     ~device=0 ~workgroup=32 ~time=99 check=$dir/check.json bench=$dir/bench.json benchmark=$dir/benchmark.json
     ~picture=P=$dir/p.png ~doctor=$dir/doctor.json ~findings=$dir/found"
-walk "report --findings $dir/found --out $files/r.html" "~title=T ~peer-memory=999 ~peer-time=9 ~parts=machine json=@ out=@
+walk "report --findings $dir/found --out $files/r.html --parts check" "~title=T ~peer-memory=999 ~peer-time=9 ~parts=machine json=@ out=@
     ~driver=stock ~device=0 ~workgroup=32 ~threads=1 ~time=99 check=$dir/check.json bench=$dir/bench.json benchmark=$dir/benchmark.json
     ~picture=P=$dir/p.png ~doctor=$dir/doctor.json ~findings=$dir/found ~baseline=fuzz/baseline.txt
     ~web=pages"
 
-for command in ${walked:-$commands}; do
-    case " $done " in *" $command "*) ;; *) bad "no run of $command" ;; esac
-done
-echo "options: $pairs pairs of run and option, $runs runs, $failed failed"
-[ "$failed" -eq 0 ]
+perl tests/options/walks.pl "$raydiff" "$dir" ${walked:+"$walked"} <"$dir/walks"
