@@ -29,7 +29,7 @@ else
     echo 'SKIP memory that is not given back: no LeakSanitizer that can be loaded'
 fi
 # What the sanitizer tells of itself is no word of raydiff.
-own_words() { sed -i '/^Warning: REAL(/d' "$dir/err"; }
+own_words() { [ ! -s "$dir/err" ] || sed -i '/^Warning: REAL(/d' "$dir/err"; }
 kept() { sed -n 's/^ *#[1-9][0-9]* 0x[0-9a-f]* in //p' "$dir/err" | head -n 2 | tr '\n' ' '; }
 
 # exit code, arguments of raydiff. 2 has its reason on standard error, or in the row of what failed.
@@ -44,7 +44,16 @@ ends() {
     [ "$code" -eq "$wanted" ] || bad "raydiff $*: exit $code, not $wanted: $(tail -n 1 "$dir/err")"
     [ "$code" -ne 2 ] || [ -s "$dir/err" ] || grep -q '  failed: [^ ]' "$dir/text" || bad "raydiff $*: no reason on standard error"
 }
-for tracer in sees blind careless refuser ender; do tracer "$tracer"; done
+# The tracers that a part plays.
+tracers_of() {
+    case $1 in
+    judging | findings) echo sees blind refuser ender ;;
+    files) echo sees blind careless ;;
+    mixed) echo blind ;;
+    folders) echo sees blind ;;
+    esac
+}
+for tracer in $(for part in ${*:-judging findings files}; do tracers_of "$part"; done | tr ' ' '\n' | sort -u); do tracer "$tracer"; done
 sees="pipe:$dir/sees" blind="pipe:$dir/blind" careless="pipe:$dir/careless"
 refuser="pipe:$dir/refuser" ender="pipe:$dir/ender" dies="pipe:false" missing="pipe:$dir/missing"
 none='--engine vulkan --driver no-such-driver'

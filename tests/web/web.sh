@@ -121,6 +121,7 @@ for finding in "$dir"/found/*/; do
 done
 pages=$(ls "$dir/found-pages" | grep -vc '^index.html$')
 [ "$pages" -ge 1 ] || bad 'no page of a folder of findings'
+export VK_DRIVER_FILES=/dev/null VK_ICD_FILENAMES=/dev/null # which each finding would start
 "$raydiff" report --findings "$dir/found" --web found-pages --out "$dir/report.html" --parts check >"$dir/out" 2>&1
 grep -o '<a class="page" href="[^"]*"' "$dir/report.html" | sed 's/.*href="//; s/"$//' | sort >"$dir/links"
 ls "$dir/found-pages" | grep -v '^index.html$' | sed 's|^|found-pages/|' | sort | cmp -s - "$dir/links" || bad "the report links to $(tr '\n' ' ' <"$dir/links")"
