@@ -5,8 +5,14 @@ function wrong(what) {
     bad = 1
     exit 1
 }
+# `rest` is what is left of a line: a value may go on in the next, no word of it does.
 function skip() {
-    if (match(rest, /^[ \t\r\n]+/)) take(RLENGTH)
+    if (match(rest, /^[ \t\r]+/)) take(RLENGTH)
+    while (rest == "" && at < NR) {
+        rest = line[++at]
+        place++
+        if (match(rest, /^[ \t\r]+/)) take(RLENGTH)
+    }
 }
 function take(length_) {
     rest = substr(rest, length_ + 1)
@@ -53,9 +59,10 @@ function value(path,  name, i, first) {
     } else
         wrong("no value")
 }
-{ rest = rest $0 "\n" }
+{ line[NR] = $0 }
 END {
     if (bad) exit 1
+    place = -1
     value("")
     skip()
     if (rest != "") wrong("more than one value")
