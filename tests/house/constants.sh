@@ -10,11 +10,6 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 : >"$work/breaches"
 
-# Code without comments and strings.
-bare() {
-    awk -v empty=1 -f tests/house/code.awk "$1"
-}
-
 # "file literal" of every row: the first column's names, the second's values and the third's files
 # are in backticks. A name is defined as one of the values in each file that it is in.
 awk '/^\| [^-]/' "$page" >"$work/rows"
@@ -36,21 +31,33 @@ while IFS='|' read -r _ names values files _; do
     done <"$work/files"
 done <"$work/rows" >"$work/said"
 
-literal='0x[0-9a-fA-F.]+p[-+]?[0-9]+|[0-9]+(\.[0-9]+)?e-[0-9]+'
+# Each file without comments and strings, held against its rows by one process.
 for file in $(git ls-files 'ref/*.[ch]' 'ref/*/*.[ch]' 'shaders/*.glsl' 'shaders/*.comp'); do
     case $file in ref/outside/* | ref/base/decimal.c) continue ;; esac
-    bare "$file" >"$work/bare"
-    grep -oE "(^|[^0-9A-Za-z_.])($literal)" "$work/bare" | grep -oE "$literal" | sort -u |
-        while read -r found; do
-            # 0x1p-2 is not in a row that says 0x1p-20
-            grep -F "$file " "$work/said" | cut -d' ' -f2- | grep -oE "$literal" |
-                grep -qxF -e "$found" ||
-                echo "$file: $found is on no row of $page"
-        done
-    grep -F "$file " "$work/said" | cut -d' ' -f2- | sort -u | while read -r said; do
-        grep -qF -e "$said" "$work/bare" || echo "$file $said" # perhaps another file of the row
-    done
-done >"$work/found"
+    echo "$file"
+done >"$work/sources"
+[ -s "$work/sources" ] || { echo "no sources"; exit 1; }
+awk -v empty=1 -v placed=1 -f tests/house/code.awk $(cat "$work/sources") | perl -e '
+    use strict;
+    use warnings;
+    my ($page, $said, $sources) = @ARGV;
+    my $literal = qr/0x[0-9a-fA-F.]+p[-+]?[0-9]+|[0-9]+(?:\.[0-9]+)?e-[0-9]+/;
+    my (%bare, %row);
+    while (<STDIN>) { $bare{$1} .= $2 if /^([^:]*):[0-9]+: (.*\n)/ }
+    open my $rows, "<", $said or die;
+    while (<$rows>) { chomp; $row{$1}{$2} = 1 if /^(\S+) (.*)/ }
+    open my $in, "<", $sources or die;
+    while (my $file = <$in>) {
+        chomp $file;
+        my @values = sort keys %{$row{$file}};
+        # 0x1p-2 is not in a row that says 0x1p-20
+        my %known = map { $_ => 1 } map { /$literal/g } @values;
+        my %found;
+        for (split /\n/, $bare{$file} // "") { $found{$2} = 1 while /(^|[^0-9A-Za-z_.])($literal)/g }
+        print "$file: $_ is on no row of $page\n" for grep { !$known{$_} } sort keys %found;
+        # perhaps another file of the row
+        print "$file $_\n" for grep { index($bare{$file} // "", $_) < 0 } @values;
+    }' "$page" "$work/said" "$work/sources" >"$work/found" || exit 1
 grep -F ' is on no row of ' "$work/found" >>"$work/breaches"
 # A value must be in each of its row's files.
 grep -vF ' is on no row of ' "$work/found" | while read -r file said; do

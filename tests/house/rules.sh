@@ -93,8 +93,8 @@ perl -0777 -ne '
 [ -s "$scratch" ] && cat "$scratch" && breach "one draw after the other: arguments are evaluated in any order"
 
 # The project speaks of itself alone: nothing lies beside the checkout.
-git grep -nE '\.\./shared/|(^|[^a-z./])shared/(scenes|design|notes)' -- . ':!tests/house/rules.sh' ':!tests/house/rules_planted.sh' &&
-    breach "what is not part of the project is named by an option or a variable"
+git grep -nF shared/ -- . ':!tests/house/rules.sh' ':!tests/house/rules_planted.sh' |
+    grep -E '\.\./shared/|(^|[^a-z./])shared/(scenes|design|notes)' && breach "what is not part of the project is named by an option or a variable"
 
 # The picture of the rooms.
 sh tests/house/rooms_graph.sh edges | sort >"$scratch"
@@ -143,7 +143,8 @@ git ls-files -- ':!bench/results' | sed -n 's|/[^/]*$||p' | sort | uniq -c | awk
 [ "$(wc -l <Makefile)" -le 200 ] || breach "Makefile: over 200 lines; its parts stand in the rooms that they build"
 wc -l $(git ls-files '*.c' '*.h' '*.glsl' '*.comp') | awk '$1 > 400 && $2 != "total" {print $2 ": " $1 " lines"; bad = 1} END {exit !bad}' &&
     breach "one concept a file, at most 400 lines"
-git grep -nE '.{101,}' -- '*.c' '*.h' '*.glsl' '*.comp' && breach "a line has at most 100 columns"
+awk 'length($0) > 100 {print FILENAME ":" FNR ": " $0; bad = 1} END {exit !bad}' $(git ls-files '*.c' '*.h' '*.glsl' '*.comp') &&
+    breach "a line has at most 100 columns"
 awk 'FNR == 1 {code = 0} /^```/ {code = !code; next} !code && !/^\|/ && length($0) > 120 {print FILENAME ":" FNR; bad = 1} END {exit !bad}' \
     $(git ls-files '*.md' ':!bench/results') && breach "a line of a page has at most 120 columns, but in tables and in what is shown"
 awk 'FNR == 1 {begin = 0} /^\{/ {begin = FNR} /^\}/ && begin {if (FNR - begin - 1 > 60) {print FILENAME ":" begin ": " FNR - begin - 1 " lines"; bad = 1}; begin = 0} END {exit !bad}' \

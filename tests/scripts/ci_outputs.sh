@@ -52,7 +52,7 @@ has err "known:1: after the pattern comes 'until YYYY-MM-DD'"
 
 # Interrupted before all trials were played: not 0, so that a shard is not taken for played. Then the
 # rest, as if nothing had happened.
-long="--engine cpu --corpus none --no-shrink --rays 50 --jobs 1 --layout rf16 --trials 40000"
+long="--engine cpu --corpus none --no-shrink --rays 50 --jobs 1 --layout rf16 --trials 16000"
 "$raydiff" fuzz $long --dir "$dir/cut" >"$dir/out" 2>"$dir/err" &
 pid=$!
 tries=0
@@ -64,12 +64,12 @@ got=$?
 [ "$got" -eq 143 ] || bad "interrupted: exit $got, not 143"
 has out 'unplayed   trials are left'
 "$raydiff" fuzz $long --dir "$dir/cut" --jsonl "$dir/a.jsonl" >"$dir/out" 2>"$dir/err" || bad "gone on"
-has a.jsonl '"trials": 40000'
+has a.jsonl '"trials": 16000'
 grep -q '^unplayed' "$dir/out" && bad "all is played"
 # Where nothing is left to play, the outputs are still those of the whole.
 "$raydiff" fuzz $long --dir "$dir/cut" --jsonl "$dir/b.jsonl" --tap "$dir/a.tap" --junit "$dir/a.xml" >"$dir/out" 2>"$dir/err" ||
     bad "once more"
-has b.jsonl '"trials": 40000'
+has b.jsonl '"trials": 16000'
 grep -q '^not ok' "$dir/a.tap" && bad "no trial counts as played: $(grep '^not ok' "$dir/a.tap")"
 has a.xml 'failures="0" errors="0"'
 
