@@ -21,12 +21,13 @@ proxies() {
             grep -v '=DIRECT$'
     done
 }
+proxied=$(proxies)
 
 # $1 is run by a shell in the new system.
 in_root() {
-    # shellcheck disable=SC2046 # words without blanks
+    # shellcheck disable=SC2086 # words without blanks
     chroot "$root" env -i HOME=/root TERM=dumb DEBIAN_FRONTEND=noninteractive \
-        PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin $(proxies) sh -c "$1" </dev/null
+        PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin $proxied sh -c "$1" </dev/null
 }
 
 # $(version PACKAGE...): of the first that is installed, without what Debian adds.
@@ -77,8 +78,8 @@ make_system() { # RELEASE FOLDER
     echo "$1: debootstrap"
     mkdir -p "$2"
     place_of "$1"
-    # shellcheck disable=SC2046,SC2086
-    env $(proxies) debootstrap --variant=minbase $options "$1" "$2" "$mirror" $script >"$logs/$1.debootstrap.log" 2>&1 || {
+    # shellcheck disable=SC2086
+    env $proxied debootstrap --variant=minbase $options "$1" "$2" "$mirror" $script >"$logs/$1.debootstrap.log" 2>&1 || {
         tail -n 3 "$logs/$1.debootstrap.log"
         return 1
     }
