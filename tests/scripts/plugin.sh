@@ -48,8 +48,8 @@ while read -r line; do
     esac
 done <<'END'
 cc -std=c17 -O2 -ffp-contract=off -shared -fPIC -I. -o mine.so mine.c
-build/raydiff check sphere --layout f32,./mine.so --shader mine.glsl --count 10000
-build/raydiff conform --layout ./mine.so --shader mine.glsl --count 100
+build/raydiff check sphere --layout f32,./mine.so --shader mine.glsl --engine cpu,vulkan --count 10000
+build/raydiff conform --layout ./mine.so --engine cpu --count 100
 build/raydiff fuzz --trials 60 --layout ./mine.so --shader mine.glsl --dir mine.findings
 build/raydiff bench error --scene sphere:n=8 --layout f32,./mine.so --shader mine.glsl --tri mt --rounds 3 --count 1000
 END

@@ -79,7 +79,7 @@ play_builders() {
     done
     rm "$dir/other.flat"
     awk 'BEGIN {
-        n = 16
+        n = 12
         for (i = 0; i < n; i++) print "v", cos(i), sin(i), cos(3 * i)
         for (a = 1; a <= n; a++) for (b = a + 1; b <= n; b++) for (c = b + 1; c <= n; c++) print "f", a, b, c
     }' >"$dir/few.obj"
