@@ -79,7 +79,7 @@ has out ': [0-9]+ findings, [1-9][0-9]* of them smaller now$'
 
 # A screen is as wide as the terminal, so that no line of it becomes two.
 screen() {
-    script -qec "stty cols $1; '$raydiff' fuzz $small --engine cpu --layout f32 --time 1 --dir '$dir/screen'" /dev/null \
+    script -qec "stty cols $1; '$raydiff' fuzz $(echo "$small" | sed 's/--jobs 2/--jobs 1/') --engine cpu --layout f32 --time 1 --dir '$dir/screen'" /dev/null \
         >"$dir/out" 2>"$dir/err" </dev/null || bad "fuzz on a terminal"
     tr -d '\r' <"$dir/out" | sed -n "s/.*$(printf '\033')\[K//p" | sed 's/\x1b\[[0-9;]*m//g' >"$dir/rows"
 }
