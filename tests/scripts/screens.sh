@@ -93,7 +93,7 @@ fits check sphere:n=4 --engine "'cpu,pipe:$dir/blind'" --layout f32 "$few"
 plain "$dir/screen" | grep -c '^  explain: ' | grep -qx 1 || bad 'check: on a terminal not one command of a row'
 fits check mixed --engine cpu,brute --layout f32,rf16 --query closest,all --count 200
 grep -q '^    *[a-z ]*flags mixed, seed 1' "$dir/screen" || bad 'check: the head of a world stands in one line, or lacks its rays'
-fits fuzz --trials 40 --engine cpu,vulkan --layout f32,rtrs_rf --faithful --no-shrink --corpus none --jobs 1 --dir "$dir/found"
+fits fuzz --trials 16 --engine cpu,vulkan --layout f32,rtrs_rf --faithful --no-shrink --corpus none --jobs 1 --dir "$dir/found"
 fits min fuzz/corpus/rounded-inward.trial --out "$dir/small.trial"
 fits doctor
 fits list
