@@ -152,7 +152,7 @@ plain)
     suite show sh tests/scripts/show.sh "$build/raydiff"
     suite screens sh tests/scripts/screens.sh "$build/raydiff"
     suite explain_html sh tests/scripts/explain_html.sh "$build/raydiff"
-    suite pages perl tests/docs/pages.pl "$build" README.md docs/*.md
+    suite pages perl tests/docs/pages.pl "$build" README.md $(ls docs/*.md | grep -v '/my-')
     suite action sh tests/docs/action.sh
     suite complete sh tests/docs/complete.sh "$build/raydiff"
     suite tables sh tests/docs/tables.sh
@@ -178,7 +178,7 @@ plain)
     alone signals sh tests/scripts/signals.sh "$build/raydiff"
     alone ended sh tests/scripts/ended.sh "$build/raydiff"
     alone peers sh tests/scripts/peers.sh "$build/raydiff"
-    suite faults sh tests/scripts/faults.sh "$build/raydiff"
+    suite faults sh tests/scripts/faults.sh "$build/raydiff" -q -s 90
     suite heap_checked sh tests/house/heap_checked.sh "$logs"
     suite fetch sh tests/house/fetch.sh
     suite drivers sh tests/house/drivers.sh "$build/raydiff"
@@ -194,6 +194,8 @@ plain)
     suite plugin_findings sh tests/scripts/plugin_findings.sh "$build/raydiff"
     ;;
 seldom)
+    suite pages_my perl tests/docs/pages.pl "$build" docs/my-*.md
+    suite faults sh tests/scripts/faults.sh "$build/raydiff"
     suite warnings sh tests/house/warnings.sh
     suite fresh sh tests/house/fresh.sh
     waits stubs sh tests/house/stubs.sh "$build"

@@ -16,9 +16,6 @@
  * first such trial is the 659th to the 10,358th. This seed's, the 2,458th, is in the middle. */
 #define DEFAULT_SEED "2"
 
-/* Least number of trials of a control. */
-#define CONTROL_TRIALS 1024u
-
 static enum status take_choices(void *options, const struct option_value *given,
                                 struct reason *reason)
 {
@@ -38,6 +35,8 @@ static const struct option_row rows[] = {
      "only these: by bug, by bug and unit as in LOST_SLOT.trace_rf16, by kind, or by engines",
      OF_OWN(take_choices)},
     {"time", "S", "seconds for each", OF_COUNT(seconds, 1, 86400), .value = "60"},
+    {"control", "N", "least number of trials of the program without a bug",
+     OF_COUNT(control, 1, 1000000), .value = "1024"},
     {"seed", "S", "of the trials", OF_COUNT(seed, 0, UINT64_MAX), .value = DEFAULT_SEED},
     {"jobs", "N", "programs at a time, of one worker each", OF_COUNT(jobs, 1, SELFTEST_JOBS_MOST),
      .shown = "cores"},
@@ -154,7 +153,7 @@ static enum status make_rows(struct selftest_command *c, struct reason *reason)
 /* A control plays at least as many trials as the bugs of its field needed. */
 static void set_control(const struct selftest_command *c, struct selftest_row *row)
 {
-    row->job.trials = CONTROL_TRIALS;
+    row->job.trials = c->control;
     for (size_t i = 0; i < c->planted; i++)
         if (same_field(c->row[i].bug, row->bug) && c->row[i].job.result.trials > row->job.trials)
             row->job.trials = c->row[i].job.result.trials;

@@ -19,7 +19,7 @@ struct selftest_row {
 
 struct selftest_command {
     uint64_t seed;
-    unsigned seconds, jobs;
+    unsigned seconds, jobs, control;
     const char *json, *programs;
     const char *choice[SELFTEST_CHOICE_MOST]; /* none: all */
     size_t choices;

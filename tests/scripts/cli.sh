@@ -692,7 +692,7 @@ expect 2 "LOST_SLOT.trace is not built" fuzz --self-test --programs "$dir/plante
 expect 2 "no bug is 'NONE'" fuzz --self-test --programs "$dir/planted" --only NONE
 printf '#!/bin/sh\necho sick\nexit 4\n' >"$dir/planted/LOST_SLOT.trace/raydiff"
 chmod +x "$dir/planted/LOST_SLOT.trace/raydiff"
-expect 1 . fuzz --self-test --programs "$dir/planted" --json "$dir/self.json"
+expect 1 . fuzz --self-test --control 16 --programs "$dir/planted" --json "$dir/self.json"
 [ "$(tail -n 1 "$dir/out")" = "found 0 of 1" ] || bad "fuzz --self-test: the last line is not its sum"
 grep -q '"passed": false' "$dir/self.json" || bad "fuzz --self-test --json: passed"
 # One without a bug that finds something fails it, even where every bug is found.
@@ -701,7 +701,7 @@ echo 'LOST_SLOT ref/trace/trace.c cpu rtrs_rf slots' >"$dir/unclean/selftest.txt
 case $raydiff in /*) ;; *) raydiff=$PWD/$raydiff ;; esac
 printf '#!/bin/sh\nexec "%s" "$@"\n' "$raydiff" >"$dir/unclean/LOST_SLOT.trace/raydiff"
 chmod +x "$dir/unclean/LOST_SLOT.trace/raydiff"
-expect 1 . fuzz --self-test --programs "$dir/unclean" --json "$dir/self.json"
+expect 1 . fuzz --self-test --control 256 --programs "$dir/unclean" --json "$dir/self.json"
 grep -q '^without a bug 0 of 1 clean$' "$dir/out" || bad "fuzz --self-test: a control that finds something is clean"
 [ "$(tail -n 1 "$dir/out")" = "found 1 of 1" ] || bad "fuzz --self-test: a bug that is found is not"
 grep -q '"passed": false' "$dir/self.json" || bad "fuzz --self-test --json: passed, and the control is not clean"
@@ -744,7 +744,7 @@ expect 0 . explain "$dir/one.obj" --ray '0.25,0.25,-1 0,0,1' --json -
 stands_alone explain
 expect 77 . doctor --driver no-such-driver --json -
 stands_alone doctor
-expect 1 . fuzz --self-test --programs "$dir/planted" --json -
+expect 1 . fuzz --self-test --control 16 --programs "$dir/planted" --json -
 stands_alone "fuzz --self-test"
 for arguments in 'bench error --svg' 'conform --junit' 'conform --markdown' 'fuzz --tap' \
     'gen soup --out' 'precompute --scene soup --out'; do

@@ -27,16 +27,17 @@ KEPT    ref/some/three.c  cpu        rf16  comparison
 ABSENT  ref/some/four.c   cpu,brute  f32   order
 ENDS    ref/some/five.c   cpu        half4 numbers
 END
+least=96
 # Columns of the text as JSON has them, row by row.
 selftest() { # exit code, sums of found and planted, clean, skipped; options
     wanted=$1 found=$2 planted=$3 skipped=$4
     shift 4
     ran="raydiff fuzz --self-test $*"
-    "$raydiff" fuzz --self-test --programs "$programs" --time 2 --json "$dir/json" "$@" >"$dir/text" 2>"$dir/err"
+    "$raydiff" fuzz --self-test --programs "$programs" --time 2 --control $least --json "$dir/json" "$@" >"$dir/text" 2>"$dir/err"
     code=$?
     [ "$code" -eq "$wanted" ] || { bad "$ran: exit $code, not $wanted"; tail -n 2 "$dir/err"; }
     awk -f tests/values/flat.awk "$dir/json" >"$dir/flat"
-    awk -v found="$found" -v planted="$planted" -v skipped="$skipped" -v wanted="$wanted" -f tests/values/lib.awk \
+    awk -v found="$found" -v planted="$planted" -v skipped="$skipped" -v wanted="$wanted" -v least=$least -f tests/values/lib.awk \
         -f tests/values/findings/selftest.awk "$dir/flat" "$programs/selftest.txt" "$dir/text" || bad "$ran"
 }
 selftest 1 2 4 1
@@ -44,7 +45,7 @@ selftest 0 2 2 0 --only QUICK,SLOW --seed 9
 selftest 1 0 1 0 --only comparison
 selftest 0 0 0 1 --only ABSENT
 # What is found is the finding of the lowest trial that the folder has.
-"$raydiff" fuzz --self-test --programs "$programs" --time 2 --only QUICK --json "$dir/json" >"$dir/text" 2>"$dir/err"
+"$raydiff" fuzz --self-test --programs "$programs" --time 2 --control 1 --only QUICK --json "$dir/json" >"$dir/text" 2>"$dir/err"
 awk -f tests/values/flat.awk "$dir/json" >"$dir/flat"
 awk '/^expect / { name = $2 } /^origin / { print $5 + 1, name }' "$programs"/QUICK.one/found/*/first.trial | sort -n >"$dir/found"
 is="$(sed -n 's/^bugs.0.trials=//p' "$dir/flat") $(sed -n 's/^bugs.0.said=//p' "$dir/flat")"

@@ -1,5 +1,5 @@
 # `raydiff fuzz --self-test` against its JSON and its table: awk -v found=N -v planted=N -v skipped=N -v wanted=CODE
-# -f lib.awk -f selftest.awk FLAT selftest.txt TEXT
+# -v least=TRIALS -f lib.awk -f selftest.awk FLAT selftest.txt TEXT
 function median(n,  i, k, x) {
     for (i = 2; i <= n; i++) {
         x = sorted[i]
@@ -7,6 +7,17 @@ function median(n,  i, k, x) {
         sorted[k + 1] = x
     }
     return (sorted[int((n + 1) / 2)] + sorted[int(n / 2) + 1]) / 2
+}
+# A control plays as many trials as the bugs of its field needed, and as many as it must at least. What is not found
+# took all of its time.
+function control_law(p,  i, most, kept) {
+    most = least
+    for (i = 0; i < v["bugs.count"]; i++) {
+        if (v["bugs." i ".engines"] v["bugs." i ".layouts"] != v[p ".engines"] v[p ".layouts"]) continue
+        if (v["bugs." i ".trials"] > most) most = v["bugs." i ".trials"]
+        kept += v["bugs." i ".end"] == "NOT FOUND"
+    }
+    if (v[p ".end"] == "clean" && !kept) equal("trials of a control", v[p ".trials"], most)
 }
 function laws(  i, p, n, ends) {
     for (i = 0; i < v["bugs.count"]; i++) {
@@ -27,6 +38,7 @@ function laws(  i, p, n, ends) {
         clean += v["controls." i ".end"] == "clean"
         equal("a control has no bug", v["controls." i ".bug"] v["controls." i ".unit"] v["controls." i ".kind"], "")
         skips += v["controls." i ".end"] == "skipped"
+        control_law("controls." i)
     }
     equal("skipped", v["skipped"], skipped)
     equal("skipped are rows", v["skipped"], ends["skipped"] + skips)
