@@ -207,14 +207,16 @@ static enum status read_flags(struct pipe_reading *r)
     return STATUS_OK;
 }
 
-/* Reads the rest of the line, without blanks at its end. */
+/* Reads the rest of the line, without blanks at its end; a tab is a blank. */
 static void read_rest(struct pipe_reading *r, char *text, size_t text_bytes)
 {
     scan_blanks(&r->scan);
     size_t length = 0;
-    for (; r->scan.at < r->scan.end && *r->scan.at != '\n' && *r->scan.at != '\r'; r->scan.at++)
+    for (; r->scan.at < r->scan.end && *r->scan.at != '\n' && *r->scan.at != '\r'; r->scan.at++) {
+        const char c = *r->scan.at == '\t' ? ' ' : *r->scan.at;
         if (length + 1 < text_bytes)
-            text[length++] = *r->scan.at < ' ' || *r->scan.at > '~' ? '?' : *r->scan.at;
+            text[length++] = c < ' ' || c > '~' ? '?' : c;
+    }
     while (length > 0 && text[length - 1] == ' ')
         length--;
     text[length] = '\0';

@@ -123,10 +123,34 @@ static void any_words_are_checked(void **state)
     dual_stand_free(&s);
 }
 
+/* What a tree counts is counted again: no number of it may be any other. */
+static void no_wrong_count_is_missed(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < DUAL_SCENES; i++) {
+        struct dual_stand s;
+        memset(&s, 0, sizeof s);
+        dual_stand_make(&s, i, i % 2 ? DUAL_ALL : DUAL_BY_COST);
+        uint32_t *const count[] = {&s.tree.split_count, &s.tree.carve_count, &s.tree.leaf_count,
+                                   &s.tree.depth};
+        assert_int_equal(checked(&s), STATUS_OK);
+        for (size_t k = 0; k < ARRAY_COUNT(count); k++) {
+            const uint32_t was = *count[k];
+            *count[k] = was - 1;
+            assert_int_equal(checked(&s), STATUS_INPUT);
+            *count[k] = was ^ 1u << 20;
+            assert_int_equal(checked(&s), STATUS_INPUT);
+            *count[k] = was;
+        }
+        dual_stand_free(&s);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_wrong_word_is_missed),
+        cmocka_unit_test(no_wrong_count_is_missed),
         cmocka_unit_test(leaves_are_there_once),
         cmocka_unit_test(any_words_are_checked),
     };

@@ -253,9 +253,41 @@ static void views_need_no_new_pipelines(void **state)
     stand_close(&stand);
 }
 
+/* Whatever of a frame is recorded, it is the same: pixels alone, with colours, with segments,
+ * with both; each drawn by a framer that has drawn nothing else. */
+static void what_is_recorded_changes_nothing(void **state)
+{
+    (void)state;
+    const enum frame_plan plans[] = {FRAME_WHOLE, FRAME_STEPS};
+    for (uint32_t i = 0; i < 8; i++) {
+        struct drawn_stand stand = stand_or_skip(false);
+        struct picture p = picture_make("rtrs", repaired, 61, 47);
+        struct frame whole = drawn_make(&p), got = drawn_make(&p);
+        float *const color = got.color;
+        struct segment *const segment = got.segment;
+        p.job.plan = plans[i / 4];
+        assert_true(picture_draw(&p, "cpu", 1, true, &p.frame));
+        got.color = i & 1 ? color : NULL;
+        got.segment = i & 2 ? segment : NULL;
+        draw(&stand, &p, &got);
+        draw(&stand, &p, &whole);
+        as_in_c("all of it", &p, &p.frame, &whole);
+        got.color = i & 1 ? color : memcpy(color, whole.color, 3 * 61 * 47 * sizeof *color);
+        got.segment =
+            i & 2 ? segment
+                  : memcpy(segment, whole.segment, 61 * 47 * p.job.look.bounces * sizeof *segment);
+        same_bits("a part of it", &p, &got, &whole);
+        frame_free(&got);
+        frame_free(&whole);
+        picture_free(&p);
+        stand_close(&stand);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_recorded_changes_nothing),
         cmocka_unit_test(paths_have_the_bits_of_c),
         cmocka_unit_test(all_plans_have_the_same_bits),
         cmocka_unit_test(shine_of_any_exponent_has_the_bits_of_c),

@@ -18,7 +18,26 @@ static enum status play(bool inside, enum query query, struct hit *hit, uint32_t
                       reason);
 }
 
-/* What tests/peers/guest_bad.c answers to ray i, from the world itself. */
+static uint32_t mixed(uint32_t hash, const void *bytes, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        hash = (hash ^ ((const unsigned char *)bytes)[i]) * 16777619u;
+    return hash;
+}
+
+static uint32_t mixed_mesh(uint32_t hash, const struct world_mesh *mesh)
+{
+    hash = mixed(hash, mesh->scene->vertex, 12 * (size_t)mesh->scene->vertex_count);
+    hash = mixed(hash, mesh->scene->index, 12 * (size_t)mesh->scene->tri_count);
+    for (uint32_t g = 0; g < mesh->geometry_count; g++) {
+        const uint32_t words[] = {mesh->geometry[g].count, mesh->geometry[g].opaque};
+        hash = mixed(hash, words, sizeof words);
+    }
+    return hash;
+}
+
+/* What tests/peers/guest_bad.c answers to ray i, from the world itself: hashes of every bit that
+ * it was given. */
 static bool expected(uint32_t i, enum query query, struct hit *hit, uint32_t *tag)
 {
     const uint32_t number = i % world.instance_count;
@@ -29,18 +48,17 @@ static bool expected(uint32_t i, enum query query, struct hit *hit, uint32_t *ta
     const struct geometry *last = &mesh->geometry[mesh->geometry_count - 1];
     if (last->count == 0)
         return false;
-    float sum = 0;
-    for (int k = 0; k < 12; k++)
-        sum += (float)(k + 1) * instance->m[k / 4][k % 4];
-    for (uint32_t k = 0; k < 3 * mesh->scene->vertex_count; k++)
-        sum += mesh->scene->vertex[k];
-    for (uint32_t k = 0; k < 3 * mesh->scene->tri_count; k++)
-        sum += (float)((k + 1) * mesh->scene->index[k]);
-    *hit = (struct hit){sum, (float)(instance->mask + 256 * instance->flags) + ray[i].tmax,
-                        (float)(mode[i].mask + 256 * mode[i].flags + world.filter.seed +
-                                world.filter.share + 1000 * (uint32_t)world.filter.kind +
-                                (uint32_t)query + last->opaque),
-                        world.first[number] + last->first + last->count - 1};
+    const uint32_t of_instance[] = {instance->mesh, instance->custom, instance->mask,
+                                    instance->flags};
+    const uint32_t of_query[] = {(uint32_t)query, (uint32_t)world.filter.kind, world.filter.seed,
+                                 world.filter.share};
+    uint32_t place = mixed(1, of_instance, sizeof of_instance);
+    place = mixed_mesh(mixed(place, instance->m, 48), mesh);
+    *hit = (struct hit){
+        (float)(place >> 8),
+        (float)(mixed(mixed(2, &ray[i], sizeof ray[i]), &mode[i], sizeof mode[i]) >> 8),
+        (float)(mixed(3, of_query, sizeof of_query) >> 8),
+        world.first[number] + last->first + last->count - 1};
     *tag = instance->custom | (number & 1 ? ABI_TAG_FRONT : 0);
     return true;
 }

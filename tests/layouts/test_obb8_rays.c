@@ -69,15 +69,17 @@ static void no_ray_misses_what_it_meets(void **state)
 }
 
 /* Rays along a face of an oriented box, through its vertices, so far from 0 that places along axes
- * are rounded by as much as the steps of their planes. */
+ * are rounded by as much as the steps of their planes. In every octant: what is far is so to both
+ * sides. */
 static void rays_along_faces_meet_them(void **state)
 {
     (void)state;
     struct rng rng = rng_make(11, 7);
-    for (uint32_t round = 0; round < 60; round++) {
+    for (uint32_t round = 0; round < 120; round++) {
         struct scene scene = slivers(&rng, 8, 0, 60, 60);
+        const float far_away = (float)((5 + round % 3) << 20);
         for (uint32_t i = 0; i < 9 * scene.tri_count; i++)
-            scene.vertex[i] = rintf(scene.vertex[i]) + (float)((5 + round % 3) << 20);
+            scene.vertex[i] = rintf(scene.vertex[i]) + (round >> i % 3 & 1 ? -far_away : far_away);
         struct packed packed;
         pack(&packed, "obb8", &scene, 1);
         const uint32_t *word = packed.word + WORDS * (size_t)packed.root;

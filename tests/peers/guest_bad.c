@@ -181,7 +181,27 @@ static int build_world(void *self, const struct raydiff_engine_world *world, cha
     return RAYDIFF_ENGINE_OK;
 }
 
-/* Ray i hits the last triangle of the last geometry of instance i, and holds a sum of all else. */
+static uint32_t mixed(uint32_t hash, const void *bytes, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        hash = (hash ^ ((const unsigned char *)bytes)[i]) * 16777619u;
+    return hash;
+}
+
+static uint32_t mixed_mesh(uint32_t hash, const struct raydiff_engine_world_mesh *mesh)
+{
+    hash = mixed(hash, mesh->mesh.vertex, 12 * (size_t)mesh->mesh.vertex_count);
+    hash = mixed(hash, mesh->mesh.index, 12 * (size_t)mesh->mesh.triangle_count);
+    for (uint32_t g = 0; g < mesh->geometry_count; g++) {
+        const uint32_t words[] = {mesh->geometry[g].triangle_count, mesh->geometry[g].opaque};
+        hash = mixed(hash, words, sizeof words);
+    }
+    return hash;
+}
+
+/* Ray i hits the last triangle of the last geometry of instance i, and holds a hash of all else:
+ * of the instance and its mesh, of the ray, of what belongs to the query. A float has 24 bits of
+ * each. */
 static int trace_world(void *self, const struct raydiff_engine_world_ray *ray, size_t count,
                        uint32_t query, struct raydiff_engine_world_hit *hit, char *reason)
 {
@@ -199,23 +219,21 @@ static int trace_world(void *self, const struct raydiff_engine_world_ray *ray, s
         const uint32_t last = mesh->geometry_count - 1;
         if (mesh->geometry[last].triangle_count == 0)
             continue;
-        float sum = 0;
-        for (int k = 0; k < 12; k++)
-            sum += (float)(k + 1) * instance->transform[k];
-        for (uint32_t k = 0; k < 3 * mesh->mesh.vertex_count; k++)
-            sum += mesh->mesh.vertex[k];
-        for (uint32_t k = 0; k < 3 * mesh->mesh.triangle_count; k++)
-            sum += (float)((k + 1) * mesh->mesh.index[k]);
-        hit[i] = (struct raydiff_engine_world_hit){
-            sum,
-            (float)(instance->mask + 256 * instance->flags) + ray[i].ray.tmax,
-            (float)(ray[i].mask + 256 * ray[i].flags + world->filter_seed + world->filter_share +
-                    1000 * world->filter_kind + query + mesh->geometry[last].opaque),
-            number,
-            last,
-            mesh->geometry[last].triangle_count - 1,
-            number & 1,
-            instance->custom};
+        const uint32_t of_instance[] = {instance->mesh, instance->custom, instance->mask,
+                                        instance->flags};
+        const uint32_t of_query[] = {query, world->filter_kind, world->filter_seed,
+                                     world->filter_share};
+        uint32_t place = mixed(1, of_instance, sizeof of_instance);
+        place = mixed_mesh(mixed(place, instance->transform, 48), mesh);
+        hit[i] =
+            (struct raydiff_engine_world_hit){(float)(place >> 8),
+                                              (float)(mixed(2, &ray[i], sizeof ray[i]) >> 8),
+                                              (float)(mixed(3, of_query, sizeof of_query) >> 8),
+                                              number,
+                                              last,
+                                              mesh->geometry[last].triangle_count - 1,
+                                              number & 1,
+                                              instance->custom};
     }
     return RAYDIFF_ENGINE_OK;
 }

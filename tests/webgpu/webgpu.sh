@@ -33,6 +33,8 @@ has 'no driver' '^skipped f32 +webgpu vulkan: driver file '
 fails() { # way, exit code, what the row says
     FAKE_NODE=$1 expect "$2" . check $soup --engine webgpu --layout f32 --peer-time 1 --json "$dir/fake.json"
     grep -qE -- "\"reason\": \".*$3" "$dir/fake.json" || bad "a process that $1: no reason like /$3/"
+    case $2 in 3) status=failed ;; *) status=skipped ;; esac # what it refuses it cannot do, and does not fail
+    grep -q "\"status\": \"$status\"" "$dir/fake.json" || bad "a process that $1: the row is not $status"
 }
 fails ends 3 'ended with exit code 9 '
 fails crashes 3 'ended by signal 11 '

@@ -96,6 +96,38 @@ static void limits_themselves_are_taken(void **state)
     world_free(&w);
 }
 
+/* Numbers of triangles of three meshes that 65537 instances take in turn, so that exactly
+ * `total` are placed. */
+static void meshes_of(uint64_t total, uint32_t tris[3])
+{
+    const uint64_t more = 21846, fewer = 21845; /* instances of the first two, and of the last */
+    tris[2] = (uint32_t)((more - total % more) % more); /* fewer is more - 1 */
+    const uint64_t both = (total - fewer * tris[2]) / more;
+    tris[0] = (uint32_t)(both / 2);
+    tris[1] = (uint32_t)(both - tris[0]);
+    assert_true(more * tris[0] + more * tris[1] + fewer * tris[2] == total);
+}
+
+/* Of every number about 2^32: the last that fits is 2^32 - 2, as 2^32 - 1 is no triangle. */
+static void the_most_placed_triangles_are_exact(void **state)
+{
+    (void)state;
+    for (uint64_t less = 0; less < 6; less++) {
+        const uint64_t total = ((uint64_t)1 << 32) - less;
+        uint32_t tris[3];
+        meshes_of(total, tris);
+        struct world w = fixture_world(tris, 3, 65537);
+        struct reason reason = {""};
+        const enum status status = world_finish(&w, &reason);
+        assert_int_equal(status, less < 2 ? STATUS_LIMIT : STATUS_OK);
+        if (status)
+            assert_non_null(strstr(reason.text, "instance 65536: the world has 429496729"));
+        else
+            assert_true(world_tri_count(&w) == total);
+        world_free(&w);
+    }
+}
+
 static void placed_triangles_have_32_bits(void **state)
 {
     (void)state;
@@ -247,6 +279,7 @@ int main(void)
         cmocka_unit_test(every_number_of_a_transform_must_be_finite),
         cmocka_unit_test(limits_themselves_are_taken),
         cmocka_unit_test(placed_triangles_have_32_bits),
+        cmocka_unit_test(the_most_placed_triangles_are_exact),
         cmocka_unit_test(signs_of_determinants_are_exact),
         cmocka_unit_test(a_determinant_of_one_last_bit_is_not_singular),
         cmocka_unit_test(the_identity_is_each_of_twelve_numbers),
