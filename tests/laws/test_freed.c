@@ -165,15 +165,23 @@ static struct match_options match_options_of(enum query query)
                                   .brute_rays = 10};
 }
 
-/* Rows against several engines, among them such as are compared with others. */
+/* Rows of several engines, among them such as are compared with one engine and another. */
 static void run_rows(struct match *match)
 {
+    static struct engine beside[2]; /* with the same answers as others */
     static const char *const names[] = {"cpu",        "fast",          "brute", "cpu_stackless",
                                         "fast_small", "embree_robust", "fast",  "cpu"};
     struct row row;
     for (size_t i = 0; i < ARRAY_COUNT(names); i++)
         if (engine_find(names[i]))
             match_run(match, engine_find(names[i]), &row);
+    for (size_t i = 0; i < 2; i++) {
+        beside[i] = *engine_find("cpu");
+        beside[i].plain = engine_find(i ? "fast" : "brute");
+        match_run(match, &beside[i], &row);
+        assert_ptr_equal(row.against,
+                         match->options.query == QUERY_ALL ? row.against : beside[i].plain);
+    }
 }
 
 static void match_scene(const void *what)

@@ -69,8 +69,8 @@ static void no_ray_misses_what_it_meets(void **state)
 }
 
 /* Rays along a face of an oriented box, through its vertices, so far from 0 that places along axes
- * are rounded by as much as the steps of their planes. In every octant: what is far is so to both
- * sides. */
+ * are rounded by as much as the steps of their planes. In every octant, and most often where all
+ * coordinates are below 0: what is far is so to both sides. */
 static void rays_along_faces_meet_them(void **state)
 {
     (void)state;
@@ -78,8 +78,9 @@ static void rays_along_faces_meet_them(void **state)
     for (uint32_t round = 0; round < 120; round++) {
         struct scene scene = slivers(&rng, 8, 0, 60, 60);
         const float far_away = (float)((5 + round % 3) << 20);
+        const uint32_t below = round % 2 ? 7 : round / 2;
         for (uint32_t i = 0; i < 9 * scene.tri_count; i++)
-            scene.vertex[i] = rintf(scene.vertex[i]) + (round >> i % 3 & 1 ? -far_away : far_away);
+            scene.vertex[i] = rintf(scene.vertex[i]) + (below >> i % 3 & 1 ? -far_away : far_away);
         struct packed packed;
         pack(&packed, "obb8", &scene, 1);
         const uint32_t *word = packed.word + WORDS * (size_t)packed.root;
