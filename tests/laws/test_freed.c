@@ -1,8 +1,5 @@
-/* What is done again and again holds no more memory than before: engines with scenes and worlds,
- * matches, builders, layouts and storages. In use is what malloc has given and was not given
- * back. Some cycle in a few holds no more than the one before; what is forgotten in each cycle
- * is more after every one. With AddressSanitizer, which has a malloc of its own and looks for
- * leaks itself, nothing is seen here. */
+/* Engines with scenes and worlds, matches, builders, layouts, storages and scenes hold no more
+ * memory after each time (tests/laws/in_use.h). */
 #define _GNU_SOURCE /* setenv */
 #include "tests/gpu/fake_engines.h"
 
@@ -14,33 +11,10 @@
 #include "scenes/rays/world_rays.h"
 #include "scenes/worlds.h"
 
-#include <malloc.h>
-#include <unistd.h>
+#include "tests/laws/in_use.h"
 
-#define COUNT  200u
-#define ROOM   8u
-#define CYCLES 10
-
-typedef void cycle_fn(const void *what);
-
-static size_t in_use(void)
-{
-    const struct mallinfo2 info = mallinfo2();
-    return info.uordblks + info.hblkhd;
-}
-
-static void must_hold_no_more(const char *name, const char *how, cycle_fn *cycle, const void *what)
-{
-    size_t before, after = 0;
-    for (int i = 0; i < CYCLES; i++) {
-        before = in_use();
-        cycle(what);
-        after = in_use();
-        if (i > 0 && after <= before)
-            return;
-    }
-    fail_msg("%s: %s holds more after each of %d times, %zu bytes now", name, how, CYCLES, after);
-}
+#define COUNT 200u
+#define ROOM  8u
 
 /* --- engines ---------------------------------------------------------------------------------- */
 
@@ -282,27 +256,6 @@ static void trees_and_scenes_hold_no_more(void **state)
         must_hold_no_more(worlds[i], "opening", open_world, worlds[i]);
 }
 
-/* What is not given back is seen. */
-static void forget(const void *what)
-{
-    void *volatile forgotten = malloc(24);
-    (void)what, (void)forgotten;
-}
-
-static void what_is_forgotten_is_seen(void **state)
-{
-    (void)state;
-    int seen = 0;
-    for (int i = 0; i < CYCLES; i++) {
-        const size_t before = in_use();
-        forget(NULL);
-        seen += in_use() > before;
-    }
-    if (in_use() == 0) /* a malloc of the sanitizer's */
-        skip();
-    assert_int_equal(seen, CYCLES);
-}
-
 /* --- */
 
 static int make_all(void **state)
@@ -354,10 +307,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(matches_hold_no_more),
         cmocka_unit_test(trees_and_scenes_hold_no_more),
     };
-    /* What malloc keeps for a thread counts as in use, so nothing is kept: known only at the
-     * start. */
-    if (argc == 1 && setenv("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0", 1) == 0)
-        (void)execv("/proc/self/exe", (char *[]){argv[0], "again", NULL});
+    keep_nothing(argc, argv);
     assert_int_equal(unsetenv("RAYDIFF_VALIDATE"), 0); /* the layer is for drivers */
     return cmocka_run_group_tests_name("freed", tests, make_all, free_all);
 }
