@@ -2,6 +2,8 @@
  * 0: signs round alike. Numbers are the same but for the order of sums, as Woop's test exchanges
  * axes with the sign of a direction. Scenes lie on one side of 0, so that what forgets a sign does
  * so on one side alone. */
+#include "ref/base/rng.h"
+#include "ref/judge/judge_inner.h"
 #include "ref/oracle/oracle.h"
 #include "ref/trace/trace.h"
 #include "scenes/rays/rays.h"
@@ -155,8 +157,90 @@ static void a_verdict_is_that_of_the_mirrored_answer(void **state)
     assert_true(kinds >= 7);
 }
 
+/* --- first looks ------------------------------------------------------------------------------ */
+
+/* Triangles on one side of a ray's origin, of which it passes some at any distance. */
+static void first_looks_are_those_of_the_mirrored(void **state)
+{
+    (void)state;
+    const struct fixture_subject *subject = subject_of("unknown");
+    static struct turned turned[TURNS];
+    struct judge *judge[TURNS];
+    struct rng rng = rng_make(4, 9);
+    size_t possible = 0, all = 0;
+    for (uint32_t k = 0; k < TURNS; k++) {
+        turned_make(&turned[k], "soup:n=64,size=0.5", "random", turns[k]);
+        assert_int_equal(
+            judge_make(turned[k].oracle, &subject->model, QUERY_CLOSEST, &judge[k], NULL), 0);
+    }
+    for (uint32_t n = 0; n < 30000; n++) {
+        float v[3][3], at[3], off = rng_range(&rng, -1, 1);
+        struct ray ray = {.tmax = INFINITY};
+        uint64_t look[TURNS];
+        off = ldexpf(off, -(int)rng_below(&rng, 24));
+        scene_tri(&turned[0].scene, n % 64, v);
+        for (uint32_t i = 0; i < 3; i++) { /* beside an edge, from near or far on either side */
+            at[i] = 0.5f * (v[0][i] + v[1][i]) + off * (v[2][i] - v[0][i]);
+            ray.dir[i] = rng_range(&rng, -1, 1) * (n / 64 % 3 == i ? 4 : 0.25f);
+            ray.org[i] = at[i] - (n / 192 % 2 ? 2.0f : -2.0f) * ray.dir[i];
+        }
+        for (uint32_t k = 0; k < TURNS; k++) {
+            struct ray as = ray;
+            turn(as.org, 3, turns[k]);
+            turn(as.dir, 3, turns[k]);
+            look[k] = judge_first_look(judge[k], &as, 0, 64);
+            assert_true(look[k] == look[0]);
+        }
+        possible += look[0] >> n % 64 & 1;
+        all++;
+    }
+    assert_true(possible > all / 20 && possible < all);
+    for (uint32_t k = 0; k < TURNS; k++) {
+        judge_free(judge[k]);
+        turned_free(&turned[k]);
+    }
+}
+
+/* Boxes on one side of 0, small and large beside the origin of the ray. */
+static void boxes_come_as_near(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(5, 9);
+    size_t near_ones = 0;
+    for (uint32_t n = 0; n < 60000; n++) {
+        struct box box;
+        struct ray ray = {.tmax = INFINITY};
+        const float size = n % 2 ? 1 : 8;
+        for (int i = 0; i < 3; i++) {
+            box.lo[i] = rng_range(&rng, 1, 4);
+            box.hi[i] = box.lo[i] + rng_range(&rng, 0, 0.5f);
+            ray.org[i] = rng_range(&rng, -size, size);
+            ray.dir[i] = box.lo[i] + rng_range(&rng, -0.5f, 0.75f) - ray.org[i];
+        }
+        const bool near_it = judge_comes_near(&ray, &box);
+        near_ones += near_it;
+        for (uint32_t axes = 1; axes < 8; axes++) {
+            struct box as = box;
+            struct ray by = ray;
+            turn(by.org, 3, axes);
+            turn(by.dir, 3, axes);
+            for (uint32_t i = 0; i < 3; i++)
+                if (axes >> i & 1) {
+                    as.lo[i] = -box.hi[i];
+                    as.hi[i] = -box.lo[i];
+                }
+            assert_int_equal(judge_comes_near(&by, &as), near_it);
+        }
+    }
+    assert_true(near_ones > 10000 && near_ones < 50000);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_verdict_is_that_of_the_mirrored_answer)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_verdict_is_that_of_the_mirrored_answer),
+        cmocka_unit_test(first_looks_are_those_of_the_mirrored),
+        cmocka_unit_test(boxes_come_as_near),
+    };
     return cmocka_run_group_tests_name("mirrored verdicts", tests, NULL, NULL);
 }
