@@ -9,6 +9,8 @@
 #include "ref/base/text.h"
 #include "cmd/conform/cmd_trial.h"
 #include "scenes/scenes.h"
+#include "scenes/spec.h"
+#include "scenes/worlds.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -50,13 +52,24 @@ static enum status take_trial(struct explain_options *o, const char *text, struc
     return STATUS_OK;
 }
 
+/* True if the text names a generator, with parameters or without: it stands before any file. */
+static bool is_generator(const char *text)
+{
+    bool is = false;
+    for (size_t i = 0; generators[i]; i++)
+        is = is || spec_names(text, generators[i]->name);
+    for (size_t i = 0; world_generators[i]; i++)
+        is = is || spec_names(text, world_generators[i]->name);
+    return is;
+}
+
 /* A folder is refused as one of findings. */
 static bool is_file(const char *text)
 {
     static const char ending[] = ".trial";
     size_t length = strlen(text), least = sizeof ending - 1;
     struct stat about;
-    if (!generator_find(text) && stat(text, &about) == 0 && S_ISDIR(about.st_mode))
+    if (!is_generator(text) && stat(text, &about) == 0 && S_ISDIR(about.st_mode))
         return true;
     return length > least && strcmp(text + length - least, ending) == 0;
 }

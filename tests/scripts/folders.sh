@@ -140,5 +140,22 @@ ln -s "$dir/outside/file" "$dir/theirs/$signature/smallest.min.trial"
 expect 2 'smallest.min.trial is a symbolic link' min "$dir/theirs/$signature/smallest.trial" --force --asks 1
 untouched min
 
+# A folder of a generator's name hides no generator.
+mkdir "$dir/plain" "$dir/hidden" "$dir/hidden/sphere" "$dir/hidden/sphere:n=3" "$dir/hidden/crowd:n=4"
+program=$(realpath "$raydiff") seen=0
+for name in sphere sphere:n=3 crowd:n=4; do
+    for command in 'scene info NAME' 'explain NAME --engine cpu --index 2' \
+        'leaks NAME --engine cpu --layout f32 --count 100' 'gen NAME --count 5' 'explain NAME --query all --engine cpu --index 2' \
+        'precompute --scene NAME --out tree.json' 'build NAME --same 1 --layout f32 --builder median' 'diff NAME --engine cpu,brute -w 8 -h 6'; do
+        for place in plain hidden; do
+            (cd "$dir/$place" && "$program" $(echo "$command" | sed "s/NAME/$name/") 2>&1; echo "exit $?") |
+                sed -E 's/[0-9.]+ (ms|s|us|ns|Mray)/#/g; s/ +[0-9]+\.[0-9]+/ #/g' >"$dir/$place.out"
+        done
+        cmp -s "$dir/plain.out" "$dir/hidden.out" || { cp "$dir/hidden.out" "$dir/out"; bad "$command: beside a folder $name"; }
+        grep -q '^exit 0$' "$dir/plain.out" && seen=$((seen + 1))
+    done
+done
+[ "$seen" -ge 14 ] || bad "only $seen commands take a generator"
+
 echo "folders: $failed failed"
 [ "$failed" -eq 0 ]
