@@ -31,7 +31,7 @@ values() {
     awk -f tests/values/flat.awk "$dir/json" >"$dir/flat" || { bad "$name: no JSON"; return; }
     told=$(sed -n 's/^exit=//p' "$dir/flat")
     [ "${told:-$code}" -eq "$code" ] || bad "$name: the JSON tells exit code $told, it was $code"
-    sh tests/values/fields.sh "$name" "$dir/flat" "$dir/seen" || bad "$name: keys without a line in fields.*.txt"
+    sh tests/values/fields.sh "$name" "$dir/flat" "$dir/seen" "$ran" || bad "$name: not as fields.*.txt have it: $ran"
     case $ran in
     'raydiff bench '* | 'bench '*) [ "$code" -gt 1 ] || tail -n 1 "$dir/text" | grep -qE "^bench ${name#bench_}: [0-9]+ rows?: " || bad "$ran: no conclusion" ;;
     esac

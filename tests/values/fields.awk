@@ -1,4 +1,5 @@
 # Paths of a flat JSON against the table of fields: awk -v command=NAME -f fields.awk TABLE... FLAT; see fields.sh.
+# With -v ran='WORDS OF A COMMAND' values whose line begins with an option are what that command was given for it.
 function wrong(what) {
     print "FIELD   " what
     bad = 1
@@ -41,6 +42,37 @@ function general(path) {
 function is_length(path, value) {
     return sub(/\.count$/, "", path) && ((path in array) || (value == 0 && line_of(general(path ".count")) == ""))
 }
+# Sizes of bytes have letters.
+function number_of(text) {
+    if (text !~ /^[0-9.]+[kmKM]$/) return text
+    return text * (text ~ /[kK]$/ ? 1024 : 1048576)
+}
+# What words give for each option; of --an-option A:B:C, "--an-option:2" is B.
+function take(words,  word, count, k, name, part, parts, p) {
+    count = split(words, word, " ")
+    for (k = 1; k <= count; k++) {
+        if (word[k] !~ /^--[a-z]/) continue
+        name = word[k]
+        if (!sub(/=.*/, "", name)) given[name] = k < count && word[k + 1] !~ /^--/ ? word[k + 1] : ""
+        else given[name] = substr(word[k], length(name) + 2)
+        parts = split(given[name], part, ":")
+        for (p = 1; p <= parts; p++) given[name ":" p] = part[p]
+    }
+}
+# Values of a line that begins with an option are of the list that was given, and each of the list is one of them.
+function members_of(option) {
+    return split(given[option], member, option == "--scene" ? ";" : ",")
+}
+function echoed(line, path, value,  k) {
+    if (!(line in option_of) || given[option_of[line]] == "" || given[option_of[line]] ~ /^(all|every)$|\*/) return
+    echoes[line] = 1
+    for (k = members_of(option_of[line]); k > 0; k--) {
+        if (value != number_of(member[k])) continue
+        met[line, k] = 1
+        return
+    }
+    if (!(value == 0 && zero_of[line])) wrong(command ": " path " = " value ", but " option_of[line] " " given[option_of[line]])
+}
 function check(path, value,  name, line, what) {
     if (is_length(path, value)) return
     name = general(path)
@@ -56,6 +88,7 @@ function check(path, value,  name, line, what) {
     if (what ~ /^float/) sub(/float/, "float" (path ~ /\.bits$/ ? ".bits" : ".value"), what)
     what = misfit(value, what)
     if (what != "") wrong(command ": " path " = " value " " what " (" unit_of[line] ")")
+    echoed(line, path, value)
 }
 BEGIN {
     # Whole numbers of 0 or more; numbers of 0 or more; numbers.
@@ -64,6 +97,7 @@ BEGIN {
     split("text bool share ratio number ms us s ns_each Mray/s per_s ulp u degrees length float", word, " ")
     for (k in word) known[word[k]] = 1
     last = ARGV[ARGC - 1]
+    take(ran)
 }
 FILENAME == last && unseen { if ($1 == command) printed[$2] = 1; next }
 FILENAME == last {
@@ -93,6 +127,11 @@ FILENAME == last {
     if (name != command || $1 ~ /^text:/) next
     unit_of[$1] = $2
     if (!sometimes) must[$1] = 1
+    if ($4 ~ /^--[a-z]/) {
+        option_of[$1] = $4
+        sub(/[,;]$/, "", option_of[$1])
+        zero_of[$1] = /; 0 /
+    }
     if ($1 ~ /\*/) {
         pattern_line[++patterns] = $1
         pattern[patterns] = $1
@@ -103,6 +142,9 @@ FILENAME == last {
 }
 END {
     for (k = 1; k <= paths && command in named; k++) check(path[k], value[k])
+    for (line in echoes)
+        for (k = members_of(option_of[line]); k > 0; k--)
+            if (!((line, k) in met)) wrong(command ": " option_of[line] " " member[k] " was given, and no " line " is that")
     if (command != "" && !(command in named)) wrong(command ": no such command in the table")
     else if (command != "" && !unseen && checked == 0) wrong(command ": no path at all")
     if (unseen)

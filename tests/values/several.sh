@@ -1,7 +1,8 @@
 #!/bin/sh
 # What a command tells of a scene, a file or a folder does not depend on what it was given before or behind that: rows of
 # several are the rows of each alone, in their order, but for times.
-#   sh tests/values/several.sh RAYDIFF [PART...]     PART: info, judged, members, bench, files
+# Nor do rows of a list's members depend on their order, and its exit code is the worst of each alone.
+#   sh tests/values/several.sh RAYDIFF [PART...]     PART: info, judged, members, bench, files, lists
 set -u
 raydiff=$1
 shift
@@ -47,6 +48,35 @@ alone() {
 told() {
     # shellcheck disable=SC2086 # words of a command
     run $1 --json "$dir/json"
+}
+
+# The same rows, whatever their places, each with its values in a line; those of no member are there once.
+rows_of() { # array
+    of "$1" 0 "$dir/json" | awk '{ n = $0; sub(/[.=].*/, "", n); line[n] = line[n] substr($0, length(n) + 1) " " }
+        END { for (n in line) print line[n] }'
+}
+# array of the JSON, least number of rows, words with ONE for a member of a list, then the members
+listed() {
+    array=$1 least=$2 words=$3 worst=0
+    shift 3
+    forth= back=
+    : >"$dir/each"
+    for one in "$@"; do
+        told "$(echo "$words" | sed "s|ONE|$one|")" || return
+        rows_of "$array" >>"$dir/each"
+        [ "$code" -le "$worst" ] || worst=$code
+        forth=$forth,$one back=$one,$back
+    done
+    sort -u "$dir/each" -o "$dir/each"
+    rows=$(wc -l <"$dir/each")
+    [ "$rows" -ge "$least" ] || bad "$ran: only $rows rows"
+    for list in "${forth#,}" "${back%,}"; do
+        told "$(echo "$words" | sed "s|ONE|$list|")" || return
+        [ "$code" -eq "$worst" ] || bad "$ran: exit $code, of each alone at worst $worst"
+        rows_of "$array" | sort -u >"$dir/all"
+        cmp -s "$dir/each" "$dir/all" || { bad "$ran: other rows than of each alone"; diff "$dir/each" "$dir/all" | cut -c 1-300 | head -n 4; }
+        compared=$((compared + $(wc -w <"$dir/all")))
+    done
 }
 
 info() {
@@ -103,7 +133,17 @@ files() {
     between=' '
     alone files 80 "replay ONE --engine cpu,brute" fuzz/corpus/wrong-item.trial fuzz/corpus/bad-rays.trial fuzz/corpus/slot-not-read.trial
 }
+lists() {
+    few='--count 200'
+    listed rows 14 "bench traffic --scene soup:n=300,size=0.5 $few --depths ONE" 1 5 2
+    listed rows 7 "bench traffic --scene soup:n=300,size=0.5 $few --scheduler depth_first,sorted,raycore --layout ONE" f32 tiny8 cwbvh80
+    listed rows 4 "bench traffic --scene soup:n=300,size=0.5 $few --scheduler depth_first,sorted --store ONE" indexed gathered
+    listed files.0.played 3 'replay fuzz/corpus/cut-box.trial --engine ONE' cpu brute fast
+    listed files.0.played 3 'replay fuzz/corpus/rounded-inward.trial --engine cpu --layout ONE' rtrs_rf_paper rf16 f32
+    listed same.0.trees 4 'build soup:n=50,offset=1e5 --same 1 --builder median --layout ONE' rf16 f32 tiny8
+    listed same.0.trees 3 'build soup:n=50,offset=1e5 --same 1 --layout f32 --builder ONE' median lbvh ploc
+}
 
-for part in ${*:-info judged members bench files}; do "$part"; done
+for part in ${*:-info judged members bench files lists}; do "$part"; done
 echo "several: $compared values, $failed failed"
 [ "$failed" -eq 0 ]
