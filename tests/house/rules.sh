@@ -92,6 +92,16 @@ perl -0777 -ne '
     }' $(git ls-files '*.c' '*.h') >"$scratch"
 [ -s "$scratch" ] && cat "$scratch" && breach "one draw after the other: arguments are evaluated in any order"
 
+# "1 page", "2 pages": the word goes with the number that stands before it.
+perl -0777 -ne 's{/\*.*?\*/}{$& =~ tr/\n//cdr}gse;
+    while (/\bplural(\((?:[^()]++|(?1))*\))/g) {
+        my ($of, $at) = (substr($1, 1, -1), $-[0]);
+        my ($before, $line) = (substr($_, 0, $at), 1 + (substr($_, 0, $at) =~ tr/\n//));
+        next if $before =~ /\*\z/; # where it is declared
+        print "$ARGV:$line\n" unless $before =~ /[,(]\s*(?:\([a-z ]+\))?\Q$of\E,\s*\z/;
+    }' $(git ls-files '*.c' '*.h') >"$scratch"
+[ -s "$scratch" ] && cat "$scratch" && breach "a word is plural by another number than that before it"
+
 # The project speaks of itself alone: nothing lies beside the checkout.
 git grep -nF shared/ -- . ':!tests/house/rules.sh' ':!tests/house/rules_planted.sh' |
     grep -E '\.\./shared/|(^|[^a-z./])shared/(scenes|design|notes)' && breach "what is not part of the project is named by an option or a variable"

@@ -40,6 +40,7 @@ plant shaders/slab.glsl 'float f(vec3 a) { return dot(a, a); }'
 plant ref/tree/bvh.c 'void f(void) { printf("x"); }'
 plant gpu/vk/vk.c 'void f(void) { exit (1); }'
 plant ref/base/rng.h 'float f(struct rng *rng) { return ldexpf(rng_float(rng), (int)rng_below(rng, 3)); }'
+plant ref/base/half.c 'void f(int a, int b) { printf("%d page%s", a, plural(b)); }'
 plant ref/base/half.c "/* $(printf '%098d' 0) */"
 plant ref/explain/repair.c 'static const char *text = "a slot is not read (F7)";'
 plant tests/hard/cases/hard_seed.c '.fault = "F7: six of eight slots are read"'

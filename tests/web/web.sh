@@ -121,6 +121,16 @@ for finding in "$dir"/found/*/; do
 done
 pages=$(ls "$dir/found-pages" | grep -vc '^index.html$')
 [ "$pages" -ge 1 ] || bad 'no page of a folder of findings'
+# The pages that are told are those that are there, none, one or two, beside findings that have none.
+for trials in 1 4 16; do
+    "$raydiff" fuzz --trials $trials --rays 30 --engine cpu --layout rtrs_rf --faithful --dir "$dir/few$trials" --jobs 1 --no-shrink \
+        --corpus none >"$dir/out" 2>&1
+    expect 0 . web "$dir/few$trials" --out "$dir/pages$trials"
+    pages=$(ls "$dir/pages$trials" | grep -vc '^index.html$')
+    grep -qx "$dir/pages$trials: $pages page$([ "$pages" -eq 1 ] || echo s) and index.html" "$dir/out" || bad "$pages pages are told as others"
+    grep -q '^  no page of ' "$dir/out" && echo "$pages" >>"$dir/counts"
+done
+[ "$(tr '\n' ' ' <"$dir/counts")" = '0 1 2 ' ] || bad 'folders of none, one and two pages'
 export VK_DRIVER_FILES=/dev/null VK_ICD_FILENAMES=/dev/null # which each finding would start
 "$raydiff" report --findings "$dir/found" --web found-pages --out "$dir/report.html" --parts check >"$dir/out" 2>&1
 grep -o '<a class="page" href="[^"]*"' "$dir/report.html" | sed 's/.*href="//; s/"$//' | sort >"$dir/links"
