@@ -90,11 +90,50 @@ static void the_tables_of_rows_with_bits(void **state)
     told_text(printed(&scene, true), wide, ARRAY_COUNT(wide));
 }
 
+/* Members that a row has, and '-' for those of trees where it walks none; columns of what is the
+ * same in all rows are left out. */
+static void the_words_of_rows(void **state)
+{
+    (void)state;
+    const struct screen screen = {.width = 4000};
+    static struct row row[3];
+    const struct engine engine = engine_made();
+    for (size_t i = 0; i < 3; i++) {
+        row[i] = row_made(&engine);
+        row[i].layout = layout_find("f32");
+        row[i].options.builder = builder_find("median");
+        row[i].options.box = box_tests[0];
+        row[i].options.tri = tri_tests[0];
+    }
+    row[1].layout = NULL;
+    row[1].engine = engine_find("brute");
+    row[1].options.tri = tri_tests[1];
+    row[2].options.builder = builder_find("lbvh");
+    row[2].options.box = box_tests[1];
+    struct check_scene scene = scene_made(row);
+    scene.row_count = 3;
+    char lines[3][160];
+    snprintf(lines[0], sizeof lines[0], "f32 cpu median %s %s ", box_tests[0]->name,
+             tri_tests[0]->name);
+    snprintf(lines[1], sizeof lines[1], "- brute - - %s ", tri_tests[1]->name);
+    snprintf(lines[2], sizeof lines[2], "f32 cpu lbvh %s %s ", box_tests[1]->name,
+             tri_tests[0]->name);
+    told_begin(&stdout);
+    check_print_table(&scene, &screen);
+    char *text = told_end();
+    told_squeeze(text);
+    for (size_t i = 0; i < 3; i++)
+        if (!strstr(text, lines[i]))
+            fail_msg("no '%s' in\n%s", lines[i], text);
+    free(text);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_tables_of_rows),
         cmocka_unit_test(the_tables_of_rows_with_bits),
+        cmocka_unit_test(the_words_of_rows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

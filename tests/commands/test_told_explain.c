@@ -1,6 +1,7 @@
 /* Numbers that raydiff explain tells of a ray and of the node where its path ended: no two are the
  * same, and each is looked for beside its own name. */
 #define _GNU_SOURCE /* open_memstream */
+#include "bench/report/report_html.h"
 #include "cmd/explain/cmd_explain_inner.h"
 
 #include "tests/commands/told.h"
@@ -204,6 +205,98 @@ static void flags_of_a_ray(void **state)
     }
 }
 
+/* The page of a triangle that its leaf lacks, for which a defect of C was found. */
+static struct told_page *page_told(void)
+{
+    static const struct scene scene = {.tri_count = 5}; /* none of those that are told of */
+    struct told_page *all = page_made();
+    struct explanation *why = &all->ray.why;
+    all->page.scene = &scene;
+    all->page.rays = "r";
+    all->page.count = 63;
+    all->page.again = "a";
+    all->page.screen.wide = true;
+    all->ray.truth.class = ORACLE_WITHIN;
+    all->ray.among = 64;
+    all->ray.alone = (struct hit){.prim = 65, .t = 66, .u = 67, .v = 68};
+    all->ray.alone_judgement.verdict = VERDICT_RIGHT;
+    why->prim = 69;
+    why->end = END_SLOT;
+    why->slot = 70;
+    why->slot_stored = 71;
+    why->cause = CAUSE_NONE + 1;
+    why->replayed_opinion.text = "o";
+    why->imitation[0].defect = DEFECT_NONE + 1;
+    why->imitation[0].same = true;
+    why->imitation[0].kept = EXPLAIN_TELLING;
+    return all;
+}
+
+/* A hit of four numbers from `at` on. */
+static void hit_told(char text[120], const char *before, unsigned at)
+{
+    const double t = at + 1;
+    snprintf(text, 120, "%striangle %u at t = %a (%g), u = %u, v = %u", before, at, t, t, at + 2,
+             at + 3);
+}
+
+static void the_text_of_a_ray(void **state)
+{
+    (void)state;
+    struct told_page *all = page_told();
+    char answer[120], alone[120], c_answers[120], floats[8][40];
+    const char *lines[24] = {"scene s: 5 triangles\n",
+                             "ray 23 of 63 of set r, seed 21\n",
+                             ", builder median, leaf 22, box ",
+                             "truth triangle 32 and others at the same t at t in [34, 35], ",
+                             "triangle 40 was to be found, or at the least triangle 45 behind it, "
+                             "error of t 43 of its bound, right if vertices move by 44 u of ",
+                             "that is its answer among 64 rays;",
+                             "path (cpu) to triangle 69\n",
+                             "\n11 14 inner",
+                             "slot 70 of its leaf should name triangle 69; it names triangle 71\n",
+                             " (55): the same as the engine, also for 56 of 57 other rays; on 58 "
+                             "of these C answers otherwise, on "
+                             "which the engine does as planted 59 times\n",
+                             answer,
+                             alone,
+                             c_answers};
+    size_t count = 13;
+    for (int i = 0; i < 8; i++) {
+        snprintf(floats[i], sizeof floats[0], "%a (%d)", 24.0 + i, 24 + i);
+        lines[count++] = floats[i];
+    }
+    hit_told(answer, "answer ", 36);
+    hit_told(alone, "alone ", 65);
+    hit_told(c_answers, "C on the same bytes answers ", 46);
+    told_begin(&stdout);
+    explain_print(&all->page);
+    told_text(told_end(), lines, count);
+}
+
+static void the_html_of_a_ray(void **state)
+{
+    (void)state;
+    struct told_page *all = page_told();
+    char *text = NULL;
+    size_t size;
+    const char *lines[] = {
+        "from (24, 25, 26) along (27, 28, 29), t from 30 to 31<",
+        "Truth: triangle 32 at t in [34, 35], ",
+        "Answer: triangle 36 at t = 37 (0x1.28p+5), u = 38, v = 39<",
+        "path to triangle 69<",
+        ">11</td>",
+        ">14</td>",
+        ">triangle 51 at t = 52<",
+    };
+    all->ray.why.inside = all->ray.why.attempt[0].changed = true;
+    struct html html = {.out = open_memstream(&text, &size)};
+    assert_non_null(html.out);
+    explain_html_numbers(&html, &all->page);
+    fclose(html.out);
+    told_text(text, lines, ARRAY_COUNT(lines));
+}
+
 /* A bound in three forms, in hexadecimal and below in decimals, with both numbers of steps; then
  * the ends of the slabs, computed and exact. */
 static void the_text_of_a_node(void **state)
@@ -262,10 +355,9 @@ static void the_text_of_what_shaders_decode(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_json_of_a_ray),
-        cmocka_unit_test(flags_of_a_ray),
-        cmocka_unit_test(the_text_of_a_node),
-        cmocka_unit_test(the_text_of_what_shaders_decode),
+        cmocka_unit_test(the_json_of_a_ray),  cmocka_unit_test(flags_of_a_ray),
+        cmocka_unit_test(the_text_of_a_ray),  cmocka_unit_test(the_html_of_a_ray),
+        cmocka_unit_test(the_text_of_a_node), cmocka_unit_test(the_text_of_what_shaders_decode),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

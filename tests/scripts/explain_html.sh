@@ -214,6 +214,18 @@ left=$(sed -n 's/.*the way: .*; \([0-9]*\) other triangles are left out.*/\1/p' 
 [ "$((drawn + ${left:-0}))" -eq 3200 ] && [ "$drawn" -ge 1001 ] || bad "$drawn triangles drawn, ${left:-none} left out, of 3200"
 page 0 sphere:n=8 --engine cpu --rays vertices --count 10 --index 4
 grep -q '<p>right</p>' "$dir/page.html" || bad 'an answer that is right has no page'
+# An answer is drawn whatever its size, also if it is one point, through which the ray goes.
+sed 's/struct hit best = {0, 0, 0, 0xFFFFFFFFu}, h;/struct hit best = {1, 0, 0, 0}, h;/; s/t < q.triangles; t++/t < 0; t++/' \
+    fuzz/samples/sample_tracer.c >"$dir/liar.c"
+cc -O1 -w -o "$dir/liar" "$dir/liar.c" || bad 'a tracer that answers triangle 0'
+for size in 0 0.001 1 1e6; do
+    awk -v s=$size 'BEGIN { print "v " s " 0 1\nv 0 " s " 1\nv 0 0 1\nv " 5 * s " 5 5\nv 5 6 5\nv 6 5 5\nf 1 2 3\nf 4 5 6" }' >"$dir/point.obj"
+    page 1 "$dir/point.obj" --engine "pipe:$dir/liar" --ray "-$size,-$size,0 0,0,1"
+    for role in answered ray; do
+        grep -qE "^<(polygon|polyline) class=\"$role\"" "$dir/page.svg" || bad "an answer of size $size: no $role is drawn"
+    done
+    grep -qiE '[^a-z](nan|inf)[^a-z]' "$dir/page.svg" && bad "size $size: a corner that is no number"
+done
 # Nothing to draw.
 "$raydiff" explain sphere:n=8 --ray 'nan,0,0 1,0,0' --svg "$dir/none.svg" >"$dir/out" 2>"$dir/err"
 [ $? -eq 2 ] && grep -q 'none.svg: there is nothing to draw' "$dir/err" && [ ! -e "$dir/none.svg" ] || bad 'a picture of nothing'

@@ -1,0 +1,150 @@
+/* What raydiff bisect takes from a trial's name and from a finding's file: each of its members, and
+ * nothing else. */
+#define _GNU_SOURCE
+#include "cmd/bisect/cmd_bisect.h"
+
+#include "cmd/conform/cmd_trial.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <glob.h>
+#include <string.h>
+
+/* As the command begins, with members that no case names. */
+static struct bisect_options options_made(void)
+{
+    return (struct bisect_options){.bad = "opt",
+                                   .good = "raw",
+                                   .engine = engine_find("vulkan_brute"),
+                                   .layout = layout_find("half4"),
+                                   .builder = builder_find("ploc"),
+                                   .query = QUERY_ALL,
+                                   .rays = ray_sets[0],
+                                   .count = 3,
+                                   .seed = 99};
+}
+
+/* False if what optimises shaders is missing here. */
+static bool opens(struct bisect_options *o, const char *text, struct bisect_subject *subject)
+{
+    struct reason reason;
+    const enum status status = bisect_subject_open(o, text, subject, &reason);
+    if (status == STATUS_UNSUPPORTED)
+        return false;
+    if (status)
+        fail_msg("%s: %s", text, reason.text);
+    return true;
+}
+
+static void brought(const struct trial *trial)
+{
+    char name[TRIAL_NAME_MOST];
+    struct bisect_subject subject;
+    struct bisect_options o = options_made();
+    trial_print(trial, name);
+    if (!opens(&o, name, &subject))
+        skip();
+    assert_ptr_equal(o.engine, trial->engine);
+    assert_ptr_equal(o.layout, trial->layout);
+    assert_ptr_equal(o.store, trial->store);
+    assert_ptr_equal(o.builder, trial->builder);
+    assert_ptr_equal(o.box, trial->box);
+    assert_ptr_equal(o.tri, trial->tri);
+    assert_int_equal(o.query, trial->query);
+    assert_ptr_equal(o.rays, trial->rays);
+    assert_int_equal(o.seed, trial->seed);
+    assert_int_equal(subject.ray_count, 3);
+    bisect_subject_free(&subject);
+}
+
+static void a_name_brings_each_of_its_members(void **state)
+{
+    (void)state;
+    const struct trial first = {.query = QUERY_CLOSEST,
+                                .engine = engine_find("vulkan"),
+                                .layout = layout_find("f32"),
+                                .store = tri_stores[0],
+                                .builder = builders_all[0],
+                                .box = box_tests[0],
+                                .tri = tri_tests[0],
+                                .rays = ray_sets[0],
+                                .seed = 7,
+                                .scene = "soup:n=9"};
+    struct trial trial = first;
+    brought(&trial);
+    trial.query = QUERY_ANY;
+    brought(&trial);
+    trial.seed = 8;
+    brought(&trial);
+    trial.engine = engine_find("vulkan_stackless");
+    brought(&trial);
+    for (size_t i = 0; builders_all[i]; i++, trial = first) {
+        trial.builder = builders_all[i];
+        brought(&trial);
+    }
+    for (size_t i = 0; box_tests[i]; i++, trial = first) {
+        trial.box = box_tests[i];
+        brought(&trial);
+    }
+    for (size_t i = 0; tri_tests[i]; i++, trial = first) {
+        trial.tri = tri_tests[i];
+        brought(&trial);
+    }
+    for (size_t i = 0; ray_sets[i]; i++, trial = first) {
+        trial.rays = ray_sets[i];
+        brought(&trial);
+    }
+    for (size_t i = 0; layouts[i]; i++, trial = first) {
+        trial.layout = layouts[i];
+        brought(&trial);
+    }
+    for (size_t i = 0; tri_stores[i]; i++, trial = first) {
+        trial.store = tri_stores[i];
+        brought(&trial);
+    }
+}
+
+static void a_file_brings_each_of_its_members(void **state)
+{
+    (void)state;
+    glob_t found;
+    size_t opened = 0;
+    assert_int_equal(glob("fuzz/corpus/*.trial", 0, NULL, &found), 0);
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+        struct reason reason;
+        struct finding_file file;
+        struct bisect_subject subject;
+        struct bisect_options o = options_made();
+        assert_int_equal(finding_file_read(found.gl_pathv[i], &file, &reason), STATUS_OK);
+        if (!opens(&o, found.gl_pathv[i], &subject))
+            skip();
+        assert_ptr_equal(o.store, file.trial.store);
+        assert_ptr_equal(o.builder, file.trial.builder);
+        assert_int_equal(o.build.leaf, file.trial.build.leaf);
+        assert_true(o.build.eps == file.trial.build.eps);
+        assert_ptr_equal(o.box, file.trial.box);
+        assert_ptr_equal(o.tri, file.trial.tri);
+        assert_int_equal(o.query, file.trial.query);
+        assert_int_equal(subject.ray_count, file.trial.ray_count);
+        assert_memory_equal(subject.ray, file.trial.ray, subject.ray_count * sizeof *subject.ray);
+        assert_int_equal(subject.scene.tri_count, file.trial.scene.tri_count);
+        assert_int_equal(subject.is_world != NULL, file.trial.world.is);
+        bisect_subject_free(&subject);
+        finding_file_free(&file);
+        opened++;
+    }
+    assert_in_range(opened, 10, 1000);
+    globfree(&found);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_name_brings_each_of_its_members),
+        cmocka_unit_test(a_file_brings_each_of_its_members),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
