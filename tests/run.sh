@@ -224,6 +224,9 @@ sanitize)
     suite report sh tests/scripts/report.sh "$build/raydiff"
     suite fuzz sh tests/scripts/fuzz.sh "$build"
     suite folders sh tests/scripts/folders.sh "$build/raydiff"
+    suite lives sh tests/life/lives.sh "$build/raydiff"
+    suite tree_files sh tests/scripts/tree_files.sh "$build/raydiff"
+    suite values_findings sh tests/values/values_findings.sh "$build/raydiff"
     ;;
 validate)
     suite conform "$build/raydiff" conform --engine vulkan,vulkan_brute --count 128

@@ -106,6 +106,16 @@ for other in '--layout f32' '--layout rf16,f32,half4' '--rays 41' '--triangles 1
     diff -r "$dir/kept" "$dir/min" >"$dir/out" 2>"$dir/err" || bad "fuzz $other: refused, and the folder is changed"
 done
 
+# The folder has what decides its trials, the smallest values as well, and goes on by it.
+for given in 'seed 0' 'shard 1/1' 'shard 2/2' 'rays 1' 'triangles 1-1' 'engine brute' 'layout rf16' 'builder lbvh' 'pairs 1' faithful worlds steps; do
+    key=${given% *}
+    [ "$key" != "$given" ] && value=${given#* } || value=yes
+    case $key in engine) of= ;; layout) of='--engine cpu' ;; *) of='--engine cpu --layout f32' ;; esac
+    rm -rf "$dir/key"
+    "$raydiff" fuzz $of --$given --trials 1 --jobs 1 --corpus none --no-shrink --dir "$dir/key" >"$dir/out" 2>"$dir/err"
+    head -n 1 "$dir/key/$log" | sed 's/"checkpoint":"/&|/' | grep -qF "|$key=$value|" || bad "--$given is not in the folder"
+done
+
 # Each layout by itself, in any order.
 one="$campaign --corpus none --no-shrink --trials 96"
 part both 1 $one --layout rf16,f32 --jobs 2

@@ -71,6 +71,32 @@ static void what_is_no_table_is_refused_with_its_line(void **state)
     }
 }
 
+/* Each word may be as long as its field with the 0 at its end, and no longer. */
+static void a_word_is_as_long_as_its_field(void **state)
+{
+    (void)state;
+    static const struct selftest_bug none;
+    const size_t most[] = {sizeof none.bug, sizeof none.unit, sizeof none.engines,
+                           sizeof none.layouts, sizeof none.kind};
+    for (size_t i = 0; i < 5; i++)
+        for (int over = 0; over < 2; over++) {
+            struct selftest_bug *bug;
+            size_t count;
+            char word[5][64] = {"A", "u", "e", "l", "k"}, line[400];
+            memset(word[i], 'x', most[i] - 1 + (size_t)over);
+            snprintf(line, sizeof line, "%s %s %s %s %s\n", word[0], word[1], word[2], word[3],
+                     word[4]);
+            assert_int_equal(selftest_parse("it", line, &bug, &count, &reason),
+                             over ? STATUS_INPUT : STATUS_OK);
+            if (over)
+                continue;
+            const char *const read[] = {bug->bug, bug->unit, bug->engines, bug->layouts, bug->kind};
+            for (size_t k = 0; k < 5; k++)
+                assert_string_equal(read[k], word[k]);
+            free(bug);
+        }
+}
+
 /* What must be among the planted bugs, and where none may be. */
 static void the_table_of_the_sources_is_whole(void **state)
 {
@@ -231,6 +257,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_table_is_read),
         cmocka_unit_test(what_is_no_table_is_refused_with_its_line),
+        cmocka_unit_test(a_word_is_as_long_as_its_field),
         cmocka_unit_test(the_table_of_the_sources_is_whole),
         cmocka_unit_test(a_program_that_finds_something_has_found_its_bug),
         cmocka_unit_test(a_program_that_finds_nothing_is_clean),

@@ -78,6 +78,16 @@ for way in '' inside:; do
     grep -q 'conclusion: 2 of 4 rows agree' out || bad "${way}bvh_stale.so is right as built, and after a rebuild"
 done
 
+# The page of a ray has the cause of the finding, after one step or several, replayed or explained.
+expect 1 'new  *bvh_stale.so.-.missed.stale' fuzz --steps --trials 12 --jobs 1 --engine ./bvh_stale.so --corpus none \
+    --no-shrink --dir stale
+for steps in refit:zero:881 refit:jitter:3,refit:zero:881 refit:jitter:3,rebuild:mirror,refit:zero:881; do
+    sed "s/^steps .*/steps $steps/" stale/bvh_stale.so.-.missed.stale/first.trial >steps.trial
+    for command in replay explain; do
+        expect 1 '^cause *stale: ' $command steps.trial --engine ./bvh_stale.so
+    done
+done
+
 # --- it dies, and the campaign goes on
 for what in crash hang memory; do
     [ $what = crash ] && more= || more='--peer-time 1 --peer-memory 64'
@@ -93,6 +103,13 @@ grep -q '^trials  *20 ' out || bad 'the campaign plays all trials where the trac
 expect 3 'it was ended by signal 6' check sphere:n=4 --engine ./bvh_crash.so --count 50 --repeat 1
 GUEST=exit expect 1 'inside:guest.so.-.crash' fuzz --trials 2 --rays 20 --jobs 1 --engine inside:./guest.so \
     --corpus none --no-shrink --dir dies_inside
+
+# What answers within --trial-time does not hang, and parts of a second count.
+sed '1i #include <unistd.h>
+    s/^    (void)reason;$/    (void)reason; usleep(400000);/' "$samples/brute_engine.c" >slow.c
+cc -D_GNU_SOURCE -O1 -shared -fPIC "-I$root" -o slow.so slow.c || bad 'a slow tracer'
+expect 0 'contestant inside:./slow.so answered 3 trials' fuzz --trials 3 --rays 20 --jobs 1 --engine inside:./slow.so --corpus none \
+    --trial-time 0.95 --no-shrink --dir in_time
 
 # --- what is wrong with a file
 echo 'no object' >text.so

@@ -49,7 +49,36 @@ ended() {
     echo "passed  $signal $1: $ms ms"
 }
 
+# A campaign lets its workers end what they play for half a second after the first signal, and not after a second one.
+twice() { # how many signals
+    rm -rf "$dir/hangs" "$dir/twice"
+    env --default-signal=INT "$raydiff" fuzz --engine "$mute" --rays 20 --jobs 1 --corpus none --trial-time 600 --dir "$dir/twice" \
+        >"$dir/out" 2>"$dir/err" </dev/null &
+    pid=$!
+    waits=0
+    while [ ! -e "$dir/hangs" ] && [ "$waits" -lt 600 ]; do
+        sleep 0.05
+        waits=$((waits + 1))
+    done
+    [ -e "$dir/hangs" ] || bad "fuzz: the engine does not come to hang"
+    start=$(date +%s%N)
+    kill -INT "$pid"
+    [ "$1" -eq 1 ] || { sleep 0.05; kill -INT "$pid"; }
+    wait "$pid"
+    took=$((($(date +%s%N) - start) / 1000000))
+}
+
 mute="pipe:$dir/mute 30000"
+twice 1
+[ "$took" -ge 500 ] || bad "fuzz ends $took ms after the first signal"
+least=$took
+for try in 1 2 3 4 5; do
+    [ "$least" -lt 450 ] || twice 2
+    [ "$took" -ge "$least" ] || least=$took
+done
+[ "$least" -lt 450 ] || bad "fuzz ends no sooner than $least ms after two signals"
+echo "passed  INT twice: $least ms"
+
 for signal in INT TERM HUP; do
     ended $signal render --engine "$mute" -w 64 -h 48 --peer-time 600 --out "$dir/files/x.png" --json "$dir/files/x.json"
 done

@@ -46,6 +46,12 @@ grep -q "^not ok .* - $all.played" "$dir/g.tap" || bad "fuzz --tap: who refuses 
 grep -q "^ok .* - cpu.f32.played" "$dir/g.tap" || bad "fuzz --tap: a member that answers is accused"
 grep -q "\"name\": \"$all\".*it answered none of the trials" "$dir/g.jsonl" || bad "fuzz --jsonl: who refuses all passes"
 
+# Nor is it another error that its formula, which is not known, has to be near enough.
+for who in "$all" "$opening"; do
+    says 1 'answered 0 of ' conform 'closest.*.mt.sphere.[pr]*' --count 20 --engine "$who" --displacement 8
+    says 1 'answered 0 of ' check sphere:n=4 $small --engine "$who" --displacement 8
+done
+
 # No stand-in passes for it: what it refuses, none passes.
 expect 1 . conform --count 20 --engine "$all"
 grep -q '^0 passed, 1 failed, ' "$dir/out" || bad "conform: others passed for an engine that refuses all"

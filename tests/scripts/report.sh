@@ -131,6 +131,19 @@ expect 2 'out FILE.html is needed' report soup
 expect 2 'No such file' report "$dir/none.obj" --out "$dir/x.html"
 expect 2 "unknown name 'f33'" report soup --layout f33 --out "$dir/x.html"
 expect 2 "unknown 'chekc'" report soup --parts chekc --out "$dir/x.html"
+# A part alone takes what the commands that make it take, and nothing else.
+while read -r part uses; do
+    for option in '--box robust' '--query any' '--rounds 3' '--quick' '--layout f32' '--engine cpu' '--tri mt' '--rays random' '--seed 3' \
+        '--count 9' '--threads 1' '--time 9' '--title T'; do
+        rule="--$(echo "$option" | tr -d - | sed 's/ .*//'): not used by the parts of this report"
+        case " $uses " in *" ${option%% *} "*) rule='none.obj: No such file' ;; esac
+        expect 2 "$rule" report "$dir/none.obj" --parts "$part" $option --out "$dir/x.html"
+    done
+done <<'END'
+check --box --query --quick --layout --engine --tri --rays --seed --count --threads --time --title
+bench --box --rounds --quick --layout --engine --tri --rays --seed --count --threads --time --title
+pictures --box --quick --layout --engine --tri --seed --threads --time --title
+END
 expect 2 'is not TITLE=FILE' report --picture x.png --out "$dir/x.html"
 expect 2 'is no JSON of raydiff check' report --check "$dir/d.json" --out "$dir/x.html"
 expect 2 'is no JSON of raydiff doctor' report --doctor "$dir/c.json" --out "$dir/x.html"
