@@ -126,7 +126,8 @@ static void print_head(const struct paper_table *table)
         screen_text(screen, "The mesh has no lights: two, and the default red with a tenth of "
                             "reflection, were put there.\n");
     if (!table->scene->same)
-        puts("ANOTHER MESH than the paper's, of as many triangles.");
+        printf("ANOTHER MESH than the paper's, of %u triangles to its %u.\n",
+               table->scene->scene.tri_count, figure->tri_count);
     printf("The paper, average ms: direct %.3f, RF %.3f, ratio %.3f\n", figure->direct_ms,
            figure->rf_ms, figure->direct_ms / figure->rf_ms);
     puts("ms per frame, and the ratio of the times of one frame:");
