@@ -226,7 +226,6 @@ sanitize)
     suite folders sh tests/scripts/folders.sh "$build/raydiff"
     suite lives sh tests/life/lives.sh "$build/raydiff"
     suite tree_files sh tests/scripts/tree_files.sh "$build/raydiff"
-    suite values_findings sh tests/values/values_findings.sh "$build/raydiff"
     ;;
 validate)
     suite conform "$build/raydiff" conform --engine vulkan,vulkan_brute --count 128

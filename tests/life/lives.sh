@@ -37,6 +37,8 @@ grep -qE 'kd answered [1-9][0-9]* trials' "$dir/out" || bad 'an engine with all 
 # --- bisect and export: of a trial with steps what its last tree holds, else one line
 sed 's/^query .*/&\nsteps refit:jitter:3/' "$root/fuzz/corpus/eighth-slot.trial" >steps.trial
 grep -q '^steps' steps.trial || bad 'a trial with steps'
+expect 0 . replay steps.trial --engine cpu
+expect 0 . explain steps.trial --engine cpu --layout f32
 expect 2 'steps.trial: a trial with steps is not bisected: replay it' bisect steps.trial --engine cpu
 for engine in embree embree_robust rayquery; do
     expect 2 'steps.trial: its steps are not exported for an engine that builds its own tree' \

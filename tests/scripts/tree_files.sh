@@ -99,6 +99,9 @@ expect 2 'median.json: is the tree of another scene: [0-9]+ of 60' \
     check soup:n=60,seed=8 $small --bvh "$dir/median.json"
 expect 2 'tree.rdpk: is the tree of another scene' check soup:n=60,seed=8 $small \
     --bvh "$dir/tree.rdpk"
+# Pictures, too; sanitizers see what a command leaves behind.
+expect 0 . render $scene --bvh "$dir/median.json" -w 8 -h 6 --out "$dir/tree.png"
+expect 0 . diff $scene --bvh "$dir/median.json" --engine cpu,brute -w 8 -h 6
 expect 2 'holds 60 triangles, the scene has 61' check soup:n=61 $small --bvh "$dir/median.json"
 expect 2 'is of 60 triangles, the scene has 4' leaks platonic:which=0 --bvh "$dir/tree.rdpk"
 expect 2 'the scene has 61' explain soup:n=61 --bvh "$dir/median.json"
