@@ -85,7 +85,7 @@ while read -r command; do
         form=
         case "$command $option" in
         'diff max') form=a.png ;;
-        'fuzz only' | 'fuzz programs' | 'fuzz shaders') form=--self-test ;;
+        'fuzz only' | 'fuzz control' | 'fuzz programs' | 'fuzz shaders') form=--self-test ;;
         esac
         case $bare in *" $option "*) value= ;; *) value=x ;; esac
         [ $option != baseline ] || value=fuzz/baseline.txt
