@@ -41,12 +41,14 @@ static bool mapped_by_hand(struct fuzz_trial *want, uint32_t first, uint32_t var
         map.by[it.axis] = variant == 2 ? by : -1;
     if (variant == 4)
         map.less[it.axis] = x;
+    if (variant == 5 && it.role != ORG)
+        return false;
     if (variant == 5) {
         struct ray *ray = &want->ray[(first - 3 * VERTICES) / 8];
         const double t = x / (double)ray->dir[it.axis];
-        for (int k = 0; k < 3 && it.role == ORG; k++)
+        for (int k = 0; k < 3; k++)
             ray->org[k] = (float)((double)ray->org[k] - t * (double)ray->dir[k]);
-        return it.role == ORG && isfinite(t);
+        return isfinite(t);
     }
     apply(want, &map);
     return variant == 3   ? it.role == DIR
