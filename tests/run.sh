@@ -14,6 +14,7 @@ rm -f "$logs"/*.word
 : >"$logs/queue"
 : >"$logs/alone"
 : >"$logs/waits"
+: >"$logs/pairs"
 
 # name, command...: a suite, which passes with 0 and is skipped with 77. It runs beside others.
 queue=$logs/queue
@@ -33,6 +34,12 @@ alone() {
 # beside as many others as there are processors.
 waits() {
     queue=$logs/waits
+    suite "$@"
+    queue=$logs/queue
+}
+# So, too, with one other of its kind beside it: it waits for most of its time, for what may not take too long.
+pairs() {
+    queue=$logs/pairs
     suite "$@"
     queue=$logs/queue
 }
@@ -138,7 +145,7 @@ plain)
     suite lives sh tests/life/lives.sh "$build/raydiff"
     alone fair sh tests/bench/fair.sh "$build/raydiff" quick
     suite diff sh tests/scripts/diff.sh "$build"
-    alone window sh tests/scripts/window.sh "$build"
+    pairs window sh tests/scripts/window.sh "$build"
     suite construct sh tests/scripts/construct.sh "$build/raydiff"
     suite world_files sh tests/worlds/world_files.sh "$build/raydiff"
     suite explain_worlds sh tests/worlds/explain_worlds.sh "$build/raydiff"
@@ -168,16 +175,16 @@ plain)
     suite tree sh tests/trees/tree.sh "$build/raydiff"
     suite driver_trees sh tests/driver_trees/driver_trees.sh "$build/raydiff"
     waits web_browser sh tests/web/browser.sh "$build/raydiff"
-    alone fuzz sh tests/scripts/fuzz.sh "$build"
-    alone fuzz_screen sh tests/docs/fuzz_screen.sh "$build/raydiff"
+    pairs fuzz sh tests/scripts/fuzz.sh "$build"
+    pairs fuzz_screen sh tests/docs/fuzz_screen.sh "$build/raydiff"
     suite fuzz_picture sh tests/docs/fuzz_picture.sh "$build/raydiff"
     suite resumed sh tests/fuzz/resumed.sh "$build/raydiff"
     suite every_layout sh tests/fuzz/every_layout.sh "$build/raydiff"
     suite folders sh tests/scripts/folders.sh "$build/raydiff"
     suite standard_files sh tests/scripts/standard_files.sh "$build/raydiff"
-    alone signals sh tests/scripts/signals.sh "$build/raydiff"
-    alone ended sh tests/scripts/ended.sh "$build/raydiff"
-    alone peers sh tests/scripts/peers.sh "$build/raydiff"
+    pairs signals sh tests/scripts/signals.sh "$build/raydiff"
+    pairs ended sh tests/scripts/ended.sh "$build/raydiff"
+    pairs peers sh tests/scripts/peers.sh "$build/raydiff"
     suite faults sh tests/scripts/faults.sh "$build/raydiff" -q -s 90
     suite heap_checked sh tests/house/heap_checked.sh "$logs"
     suite fetch sh tests/house/fetch.sh
@@ -260,7 +267,7 @@ for test in "$build"/tests/test_*; do
     checked=
     case $mode in plain | made_up) checked="env $(heap_of "$name")" ;; esac # made_up: tests/house/runner.sh
     case $name in
-    test_pipe | test_pipe_later | test_guardian | test_fuzz_shrink_apart) alone "$name" $checked "$test" ;;
+    test_pipe | test_pipe_later | test_guardian | test_fuzz_shrink_apart) pairs "$name" $checked "$test" ;;
     test_fuzz_campaign_deaths) waits "$name" $checked "$test" ;;
     *) suite "$name" $checked "$test" ;;
     esac
@@ -271,11 +278,12 @@ jobs=$(env -u OMP_NUM_THREADS nproc 2>/dev/null || echo 2)
 OMP_WAIT_POLICY=${OMP_WAIT_POLICY-passive} play "$logs/waits" 1 &
 OMP_WAIT_POLICY=${OMP_WAIT_POLICY-passive} play "$logs/queue" "$jobs"
 wait
+OMP_WAIT_POLICY=${OMP_WAIT_POLICY-passive} play "$logs/pairs" 2
 play "$logs/alone" 1
 
 count() { cat "$logs"/*.word 2>/dev/null | grep -c "^$1$"; }
 failed=$(count FAILED)
-untold=$(($(cat "$logs/queue" "$logs/waits" "$logs/alone" | wc -l) - $(cat "$logs"/*.word | wc -l)))
+untold=$(($(cat "$logs/queue" "$logs/waits" "$logs/pairs" "$logs/alone" | wc -l) - $(cat "$logs"/*.word | wc -l)))
 [ "$untold" -eq 0 ] || echo "FAILED   $untold suites were not played to their end"
 echo "logs: $logs"
 echo "$(count passed) passed, $((failed + untold)) failed, $(count skipped) skipped"

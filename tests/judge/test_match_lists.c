@@ -105,6 +105,8 @@ static void honest_lists_are_right(void **state)
                 /* Of the two scenes that the others are played in, each engine takes one. */
                 if (!tri_tests[t]->core && (s != (t + e) % 2 || engines[e]->own_tri))
                     continue;
+                if (t > 0 && s > 0 && strcmp(engines[e]->name, "vulkan_brute") == 0)
+                    continue; /* it would take half of the time */
                 assert_int_equal(match_rebuild(&f->match, f->options.builder, &f->options.build,
                                                tri_tests[t], &f->reason),
                                  STATUS_OK);
