@@ -6,7 +6,7 @@ set -u
 raydiff=$1
 name=recompiled passes='copy drop reassociate contract fuse text invalid fails'
 . tests/compilers/passes.sh
-scene='sphere:n=8 --count 3000 --repeat 1'
+scene='sphere:n=8 --count 600 --repeat 1'
 
 # Every compiler that is here, on engines with and without a tree; bits, decorations, WRONG.
 expect 0 . check $scene --engine vulkan,vulkan_stackless,vulkan_brute --compiler raw,opt,size --layout f32,rf16 \
@@ -101,7 +101,7 @@ expect 0 . fuzz --compiler opt --engine vulkan --layout f32 --trials 20 --corpus
 expect 0 . fuzz --trials 30 --corpus none --dir "$dir/clean" --jobs 1
 has 'a resumed campaign' 'vulkan:opt.f32 answered 30 trials'
 
-expect 0 . bench layouts --scene sphere:n=5 --count 500 --rounds 2 --compiler opt --csv "$dir/rows.csv"
+expect 0 . bench layouts --scene sphere:n=5 --layout f32,rf16 --count 500 --rounds 2 --compiler opt --csv "$dir/rows.csv"
 grep -q '[",]vulkan:opt[",]' "$dir/rows.csv" || bad 'bench: CSV without the compiler'
 has bench '^compilers, primary, driver any' '^opt +vulkan +rf16 .* equal +0 +[0-9.]+$'
 
