@@ -18,6 +18,7 @@ function control_law(p,  i, most, kept) {
         kept += v["bugs." i ".end"] == "NOT FOUND"
     }
     if (v[p ".end"] == "clean" && !kept) equal("trials of a control", v[p ".trials"], most)
+    if (v[p ".end"] == "clean" && kept && most > least) truth("a control goes on", v[p ".trials"] > least && v[p ".trials"] <= most)
 }
 function laws(  i, p, n, ends) {
     for (i = 0; i < v["bugs.count"]; i++) {
