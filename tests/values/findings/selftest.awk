@@ -8,17 +8,14 @@ function median(n,  i, k, x) {
     }
     return (sorted[int((n + 1) / 2)] + sorted[int(n / 2) + 1]) / 2
 }
-# A control plays as many trials as the bugs of its field needed, and as many as it must at least. What is not found
-# took all of its time.
-function control_law(p,  i, most, kept) {
+# A control plays as many trials as the bugs of its field needed, and as many as it must at least.
+function control_law(p,  i, most) {
     most = least
     for (i = 0; i < v["bugs.count"]; i++) {
         if (v["bugs." i ".engines"] v["bugs." i ".layouts"] != v[p ".engines"] v[p ".layouts"]) continue
         if (v["bugs." i ".trials"] > most) most = v["bugs." i ".trials"]
-        kept += v["bugs." i ".end"] == "NOT FOUND"
     }
-    if (v[p ".end"] == "clean" && !kept) equal("trials of a control", v[p ".trials"], most)
-    if (v[p ".end"] == "clean" && kept && most > least) truth("a control goes on", v[p ".trials"] > least && v[p ".trials"] <= most)
+    if (v[p ".end"] == "clean") equal("trials of a control", v[p ".trials"], most)
 }
 function laws(  i, p, n, ends) {
     for (i = 0; i < v["bugs.count"]; i++) {
