@@ -158,8 +158,22 @@ perl tests/mutation/order.pl "$build/mutate" tests/mutation/equivalent.txt check
     $({ git ls-files 'ref/judge/*.c' 'ref/tree/*.c' 'shaders/w*.glsl' 'shaders/slab.glsl' 'ref/oracle/placed_filter.c'; sed -n 's/^[^#]* ;; \([a-z][^ ;]*\.[a-z]*\) ;; .*/\1/p' tests/mutation/equivalent.txt; } | sort -u) >"$dir/invariants" ||
     bad "tests/mutation/equivalent.txt"
 while read -r name suite; do
-    [ -x "$build/tests/$suite" ] || grep -qE "^ *(suite|waits|alone) $suite " tests/run.sh || bad "invariant $name: no suite $suite"
+    [ -x "$build/tests/$suite" ] || grep -qE "^ *(suite|waits|pairs|alone) $suite " tests/run.sh || bad "invariant $name: no suite $suite"
 done <"$dir/invariants"
+
+# Lines that nothing runs are told, with the sums of their rooms.
+mkdir -p "$dir/room/obj"
+printf 'int main(int argc, char **argv)\n{\n    (void)argv;\n    if (argc > 1)\n        return 3;\n    return 0;\n}\n' >"$dir/room/a.c"
+(cd "$dir" && cc -O0 --coverage -c -o room/obj/a.o room/a.c && cc --coverage -o room/a room/obj/a.o) || bad 'no program tells its lines'
+perl tests/mutation/uncovered.pl "$dir/room" >"$dir/out" 2>&1 && bad 'nothing was run, and that is not told'
+"$dir/room/a"
+(cd "$dir" && perl "$OLDPWD/tests/mutation/uncovered.pl" room) >"$dir/out" 2>&1 || bad 'uncovered.pl fails'
+printf '%s\n' 'room/a.c: 1 of 4 lines' '5:        return 3;' '    1 of     4 lines of room are run by no suite' \
+    '1 of 4 lines are run by no suite' | cmp -s - "$dir/out" || { bad 'uncovered.pl'; cat "$dir/out"; }
+(cd "$dir" && perl "$OLDPWD/tests/mutation/uncovered.pl" room other) >"$dir/out" 2>&1
+grep -qx '0 of 0 lines are run by no suite' "$dir/out" || bad 'a room that is not there has lines'
+"$dir/room/a" 1
+(cd "$dir" && perl "$OLDPWD/tests/mutation/uncovered.pl" room) | grep -qx '0 of 4 lines are run by no suite' || bad 'all lines are run, and that is not told'
 
 for file in $files; do
     "$build/mutate" list "$file" >>"$dir/all" || bad "$file cannot be read"
