@@ -38,6 +38,33 @@ rows "$dir/square.csv" '$c["engine"] == "cpu" {
     if ($c["asked"] != 1000 || $c["leak_rays"] != 0) wrong("rays asked") }' \
     -v hits_prim="$(json hits "$dir/primary.json")" -v hits_rand="$(json hits "$dir/random.json")"
 
+# Engines with trees of their own are looked at in theirs. A dual-split tree of one leaf has two words, and no ray reads
+# them that misses the box. A leaf of a k-d tree has a node, and of each triangle a number and 48 bytes, the second
+# ones on two lines. The bytes are those that the engines count.
+expect 0 . bench matrix --wide --scene "$dir/square.obj" --scene sphere:n=4 --rounds 1 --count 500 --threads 1 \
+    --engine kd,dual_split --layout f32 --csv "$dir/own.csv"
+expect 0 . check sphere:n=4 --builder sah_binned --layout f32 --engine dual_split --count 100 --repeat 1 --brute 0 \
+    --json "$dir/dual.json"
+expect 0 . check sphere:n=4 --engine kd --count 100 --repeat 1 --brute 0 --json "$dir/kd.json"
+rows "$dir/own.csv" '$c["triangles"] == 2 && $c["engine"] ~ /^(kd|dual_split)$/ {
+    dual = $c["engine"] == "dual_split"
+    found++
+    if (!near($c["prim_line_bytes"] * 500, 64 * (dual ? 11 : 6) * hits_prim, 1)) wrong("prim_line_bytes")
+    if (!near($c["rand_line_bytes"] * 500, 64 * (dual ? 11 : 6) * hits_rand, 1)) wrong("rand_line_bytes")
+    if ($c["node_bytes"] != 8 || $c["item_bytes"] != (dual ? 8 : 104) || $c["scene_bytes"] != (dual ? 72 : ""))
+        wrong("bytes")
+}
+$c["triangles"] > 2 && $c["engine"] ~ /^(kd|dual_split)$/ {
+    dual = $c["engine"] == "dual_split"
+    found++
+    if ($c["node_bytes"] != (dual ? dual_nodes : kd_nodes) || $c["item_bytes"] != (dual ? dual_items : kd_items))
+        wrong("not as check says")
+}
+END { if (found != 4) wrong("not four rows of own trees") }' \
+    -v hits_prim="$(json hits "$dir/primary.json")" -v hits_rand="$(json hits "$dir/random.json")" \
+    -v dual_nodes="$(json node_bytes "$dir/dual.json")" -v dual_items="$(json item_bytes "$dir/dual.json")" \
+    -v kd_nodes="$(json node_bytes "$dir/kd.json")" -v kd_items="$(json item_bytes "$dir/kd.json")"
+
 # A blind tracer's WRONG answers are those of three checks: nothing stands between the square and the light.
 sed 's/size > 0\.0f/size > 1e30f/' fuzz/samples/sample_tracer.c >"$dir/blind.c" && cc -O1 -o "$dir/blind" "$dir/blind.c" || failed=1
 expect 1 . bench matrix --wide --scene "$dir/square.obj" --rounds 1 --count 500 --engine "pipe:$dir/blind" --csv "$dir/blind.csv"
