@@ -46,6 +46,22 @@ size_t bench_members(enum table table, const struct list *named, const char *con
     return count;
 }
 
+static bool names(enum table table, const struct list *list, const void *member)
+{
+    for (size_t i = 0; i < list->count; i++)
+        if (table_pointer(table, list->index[i]) == member)
+            return true;
+    return false;
+}
+
+void bench_left_out(struct bench *bench, const struct layout *layout, const struct tri_store *store,
+                    enum status status)
+{
+    if (status == STATUS_LIMIT &&
+        (names(TABLE_LAYOUTS, &bench->layout, layout) || names(TABLE_STORES, &bench->store, store)))
+        bench_worse(bench, exit_of_status(status));
+}
+
 const char *bench_engine_name(const struct engine *engine, char text[BENCH_ENGINE_NAME])
 {
     const char *path = file_of_engine(engine->name);

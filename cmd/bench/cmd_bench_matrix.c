@@ -128,6 +128,7 @@ static enum status enter(struct matrix *m, const struct matrix_entry *e, unsigne
     if (status == STATUS_LIMIT || status == STATUS_UNSUPPORTED) {
         progress_end(&m->bench->progress);
         screen_line(4, "  %s left out: %s\n", e->name, reason->text);
+        bench_left_out(m->bench, e->layout, e->store, status);
         return STATUS_OK;
     }
     if (status == STATUS_REFUSED) { /* the others continue */

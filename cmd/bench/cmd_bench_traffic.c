@@ -261,11 +261,13 @@ static enum status play_all(struct traffic_field *field, struct reason *reason)
             const struct layout *one = layout[l];
             const struct tri_store *of = store[s];
             enum status left_out = play_store(field, one, of, &why);
-            if (left_out == STATUS_LIMIT || left_out == STATUS_UNSUPPORTED)
+            if (left_out == STATUS_LIMIT || left_out == STATUS_UNSUPPORTED) {
                 screen_text(&field->bench->screen_is, "%s, %s: left out: %s\n", one->name, of->name,
                             why.text);
-            else if (left_out)
+                bench_left_out(field->bench, one, of, left_out);
+            } else if (left_out) {
                 status = fail(reason, left_out, "%s", why.text);
+            }
         }
     if (!status && field->layouts == 0)
         status = fail(reason, STATUS_LIMIT, "no layout holds the scene");

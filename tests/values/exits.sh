@@ -32,7 +32,7 @@ fi
 own_words() { [ ! -s "$dir/err" ] || sed -i '/^Warning: REAL(/d' "$dir/err"; }
 kept() { sed -n 's/^ *#[1-9][0-9]* 0x[0-9a-f]* in //p' "$dir/err" | head -n 2 | tr '\n' ' '; }
 
-# exit code, arguments of raydiff. 2 has its reason on standard error, or in the row of what failed.
+# exit code, arguments of raydiff. 2 has its reason on standard error, or in the row of what failed or was left out.
 ends() {
     wanted=$1
     shift
@@ -42,7 +42,7 @@ ends() {
     own_words
     [ "$code" -ne 23 ] || bad "raydiff $*: memory is kept: $(kept)"
     [ "$code" -eq "$wanted" ] || bad "raydiff $*: exit $code, not $wanted: $(tail -n 1 "$dir/err")"
-    [ "$code" -ne 2 ] || [ -s "$dir/err" ] || grep -q '  failed: [^ ]' "$dir/text" || bad "raydiff $*: no reason on standard error"
+    [ "$code" -ne 2 ] || [ -s "$dir/err" ] || grep -qE '(  failed|left out): [^ ]' "$dir/text" || bad "raydiff $*: no reason on standard error"
 }
 # The tracers that a part plays.
 tracers_of() {
@@ -269,6 +269,18 @@ files() {
     ends 0 bench matrix --scene sphere:n=4 --engine "$sees" --count 50 --rounds 1
     ends 1 bench matrix --scene sphere:n=4 --engine "$blind" --count 50 --rounds 1
     ends 1 bench matrix --scene sphere:n=4 --engine "$careless" --count 50 --rounds 1
+    # A named layout or storage that does not hold the scene is told, and counts beside others that do.
+    printf 'v 0 0 0\nv 1e6 0 0\nv 1e6 1e6 0\nv 0 1e6 0\nf 1 2 3\nf 1 3 4\n' >"$dir/far.obj"
+    for of in error 'matrix --engine cpu' 'traffic --scheduler depth_first'; do
+        for named in '--layout f32,rf16' '--layout rf16'; do
+            [ "$of" != error ] || named="$named --engine cpu --tri mt --box robust"
+            ends 2 bench $of --scene "$dir/far.obj" $named --count 50
+        done
+        [ "$of" = error ] || ends 2 bench $of --scene sphere:n=4 --store quantised,indexed --count 50
+    done
+    ends 0 bench matrix --scene "$dir/far.obj" --engine cpu --store indexed,compact --count 50 --rounds 1 --threads 1
+    ends 2 bench traffic --scheduler depth_first --scene sphere:n=4 --layout f32,rf16 --store indexed,compact --count 50
+    ends 0 bench traffic --scheduler depth_first --scene sphere:n=4 --layout f32,rf16 --count 50
     ends 2 bench nothing
     ends 2 bench builders --scene "$gone.obj"
     ends 3 bench error --scene sphere:n=4 --engine "$dies" --count 50 --rounds 1
