@@ -88,8 +88,8 @@ extern const struct benchmark bench_layouts, bench_error, bench_spawn, bench_bui
 /* Merges an exit code into bench->code. A signal's code counts only if nothing else was wrong. */
 void bench_worse(struct bench *bench, int code);
 
-/* Counts a tree that was left out: with STATUS_LIMIT, which says that it does not hold the scene, if
- * the user named its layout or its storage; so does raydiff check. */
+/* Counts a tree that was left out: with STATUS_LIMIT, which says that it does not hold the scene,
+ * if the user named its layout or its storage; so does raydiff check. */
 void bench_left_out(struct bench *bench, const struct layout *layout, const struct tri_store *store,
                     enum status status);
 

@@ -197,9 +197,49 @@ static void a_command_is_read_back_to_the_bit(void **state)
     }
 }
 
+/* Blanks, tabs and commas, perhaps none. */
+static void put_separators(struct rng *rng, uint32_t least, char *text)
+{
+    char put[4] = "";
+    const uint32_t count = least + rng_below(rng, 3);
+    for (uint32_t i = 0; i < count; i++)
+        put[i] = " ,\t"[rng_below(rng, 3)];
+    strcat(text, put);
+}
+
+/* A ray is read alike whatever separates its numbers and stands around them; of six numbers, the
+ * ends are 0 and the one that the caller has. */
+static void separators_are_no_part_of_a_ray(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(9, 3);
+    for (int n = 0; n < 400; n++) {
+        const int count = n % 2 ? 8 : 6;
+        char text[512] = "", number[32];
+        struct ray wanted = {.tmax = 7.5f}, read;
+        struct reason reason = {""};
+        float value[8];
+        put_separators(&rng, 0, text);
+        for (int k = 0; k < count; k++) {
+            value[k] = any_number(&rng);
+            float_text_write(value[k], number);
+            strcat(text, number);
+            put_separators(&rng, k + 1 < count, text);
+        }
+        memcpy(wanted.org, value, sizeof wanted.org);
+        memcpy(wanted.dir, value + 3, sizeof wanted.dir);
+        if (count == 8)
+            wanted.tmin = value[6], wanted.tmax = value[7];
+        if (ray_text_read(text, 7.5f, &read, &reason))
+            fail_msg("'%s': %s", text, reason.text);
+        assert_memory_equal(&read, &wanted, sizeof wanted);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(separators_are_no_part_of_a_ray),
         cmocka_unit_test(a_command_is_read_back_to_the_bit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
