@@ -281,6 +281,7 @@ files() {
     ends 0 bench matrix --scene "$dir/far.obj" --engine cpu --store indexed,compact --count 50 --rounds 1 --threads 1
     ends 2 bench traffic --scheduler depth_first --scene sphere:n=4 --layout f32,rf16 --store indexed,compact --count 50
     ends 0 bench traffic --scheduler depth_first --scene sphere:n=4 --layout f32,rf16 --count 50
+    ends 2 bench traffic --scheduler depth_first --scene sphere:n=4 --store baldwin_webber --count 50 # the test needs vertices
     ends 2 bench nothing
     ends 2 bench builders --scene "$gone.obj"
     ends 3 bench error --scene sphere:n=4 --engine "$dies" --count 50 --rounds 1
