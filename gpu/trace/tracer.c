@@ -228,6 +228,7 @@ static enum status check_flags(struct tracer *tracer, size_t first, uint32_t cou
         if (tracer->flag[i] == ABI_FLAG_DONE)
             continue;
         tracer->trouble = tracer->flag[i];
+        tracer->unfinished = true;
         return fail(reason, STATUS_DEVICE, "vulkan: %s: ray %zu was not finished: %s",
                     vk_limits(tracer->vk)->device, first + i, dispatch_cause(tracer->flag[i]));
     }
@@ -288,6 +289,7 @@ static enum status trace_rays(struct tracer *tracer, const struct ray *ray, size
         return STATUS_OK;
     uint32_t at_once = 0;
     tracer->trouble = 0;
+    tracer->unfinished = false;
     enum status status = reserve_rays(tracer, ray_count, to->capacity, &at_once, reason);
     for (size_t done = 0; done < ray_count && !status;) {
         uint32_t part = tracer->batch < at_once ? tracer->batch : at_once;

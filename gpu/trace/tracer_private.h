@@ -20,6 +20,7 @@ struct tracer {
     uint32_t *flag; /* room for the flags of ray_capacity rays */
     uint32_t ray_capacity, batch;
     uint32_t trouble; /* flags of the first ray that was not finished */
+    bool unfinished;  /* the last call ended with such a ray */
     bool lists;       /* prepared for QUERY_ALL */
     struct push push;
     struct arithmetic arithmetic;

@@ -281,20 +281,24 @@ static bool is_large(const struct tracer *tracer, const struct engine_task *task
            task->ray_count / tracer->workgroup >= limits->groups;
 }
 
-/* Traces a task with tracer_prepare and tracer_trace. */
+/* Traces a task with tracer_prepare and tracer_trace. With a ray that was not finished the task has
+ * its flags for all. */
 static enum status trace_large(struct tracer *tracer, struct engine_task *task,
                                struct reason *reason)
 {
     struct trace_report report;
+    tracer->unfinished = false;
     task->status = tracer_prepare(tracer, &task->job, &task->reason);
     if (!task->status)
         task->status =
             tracer_trace(tracer, task->ray, task->ray_count, task->hit, &report, &task->reason);
-    uint32_t flag = task->status ? ABI_FLAG_EXHAUSTED : ABI_FLAG_DONE;
+    uint32_t flag = tracer->unfinished ? tracer->trouble
+                    : task->status     ? ABI_FLAG_EXHAUSTED
+                                       : ABI_FLAG_DONE;
     for (size_t i = 0; i < task->ray_count; i++)
         task->flag[i] = flag;
     if (task->status == STATUS_OK || task->status == STATUS_LIMIT ||
-        task->status == STATUS_UNSUPPORTED)
+        task->status == STATUS_UNSUPPORTED || tracer->unfinished)
         return STATUS_OK;
     return fail(reason, task->status, "%s", task->reason.text);
 }

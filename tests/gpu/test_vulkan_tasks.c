@@ -1,4 +1,6 @@
 /* Laws of gpu/trace/tracer.h's tracer_trace_tasks on the running driver. */
+#include "ref/trace/trace.h"
+
 #include "tests/support/gpu.h"
 #include "tests/support/many_jobs.h"
 
@@ -32,10 +34,74 @@ static void a_device_takes_many_jobs_through_staging(void **state)
     free_jobs();
 }
 
+/* A task of more rays than workgroups of one a driver takes: it goes alone, and neither its answers
+ * nor its broken tree are those of the tasks around it. Large ones have the rays of small ones over
+ * and over. Where a driver takes as many, all go together, with the same answers. */
+enum { LARGE = 66000, CYCLE = 7, TURN = 5 };
+static const size_t turn[TURN] = {1, 3, CYCLE, 3, CYCLE}; /* jobs; the fourth and the last large */
+static struct ray large_ray[2][LARGE];
+static struct hit large_hit[2][LARGE];
+static uint32_t large_flag[2][LARGE];
+
+static void make_turn(struct engine_task task[TURN])
+{
+    make_tasks();
+    for (size_t k = 0; k < TURN; k++) {
+        task[k] = tasks[turn[k]];
+        if (k < 3)
+            continue;
+        const size_t to = k - 3;
+        for (size_t i = 0; i < LARGE; i++)
+            large_ray[to][i] = task[k].ray[i % task[k].ray_count];
+        memset(large_hit[to], 0xAB, sizeof large_hit[to]);
+        memset(large_flag[to], 0xAB, sizeof large_flag[to]);
+        task[k].ray = large_ray[to];
+        task[k].ray_count = LARGE;
+        task[k].hit = large_hit[to];
+        task[k].flag = large_flag[to];
+        task[k].work = NULL;
+        task[k].expected = NULL;
+    }
+}
+
+static void a_large_task_keeps_to_itself(void **state)
+{
+    (void)state;
+    const struct vk_options options = gpu_options();
+    make_jobs();
+    struct node_f32 *node = (struct node_f32 *)jobs[CYCLE].packed.word;
+    node[0].first = 0; /* the second child of the root is the root */
+    struct tracer *tracer = gpu_tracer(&options, 1);
+    for (size_t first = 0; first < TURN; first += 3) { /* a small or a large one goes first */
+        struct engine_task task[TURN], given[TURN];
+        struct reason reason = {""};
+        make_turn(task);
+        for (size_t k = 0; k < TURN; k++)
+            given[k] = task[(first + k) % TURN];
+        gpu_must(tracer_trace_tasks(tracer, given, TURN, &reason), &reason);
+        for (size_t k = 0; k < TURN; k++) {
+            const bool broken = given[k].job.packed == &jobs[CYCLE].packed;
+            size_t unfinished = 0;
+            for (size_t i = 0; i < given[k].ray_count; i++)
+                unfinished += given[k].flag[i] != ABI_FLAG_DONE;
+            assert_int_equal(given[k].status, broken ? STATUS_DEVICE : STATUS_OK);
+            assert_int_equal(unfinished > 0, broken);
+            if (broken)
+                assert_non_null(strstr(given[k].reason.text, " was not finished: "));
+        }
+        const size_t rays = jobs[3].trial.ray_count;
+        for (size_t i = 0; i < LARGE; i++)
+            assert_memory_equal(&large_hit[0][i], &jobs[3].hit[i % rays], sizeof(struct hit));
+    }
+    gpu_close_tracer(tracer);
+    free_jobs();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_device_takes_many_jobs_through_staging),
+        cmocka_unit_test(a_large_task_keeps_to_itself),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
