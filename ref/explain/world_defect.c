@@ -19,16 +19,6 @@ const char *world_cause_name(enum world_cause cause)
     return cause_names[cause];
 }
 
-bool world_cause_find(const char *name, enum world_cause *out)
-{
-    for (enum world_cause cause = 0; cause < WORLD_CAUSE_COUNT; cause++)
-        if (strcmp(name, cause_names[cause]) == 0) {
-            *out = cause;
-            return true;
-        }
-    return false;
-}
-
 static const struct world_defect_about about[WORLD_DEFECT_COUNT] = {
     [WORLD_DEFECT_NONE] = {"keeps the rules", WORLD_CAUSE_NONE},
     [WORLD_DEFECT_MASK_IGNORED] = {"does not compare masks", WORLD_CAUSE_MASK},

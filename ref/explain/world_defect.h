@@ -20,7 +20,6 @@ enum world_cause {
 
 /* "none", "transform", "world_box", "mask", "cull", "opacity", "instance_index", "unknown". */
 const char *world_cause_name(enum world_cause cause);
-bool world_cause_find(const char *name, enum world_cause *out); /* false: no cause has that name */
 
 enum world_defect {
     WORLD_DEFECT_NONE, /* the rules as they are */
