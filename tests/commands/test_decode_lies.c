@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-enum decode_lie { HONEST, BOX, ITEMS, ITEM, CHILDREN };
+enum decode_lie { HONEST, BOX, ITEMS, ITEM, CHILDREN, KIND };
 
 static const struct layout *honest;
 static enum decode_lie lie;
@@ -32,6 +32,10 @@ static void load(const struct packed *packed, uint32_t ref, struct wide *out)
         lie_of_box(&out->box[child[0]]);
     out->item_count -= lie == ITEMS;
     out->item_first += lie == ITEM;
+    if (lie == KIND) {
+        out->child_count = out->item_first = 0;
+        out->item_count = 1;
+    }
     if (lie == CHILDREN) {
         const uint32_t first = out->child[child[0]];
         out->child[child[0]] = out->child[child[1]];
@@ -60,7 +64,7 @@ static void draw_liar(const struct packed *packed, struct rng *rng)
                  : node.child_count > 1 || !wide) {
             child[0] = node.child_count ? rng_below(rng, node.child_count) : 0;
             child[1] = node.child_count ? (child[0] + 1) % node.child_count : 0;
-            if (lie != CHILDREN ||
+            if ((lie != CHILDREN && lie != KIND) ||
                 (node.child_count > 1 && node.child[child[0]] < packed->node_count &&
                  node.child[child[1]] < packed->node_count))
                 return;
@@ -83,6 +87,8 @@ static void expect_text(const struct packed *packed, char text[200])
         snprintf(text, 200 - (size_t)length, "%c %s: C decodes %a (%.9g), GLSL %a (%.9g)",
                  "xyz"[at % 3], at < 3 ? "lo" : "hi", (double)(right + 1), (double)(right + 1),
                  (double)right, (double)right);
+    else if (lie == KIND)
+        snprintf(text, 200 - (size_t)length, "kind: C decodes a leaf, GLSL an inner node");
     else if (lie == ITEMS)
         snprintf(text, 200 - (size_t)length, "items: C decodes %u, GLSL %u", node.item_count - 1,
                  node.item_count);
@@ -136,8 +142,8 @@ static void lies_of_c_are_told(void **state)
 {
     (void)state;
     static const char *const names[] = {"f32", "tiny8"};
-    static const enum decode_lie lies[] = {HONEST, BOX, BOX,   BOX,  BOX,
-                                           BOX,    BOX, ITEMS, ITEM, CHILDREN};
+    static const enum decode_lie lies[] = {HONEST, BOX,   BOX,  BOX,      BOX, BOX,
+                                           BOX,    ITEMS, ITEM, CHILDREN, KIND};
     struct drivers_view view = view_make("sphere:n=9", "mixed", 1);
     const struct engine_options options = {.device = -1};
     struct rng rng = rng_make(9, 0);
@@ -147,8 +153,8 @@ static void lies_of_c_are_told(void **state)
             struct reason reason = {""};
             struct decoded out;
             char text[200] = "";
-            if (lies[i] == BOX && i % 2 == n)
-                continue; /* half of the coordinates each */
+            if ((lies[i] == BOX && i % 2 == n) || (lies[i] == KIND && n))
+                continue; /* half of the coordinates each; a wide record is asked for as inner */
             view_pack(&view, names[n]);
             honest = view.packed.layout;
             struct layout liars = *honest;
