@@ -398,6 +398,15 @@ expect 2 'SCENE, RAYS and HITS are needed' judge sphere "$dir/rays"
 expect 2 "cannot both be '-'" judge sphere - -
 expect 2 'hits: has h or m lines' judge sphere:n=4 "$dir/hits" "$dir/hits"
 expect 2 'rays: has v, t or r lines' judge sphere:n=4 "$dir/rays" "$dir/rays"
+grep -v '^r ' "$dir/rays" >"$dir/rayless"
+expect 2 'rayless: has no ray' judge sphere:n=4 "$dir/rayless" "$dir/hits"
+# No ray is drawn for a line `from` with an unknown set, or with a count that no request has.
+for from in 's/ 60 mixed / 60 none_such /' 's/ 60 mixed / 0 mixed /' 's/ 60 mixed / 1073741825 mixed /'; do
+    sed "/^from /$from" "$dir/hits" | "$raydiff" verify >"$dir/out" 2>"$dir/err"
+    [ $? -eq 2 ] && grep -q "'from' names no ray set of any count" "$dir/err" || bad "verify: from, $from"
+done
+sed '/^from /s/ 60 mixed / 1073741824 mixed /' "$dir/hits" | "$raydiff" verify >"$dir/out" 2>"$dir/err"
+[ $? -eq 2 ] && grep -q 'ends after 60 of 1073741824 answers' "$dir/err" || bad 'verify: from, more answers than there are'
 expect 2 'for another scene than sphere:n=5' judge sphere:n=5 "$dir/rays" "$dir/hits"
 head -n 11 "$dir/hits" >"$dir/bad"
 expect 2 'bad:11: ends after 10 of 60 answers' judge sphere:n=4 "$dir/rays" "$dir/bad"
