@@ -141,6 +141,28 @@ static void bad_lines_are_refused(void **state)
 }
 
 /* Every day of the calendar, and no other. */
+/* A pattern may be as long as the longest signature, and no longer. */
+static void patterns_are_as_long_as_signatures(void **state)
+{
+    (void)state;
+    for (int length = FUZZ_SIGNATURE_MOST - 3; length < FUZZ_SIGNATURE_MOST + 3; length++) {
+        char text[2 * FUZZ_SIGNATURE_MOST], why[80];
+        struct baseline b = {0};
+        memset(text, '*', (size_t)length - 9);
+        strcpy(text + length - 9, ".*.bits.* until - why" LINK);
+        snprintf(why, sizeof why, "list:1: a pattern has at most %d characters",
+                 FUZZ_SIGNATURE_MOST - 1);
+        reason.text[0] = '\0';
+        enum status status = baseline_add(&b, "list", text, strlen(text), &reason);
+        assert_int_equal(status, length < FUZZ_SIGNATURE_MOST ? STATUS_OK : STATUS_INPUT);
+        assert_string_equal(reason.text, status ? why : "");
+        if (!status)
+            assert_int_equal(ask(&b, "cpu.rf16.bits.stack", "", "2026-01-01").state,
+                             BASELINE_KNOWN);
+        baseline_close(&b);
+    }
+}
+
 static void days_are_those_of_the_calendar(void **state)
 {
     (void)state;
@@ -305,6 +327,7 @@ int main(void)
         cmocka_unit_test(variants_have_the_faults_of_their_formula),
         cmocka_unit_test(entries_excuse_until_their_day),
         cmocka_unit_test(bad_lines_are_refused),
+        cmocka_unit_test(patterns_are_as_long_as_signatures),
         cmocka_unit_test(days_are_those_of_the_calendar),
         cmocka_unit_test(files_are_added),
         cmocka_unit_test(the_shipped_list_is_of_others),

@@ -69,13 +69,14 @@ static inline char *exported(const struct finding_file *file, const struct expor
     return text;
 }
 
-/* Everything that would be written, of an engine that is not here. */
+/* Everything that would be written, of an engine that is not here, until the next call. */
 static inline struct export_case make_case(const struct finding_file *file, const char *engine,
                                            const char *layout)
 {
-    struct export_options options = options_of(EXPORT_C, engine, layout);
+    static struct export_options options; /* the case points to it */
     struct export_case the;
     struct reason reason;
+    options = options_of(EXPORT_C, engine, layout);
     options.engines.driver = NO_DRIVER;
     if (export_case_make(file, &options, &the, &reason))
         fail_msg("%s", reason.text);

@@ -115,12 +115,118 @@ static void lines_break_between_words(void **state)
     finding_file_free(&file);
 }
 
+/* The comment of an export with this name, or none, and form. */
+static char *comment_of(const struct export_case *the)
+{
+    static char *out;
+    size_t size = 0;
+    FILE *stream = open_memstream(&out, &size);
+    assert_non_null(stream);
+    export_comment(the, "// ", stream);
+    assert_int_equal(fclose(stream), 0);
+    return out;
+}
+
+/* A program is told to be compiled to the part of its name before the first '.'; a name that has
+ * none, or no name, has a plain one. */
+static void a_file_is_run_by_its_name(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *file[2], *program; /* in C, and as a script */
+    } named[] = {{NULL, {"finding.c", "finding.amber"}, "finding"},
+                 {"", {"finding.c", "finding.amber"}, "finding"},
+                 {".c", {".c", ".c"}, "finding"},
+                 {"a.b.c", {"a.b.c", "a.b.c"}, "a"},
+                 {"plain", {"plain", "plain"}, "plain"}};
+    struct finding_file file = generated_file(3, 1, QUERY_CLOSEST);
+    for (size_t i = 0; i < ARRAY_COUNT(named); i++)
+        for (int amber = 0; amber < 2; amber++) {
+            struct export_case the = make_case(&file, "vulkan_brute", NULL);
+            struct export_options options = *the.options;
+            char wanted[200], is[600];
+            options.form = amber ? EXPORT_AMBER : EXPORT_C;
+            options.name = named[i].name;
+            the.options = &options;
+            snprintf(wanted, sizeof wanted,
+                     amber
+                         ? "amber -v 1.1 -t vulkan1.1 %s It passes where the driver is right, and "
+                           "fails while the bug shows."
+                         : "cc %s -lvulkan -o %s && ./%s [DEVICE]",
+                     named[i].file[amber], named[i].program, named[i].program);
+            char *comment = comment_of(&the);
+            paragraph(comment, "// ", "Run", is);
+            assert_string_equal(is, wanted);
+            free(comment);
+            export_case_free(&the);
+        }
+    finding_file_free(&file);
+}
+
+/* What was asked of whom stands there, of one ray and of several, for the nearest hit and any. */
+static void the_question_is_told(void **state)
+{
+    (void)state;
+    static const char *const engine[] = {"vulkan", "vulkan_brute", "rayquery"};
+    static const char *const asked[] = {
+        "a compute shader %s among %u triangles, by a tree of ",
+        "a compute shader %s among %u triangles; it tests each of them ",
+        "the driver's ray queries (VK_KHR_ray_query) %s among %u triangles."};
+    for (size_t e = 0; e < ARRAY_COUNT(engine); e++)
+        for (uint32_t rays = 1; rays < 4; rays++)
+            for (int any = 0; any < 2; any++) {
+                struct finding_file file =
+                    generated_file(5 + rays, rays, any ? QUERY_ANY : QUERY_CLOSEST);
+                struct export_case the = make_case(&file, engine[e], e ? NULL : "f32");
+                char wanted[300];
+                int used = snprintf(wanted, sizeof wanted,
+                                    rays == 1 ? "One ray asks " : "%u rays ask ", rays);
+                snprintf(wanted + used, sizeof wanted - (size_t)used, asked[e],
+                         any ? "whether anything is hit" : "for the nearest hit",
+                         file.trial.scene.tri_count);
+                char *comment = comment_of(&the), *at = comment;
+                for (; (at = strstr(at, "\n// ")); at++) { /* one line, to find it */
+                    memmove(at, at + 3, strlen(at + 3) + 1);
+                    *at = ' ';
+                }
+                assert_non_null(strstr(comment, wanted));
+                free(comment);
+                export_case_free(&the);
+                finding_file_free(&file);
+            }
+}
+
+/* Of a finding of bits it is told that other bits than C's are WRONG; of no other finding. */
+static void bits_that_matter_are_told(void **state)
+{
+    (void)state;
+    struct finding_file file = generated_file(3, 2, QUERY_CLOSEST);
+    struct export_case the = make_case(&file, "vulkan_brute", NULL);
+    for (int matter = 0; matter < 2; matter++) {
+        the.bits_matter = matter;
+        char *comment = comment_of(&the), is[600];
+        assert_int_equal(strstr(comment, "other bits than C's") != NULL ||
+                             strstr(comment, "\n// Bits ") != NULL,
+                         matter);
+        if (matter) {
+            paragraph(comment, "// ", "Bits", is);
+            assert_non_null(strstr(is, "so other bits than C's count as WRONG here."));
+        }
+        free(comment);
+    }
+    export_case_free(&the);
+    finding_file_free(&file);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_character_is_there_or_replaced),
         cmocka_unit_test(no_text_ends_a_comment),
         cmocka_unit_test(lines_break_between_words),
+        cmocka_unit_test(a_file_is_run_by_its_name),
+        cmocka_unit_test(the_question_is_told),
+        cmocka_unit_test(bits_that_matter_are_told),
     };
     return cmocka_run_group_tests_name("export_words", tests, NULL, NULL) ? 1 : 0;
 }

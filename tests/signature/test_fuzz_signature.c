@@ -3,6 +3,7 @@
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h> /* last: it has a macro `fail` */
@@ -141,6 +142,23 @@ static void signature_refuses_what_names_no_folder(void **state)
     assert_int_equal(strlen(signature.engine), sizeof signature.engine - 1);
 }
 
+/* A folder's name of any length is that of a signature only if it is as short as one. */
+static void long_names_are_of_no_signature(void **state)
+{
+    (void)state;
+    for (size_t length = FUZZ_SIGNATURE_MOST - 3; length < 3 * FUZZ_SIGNATURE_MOST; length++) {
+        char name[3 * FUZZ_SIGNATURE_MOST], why[80];
+        struct fuzz_signature out;
+        snprintf(why, sizeof why, "a signature has at most %d characters", FUZZ_SIGNATURE_MOST - 1);
+        memset(name, 'a', length);
+        strcpy(name + length - 11, ".-.crash.-x");
+        assert_int_equal(strlen(name), length);
+        assert_int_equal(fuzz_signature_of_folder(name, &out, &reason), STATUS_INPUT);
+        assert_int_equal(strcmp(reason.text, why) == 0, length >= FUZZ_SIGNATURE_MOST);
+        assert_int_equal(out.engine[0], 0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -149,6 +167,7 @@ int main(void)
         cmocka_unit_test(signatures_hold_whole_names),
         cmocka_unit_test(folders_have_names_that_every_store_takes),
         cmocka_unit_test(signature_refuses_what_names_no_folder),
+        cmocka_unit_test(long_names_are_of_no_signature),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -268,6 +268,38 @@ static void the_identity_keeps_the_signs_of_its_zeros(void **state)
     world_free(&world);
 }
 
+/* Any words of flags in any order are those flags; one that is there twice is refused. */
+static void flags_are_told_once(void **state)
+{
+    (void)state;
+    static const char *const word[] = {"cull_disable", "flip_facing", "force_opaque",
+                                       "force_no_opaque"};
+    static const uint32_t bit[] = {ABI_INSTANCE_CULL_DISABLE, ABI_INSTANCE_FLIP_FACING,
+                                   ABI_INSTANCE_FORCE_OPAQUE, ABI_INSTANCE_FORCE_NO_OPAQUE};
+    for (uint32_t i = 0; i < 64; i++) {
+        const uint32_t at[] = {i % 4, i / 4 % 4, i / 16};
+        char list[100], rule[60] = "";
+        struct world world;
+        snprintf(list, sizeof list, "\"%s\", \"%s\", \"%s\"", word[at[0]], word[at[1]],
+                 word[at[2]]);
+        uint32_t twice = at[1] == at[0] ? at[1] : at[2] == at[0] || at[2] == at[1] ? at[2] : 4;
+        uint32_t flags = bit[at[0]] | bit[at[1]] | bit[at[2]];
+        uint32_t forces = ABI_INSTANCE_FORCE_OPAQUE | ABI_INSTANCE_FORCE_NO_OPAQUE;
+        char *text = changed(sample, "\"flip_facing\", \"force_opaque\"", list);
+        enum status status = read_text(text, &world);
+        free(text);
+        if (twice < 4)
+            snprintf(rule, sizeof rule, "'%s' is there twice", word[twice]);
+        if (twice < 4 || (flags & forces) == forces) {
+            expect_rule(status, rule);
+            continue;
+        }
+        assert_int_equal(status, STATUS_OK);
+        assert_int_equal(world.instance[0].flags, flags);
+        world_free(&world);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -280,6 +312,7 @@ int main(void)
         cmocka_unit_test(a_world_is_told_by_its_key),
         cmocka_unit_test(what_is_written_is_read_to_the_bit),
         cmocka_unit_test(the_identity_keeps_the_signs_of_its_zeros),
+        cmocka_unit_test(flags_are_told_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
