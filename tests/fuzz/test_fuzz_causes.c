@@ -22,7 +22,8 @@ enum causes_plan {
     PLAN_FARTHER,      /* t is larger by planned.share of itself, at every scale */
     PLAN_NOW_AND_THEN, /* a hash of the ray's bits says which rays are lost */
     PLAN_FAR,          /* what is farther away than ten times the triangle's width is lost */
-    PLAN_EACH_OTHER    /* another wrong distance each time */
+    PLAN_EACH_OTHER,   /* another wrong distance each time */
+    PLAN_TOGETHER      /* several rays are not finished together, planned.fails times */
 };
 
 static struct {
@@ -32,6 +33,7 @@ static struct {
     float share;
     float narrow; /* if not 0, the triangle's size as a share of the distance it is seen from */
     uint32_t salt;
+    uint32_t fails, flags; /* of PLAN_TOGETHER, the flags of the last call that fails */
 } planned;
 
 static uint32_t hash_of(const struct ray *ray)
@@ -62,7 +64,11 @@ static enum status planned_prepare(void *self, const struct job *job, struct rea
 static enum status planned_trace(void *self, const struct ray *ray, size_t count, struct hit *hit,
                                  struct trace_report *report, struct reason *reason)
 {
-    (void)self, (void)report, (void)reason;
+    (void)self, (void)reason;
+    if (planned.plan == PLAN_TOGETHER && count > 1 && planned.fails > 0) {
+        report->flags = --planned.fails ? ABI_FLAG_STACK : planned.flags;
+        return STATUS_DEVICE;
+    }
     const char *test = planned.plan == PLAN_THRESHOLD ? "mt_rtrs" : "mt";
     const struct hit miss = {.prim = ABI_NO_PRIM};
     for (size_t i = 0; i < count; i++) {
@@ -202,6 +208,47 @@ static void what_is_wrong_at_any_scale_is_not_called_scale(void **state)
     assert_true(farther > 20 && lost > 15);
 }
 
+/* Rays that finish one by one and not together end in a loop's cap only if the loop alone ended
+ * them when they are asked together again. */
+static void rays_that_end_only_together_are_asked_again(void **state)
+{
+    (void)state;
+    const struct engine *engine = &planned_engine;
+    const struct engine_options options = {.threads = 1};
+    const uint32_t other = ABI_FLAG_STACK | ABI_FLAG_VISITS;
+    planned.plan = PLAN_TOGETHER;
+    for (uint32_t flags = 0; flags < 256; flags++)
+        for (uint32_t fails = 0; fails < 3; fails++) {
+            struct fuzz_trial trial = one_triangle(1), both;
+            struct fuzz_result result;
+            struct fuzz_player *player = NULL;
+            struct fuzz_field field;
+            struct reason reason;
+            assert_int_equal(fuzz_trial_make(3, 1, 2, &both, &reason), STATUS_OK);
+            memcpy(both.scene.vertex, trial.scene.vertex, 9 * sizeof *trial.scene.vertex);
+            memcpy(both.scene.index, trial.scene.index, 3 * sizeof *trial.scene.index);
+            both.ray[0] = both.ray[1] = trial.ray[0];
+            planned.fails = fails;
+            planned.flags = flags;
+            if (fuzz_field_make(&engine, 1, NULL, 0, &options, &field, &reason) ||
+                fuzz_player_open(&field, &player, &reason) ||
+                fuzz_play(player, &both, 1, &result, NULL, NULL, &reason))
+                fail_msg("%s", reason.text);
+            assert_int_equal(result.finding_count, fails > 0);
+            if (fails > 0) {
+                const struct fuzz_signature *is = &result.finding[0].signature;
+                bool loop = fails > 1 && (flags & ABI_FLAG_LOOP) && !(flags & other);
+                assert_int_equal(fuzz_explain(player, &both, &result.finding[0], &reason),
+                                 STATUS_OK);
+                assert_int_equal(is->kind, FUZZ_KIND_UNFINISHED);
+                assert_int_equal(is->cause, loop ? CAUSE_LOOP_CAP : CAUSE_NOT_REPEATABLE);
+            }
+            fuzz_player_close(player);
+            fuzz_trial_free(&both);
+            fuzz_trial_free(&trial);
+        }
+}
+
 /* Each number of a hit counts, to the last bit; t alone is scaled, and a miss is a miss. */
 static void a_scaled_hit_is_the_same_in_every_number(void **state)
 {
@@ -325,6 +372,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cause_is_found_by_asking_again),
         cmocka_unit_test(what_is_wrong_at_any_scale_is_not_called_scale),
+        cmocka_unit_test(rays_that_end_only_together_are_asked_again),
         cmocka_unit_test(a_scaled_hit_is_the_same_in_every_number),
         cmocka_unit_test(a_scaled_trial_is_the_same_question),
         cmocka_unit_test(axes_scale_each_by_itself),
