@@ -4,6 +4,8 @@
 
 #define LONGEST 96
 
+static struct reason why;
+
 /* The comment with this in place of why the engine was not asked; the caller frees it. */
 static char *comment_with(struct export_case *the, const char *begin, const char *text)
 {
@@ -218,6 +220,74 @@ static void bits_that_matter_are_told(void **state)
     finding_file_free(&file);
 }
 
+/* --- what is refused --- */
+
+static enum status refused(const struct finding_file *file, const char *engine)
+{
+    struct export_options options = options_of(EXPORT_C, engine, NULL);
+    struct export_case the;
+    options.engines.driver = NO_DRIVER;
+    why.text[0] = '\0';
+    enum status status = export_case_make(file, &options, &the, &why);
+    if (!status)
+        export_case_free(&the);
+    return status;
+}
+
+/* Of Embree some rays are left out; where none is left, there is nothing to export. */
+static void embree_needs_a_ray_that_it_survives(void **state)
+{
+    (void)state;
+    enum { RAYS = 3 };
+    for (uint32_t bad = 0; bad < 1u << RAYS; bad++) {
+        struct finding_file file = generated_file(4, RAYS, QUERY_CLOSEST);
+        for (uint32_t i = 0; i < RAYS; i++)
+            file.trial.ray[i] = (struct ray){.dir = {0, 0, 1}, .tmax = bad >> i & 1 ? NAN : 1};
+        assert_int_equal(refused(&file, "vulkan_brute"), STATUS_OK);
+        bool none = bad == (1u << RAYS) - 1;
+        assert_int_equal(refused(&file, "embree"), none ? STATUS_INPUT : STATUS_OK);
+        assert_string_equal(why.text,
+                            none ? "there is no ray that Embree promises to survive" : "");
+        finding_file_free(&file);
+    }
+}
+
+/* Engines that build their own structure need a triangle; others none. */
+static void only_trees_of_others_need_triangles(void **state)
+{
+    (void)state;
+    static const char *const engine[] = {"vulkan", "vulkan_brute", "rayquery", "embree"};
+    for (uint32_t triangles = 0; triangles < 2; triangles++)
+        for (size_t e = 0; e < ARRAY_COUNT(engine); e++) {
+            struct finding_file file = generated_file(4, 1, QUERY_CLOSEST);
+            file.trial.scene.tri_count = triangles;
+            file.trial.ray[0] = (struct ray){.dir = {0, 0, 1}, .tmax = 1};
+            bool no = triangles == 0 && e >= 2;
+            assert_int_equal(refused(&file, engine[e]), no ? STATUS_INPUT : STATUS_OK);
+            assert_string_equal(why.text,
+                                no ? "a scene without triangles has nothing to build from" : "");
+            finding_file_free(&file);
+        }
+}
+
+/* A shader that tests every triangle takes one dispatch of them. */
+static void one_dispatch_of_triangles_is_exported(void **state)
+{
+    (void)state;
+    for (uint32_t more = 0; more < 2; more++) {
+        struct finding_file file = {0};
+        assert_int_equal(fuzz_trial_make(3, DISPATCH_PART + more, 1, &file.trial, &why), STATUS_OK);
+        file.trial.scene.vertex[0] = file.trial.scene.vertex[4] = 1;
+        for (uint32_t i = 0; i < 3 * (DISPATCH_PART + more); i++)
+            file.trial.scene.index[i] = i % 3;
+        file.trial.ray[0].dir[2] = 1;
+        file.trial.ray[0].org[0] = 5; /* beside */
+        assert_int_equal(refused(&file, "vulkan_brute"), more ? STATUS_LIMIT : STATUS_OK);
+        assert_int_equal(strstr(why.text, "takes more than 16384 triangles") != NULL, more);
+        finding_file_free(&file);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -227,6 +297,9 @@ int main(void)
         cmocka_unit_test(a_file_is_run_by_its_name),
         cmocka_unit_test(the_question_is_told),
         cmocka_unit_test(bits_that_matter_are_told),
+        cmocka_unit_test(embree_needs_a_ray_that_it_survives),
+        cmocka_unit_test(only_trees_of_others_need_triangles),
+        cmocka_unit_test(one_dispatch_of_triangles_is_exported),
     };
     return cmocka_run_group_tests_name("export_words", tests, NULL, NULL) ? 1 : 0;
 }

@@ -324,6 +324,57 @@ static void members_say_what_they_are(void **state)
     assert_null(scheduler_find("none"));
 }
 
+/* Answers as its number says: 0 the right one, 1 none, 2 twice, 3 another triangle, 4 a miss. */
+static uint32_t answers_of(uint32_t ray)
+{
+    return ray % 7 < 5 ? ray % 7 : 0;
+}
+
+static enum status play_by_number(struct traffic_run *run, struct reason *reason)
+{
+    (void)reason;
+    for (uint32_t k = 0; k < run->depth; k++)
+        for (uint32_t i = 0; i < run->paths->wave[k].count; i++) {
+            struct hit hit = run->paths->wave[k].hit[i];
+            const uint32_t what = answers_of(i);
+            if (what == 3)
+                hit = (struct hit){0.5f, 0.25f, 0.25f, UINT32_MAX - 1};
+            if (what == 4)
+                hit = (struct hit){.prim = ABI_NO_PRIM};
+            for (uint32_t times = what == 1 ? 0 : what == 2 ? 2 : 1; times > 0; times--)
+                traffic_note_answer(run, k, i, &hit);
+        }
+    return STATUS_OK;
+}
+
+/* An answer that is missing, given twice or another one is wrong. */
+static void what_is_wrong_is_counted(void **state)
+{
+    (void)state;
+    static const struct scheduler by_number = {.name = "by_number", .play = play_by_number};
+    const struct traffic_machine machine = traffic_small();
+    struct traffic_case c;
+    struct traffic_result r;
+    struct reason reason;
+    assert_true(traffic_case_open("soup:n=500,size=0.5", "f32", "indexed", &c));
+    traffic_case_start(&c, 200, 3, 5000);
+    struct traffic_run run = {
+        .machine = &machine, .paths = &c.paths, .depth = c.paths.depth, .walker = &c.walker};
+    size_t wrong = 0, missed = 0;
+    for (uint32_t k = 0; k < c.paths.depth; k++)
+        for (uint32_t i = 0; i < c.paths.wave[k].count; i++) {
+            bool miss = c.paths.wave[k].hit[i].prim == ABI_NO_PRIM;
+            missed += miss && answers_of(i) == 4;
+            wrong += answers_of(i) > 0 && !(miss && answers_of(i) == 4);
+        }
+    assert_int_equal(traffic_play(&by_number, &run, &r, &reason), STATUS_OK);
+    assert_true(missed > 0);
+    assert_int_equal(r.wrong, wrong);
+    assert_int_equal(r.ties + r.other, 0);
+    traffic_case_stop(&c);
+    traffic_case_close(&c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -336,6 +387,7 @@ int main(void)
         cmocka_unit_test(segments_are_read_once_for_a_wavefront),
         cmocka_unit_test(one_treelet_is_no_treelets),
         cmocka_unit_test(raycore_reads_what_engine_kd_does),
+        cmocka_unit_test(what_is_wrong_is_counted),
         cmocka_unit_test(paths_end_where_nothing_is_hit),
     };
     return cmocka_run_group_tests_name("schedulers", tests, NULL, NULL) ? 1 : 0;

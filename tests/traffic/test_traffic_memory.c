@@ -174,6 +174,29 @@ static void level_1_is_private_and_level_2_is_shared(void **state)
     traffic_memory_free(&m);
 }
 
+/* Of arrays of any size: bursts that are far apart, in any order and read again, are each one. */
+static void the_working_set_has_every_burst_once(void **state)
+{
+    (void)state;
+    enum { BURSTS = 500 };
+    static const struct traffic_memory_size tiny = {
+        .cache = {{64, 1, 64}, {64, 1, 64}}, .units = 1, .row_bytes = 256};
+    for (uint64_t apart = 64; apart <= 64u << 16; apart *= 4) {
+        struct traffic_memory m = make(&tiny);
+        struct rng rng = rng_make(apart, 2);
+        bool read[4][BURSTS] = {{false}};
+        uint64_t bursts = 0;
+        for (int i = 0; i < 3000; i++) {
+            uint32_t array = rng_below(&rng, 4), number = rng_below(&rng, BURSTS);
+            traffic_access(&m, 0, TRAFFIC_L1, (enum traffic_array)array, number * apart, 4, false);
+            bursts += !read[array][number];
+            read[array][number] = true;
+            assert_int_equal(traffic_working_set(&m), bursts * TRAFFIC_BURST);
+        }
+        traffic_memory_free(&m);
+    }
+}
+
 static void wrong_sizes_are_named(void **state)
 {
     (void)state;
@@ -210,6 +233,7 @@ int main(void)
         cmocka_unit_test(dram_moves_bursts),
         cmocka_unit_test(a_stream_finds_its_rows_open),
         cmocka_unit_test(level_1_is_private_and_level_2_is_shared),
+        cmocka_unit_test(the_working_set_has_every_burst_once),
         cmocka_unit_test(wrong_sizes_are_named),
     };
     return cmocka_run_group_tests_name("traffic_memory", tests, NULL, NULL) ? 1 : 0;
