@@ -54,7 +54,7 @@ static void put_finding(struct html *html, const struct report *report, size_t p
     const struct report_part *part = &report->part[p];
     char cause[320], id[REPORT_ID];
     cause_of(part->text, cause, sizeof cause);
-    report_part_id(report, p, id);
+    report_finding_id(p, id);
     html_begin(html, "h3", "id", id, NULL);
     html_text(html, part->name);
     html_end(html, "h3");

@@ -31,9 +31,9 @@ enum row_look row_look(const json_t *row);
 const char *look_class(enum row_look look);
 size_t row_allowed(const json_t *row);
 
-/* The id of the element that shows part `p`: its section's, or a finding's own. */
+/* The id of the element that shows part `p`, a finding with a name. */
 #define REPORT_ID 32
-void report_part_id(const struct report *report, size_t p, char id[REPORT_ID]);
+void report_finding_id(size_t p, char id[REPORT_ID]);
 
 /* A list of the sections, and of the findings, as links. */
 void report_contents(struct html *html, const struct report *report);

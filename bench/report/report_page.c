@@ -54,19 +54,9 @@ static const char *const sections[][2] = {
     {"pictures", "4 Pictures"}, {"findings", "5 Findings"},   {"machine", "6 Machine"},
     {"commands", "7 Commands"}};
 
-void report_part_id(const struct report *report, size_t p, char id[REPORT_ID])
+void report_finding_id(size_t p, char id[REPORT_ID])
 {
-    static const char *const of_kind[REPORT_KINDS] = {[REPORT_CHECK] = "agreement",
-                                                      [REPORT_BENCH] = "speed",
-                                                      [REPORT_PICTURES] = "pictures",
-                                                      [REPORT_MACHINE] = "machine"};
-    const struct report_part *part = &report->part[p];
-    if (part->kind != REPORT_FINDING)
-        snprintf(id, REPORT_ID, "%s", of_kind[part->kind]);
-    else if (part->name[0])
-        snprintf(id, REPORT_ID, "finding-%zu", p + 1);
-    else
-        snprintf(id, REPORT_ID, "findings");
+    snprintf(id, REPORT_ID, "finding-%zu", p + 1);
 }
 
 static void put_link(struct html *html, const char *id, const char *text)
@@ -96,7 +86,7 @@ static void put_finding_links(struct html *html, const struct report *report)
         if (!any)
             html_begin(html, "ul", NULL);
         any = true;
-        report_part_id(report, p, id);
+        report_finding_id(p, id);
         html_begin(html, "li", NULL);
         put_link(html, id, report->part[p].name);
         html_end(html, "li");

@@ -184,6 +184,34 @@ static void figures_are_shown_up_to_a_number(void **state)
     }
 }
 
+/* A matrix of more than 5000 cells is left out, and that is said. */
+static void a_matrix_is_readable_or_left_out(void **state)
+{
+    (void)state;
+    for (int lines = 70; lines < 73; lines++) {
+        const int groups = 71;
+        struct report report = empty();
+        json_t *check = check_of("0", "0", "true", "0", "ok");
+        json_t *rows = json_object_get(check, "rows");
+        json_t *like = json_deep_copy(json_array_get(rows, 0));
+        assert_int_equal(json_array_clear(rows), 0);
+        for (int i = 0; i < (lines > groups ? lines : groups); i++) {
+            json_t *row = json_deep_copy(like);
+            json_object_set_new(row, "layout", json_sprintf("layout-%d", i % lines));
+            json_object_set_new(row, "tri", json_sprintf("tri-%d", i % groups));
+            json_array_append_new(rows, row);
+        }
+        json_decref(like);
+        add(&report, REPORT_CHECK, check, 0);
+        char *page = page_of(&report);
+        bool shown = lines * groups <= 5000;
+        assert_int_equal(occurrences(page, "class=\"matrix\""), shown);
+        assert_int_equal(occurrences(page, ">The matrix is left out: it is too large.<"), !shown);
+        free(page);
+        report_free(&report);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -192,6 +220,7 @@ int main(void)
         cmocka_unit_test(a_cell_has_the_numbers_of_its_row),
         cmocka_unit_test(scenes_are_shown_up_to_a_number),
         cmocka_unit_test(figures_are_shown_up_to_a_number),
+        cmocka_unit_test(a_matrix_is_readable_or_left_out),
     };
     return cmocka_run_group_tests_name("report_right", tests, NULL, NULL);
 }

@@ -327,6 +327,33 @@ static void base64_of_any_length_comes_back(void **state)
         assert_false(base64_decode(bad[i], strlen(bad[i]), out, &got));
 }
 
+/* Extras of the file that are no object, or have no filter, say nothing. */
+static void extras_of_any_kind_are_read(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *extras;
+        enum filter_kind kind;
+    } of[] = {{"7", FILTER_ALL},
+              {"null", FILTER_ALL},
+              {"\"raydiff\"", FILTER_ALL},
+              {"[{\"raydiff\": {\"filter\": {\"kind\": \"none\"}}}]", FILTER_ALL},
+              {"{}", FILTER_ALL},
+              {"{\"other\": {\"filter\": 3}}", FILTER_ALL},
+              {"{\"raydiff\": {}}", FILTER_ALL},
+              {"{\"raydiff\": {\"filter\": {\"kind\": \"none\"}}}", FILTER_NONE}};
+    for (size_t i = 0; i < ARRAY_COUNT(of); i++) {
+        char text[200];
+        struct world world;
+        snprintf(text, sizeof text, "\"extras\": %s, \"scene\": 1,", of[i].extras);
+        assert_int_equal(read_gltf_changed("\"scene\": 1,", text, &world), STATUS_OK);
+        check_meshes(&world);
+        check_instances(&world);
+        assert_int_equal(world.filter.kind, of[i].kind);
+        world_free(&world);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -340,6 +367,7 @@ int main(void)
         cmocka_unit_test(what_is_left_out_is_counted),
         cmocka_unit_test(a_mesh_of_points_is_empty),
         cmocka_unit_test(flags_of_the_extras_come_before_materials),
+        cmocka_unit_test(extras_of_any_kind_are_read),
         cmocka_unit_test(buffers_are_files_beside_it),
         cmocka_unit_test(base64_of_any_length_comes_back),
     };
