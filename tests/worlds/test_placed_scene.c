@@ -1,4 +1,5 @@
 /* Worlds as scenes for pictures: which triangles they have, in which colours. */
+#define _GNU_SOURCE /* mkdtemp */
 #include "scenes/worlds/placed_scene.h"
 
 #include "ref/world/world_boxes.h"
@@ -10,6 +11,8 @@
 #include <stdint.h>
 #include <string.h>
 #include <cmocka.h>
+
+#include "tests/support/root.h"
 
 static void a_scene_stays_what_it_is(void **state)
 {
@@ -97,6 +100,38 @@ static void nothing_to_be_seen_is_refused(void **state)
     assert_null(drawn.vertex);
 }
 
+/* What no ray meets is not drawn; where that is all of a world, there is no picture of it. */
+static void only_what_rays_meet_is_drawn(void **state)
+{
+    (void)state;
+    static const char *const instance[] = {"{\"mesh\": 0}", "{\"mesh\": 0, \"mask\": 0}",
+                                           "{\"mesh\": null}"};
+    char path[100], why[160];
+    snprintf(path, sizeof path, "%s/w.json", root);
+    for (int i = 0; i < 27; i++) {
+        const int of[] = {i % 3, i / 3 % 3, i / 9};
+        uint64_t placed, wanted = 0;
+        struct scene drawn;
+        struct reason reason = {""};
+        FILE *file = fopen(path, "w");
+        assert_non_null(file);
+        for (int k = 0; k < 3; k++)
+            wanted += of[k] == 0;
+        fprintf(file,
+                "{\"raydiff_world\": 1, \"meshes\": [{\"vertices\": [0, 0, 0, 1, 0, 0, 0, 1, 0], "
+                "\"indices\": [0, 1, 2]}], \"instances\": [%s, %s, %s]}",
+                instance[of[0]], instance[of[1]], instance[of[2]]);
+        assert_int_equal(fclose(file), 0);
+        enum status status = placed_scene_open(path, 1, &drawn, &placed, &reason);
+        snprintf(why, sizeof why, "%s: a world in which nothing can be hit", path);
+        assert_string_equal(reason.text, wanted ? "" : why);
+        assert_int_equal(status, wanted ? STATUS_OK : STATUS_INPUT);
+        assert_int_equal(placed, wanted);
+        assert_int_equal(drawn.tri_count, wanted);
+        scene_free(&drawn);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -104,6 +139,7 @@ int main(void)
         cmocka_unit_test(each_instance_has_one_colour),
         cmocka_unit_test(of_large_worlds_a_part_is_drawn),
         cmocka_unit_test(nothing_to_be_seen_is_refused),
+        cmocka_unit_test(only_what_rays_meet_is_drawn),
     };
-    return cmocka_run_group_tests_name("placed_scene", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("placed_scene", tests, make_root, remove_root);
 }
