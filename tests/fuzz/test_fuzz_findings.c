@@ -365,6 +365,21 @@ static void what_shows_it_again_is_its_kind(void **state)
     findings_close(findings);
 }
 
+static void states_have_a_length(void **state)
+{
+    (void)state;
+    static char text[FINDINGS_STATE_MOST + 3];
+    struct findings *findings;
+    assert_int_equal(findings_open(in_root("state"), &findings, &reason), STATUS_OK);
+    for (size_t length = FINDINGS_STATE_MOST - 2; length < FINDINGS_STATE_MOST + 2; length++) {
+        bool fits = length < FINDINGS_STATE_MOST;
+        memset(text, 'a', length);
+        assert_int_equal(findings_checkpoint(findings, text, &reason), fits ? 0 : STATUS_INPUT);
+        assert_int_equal(strlen(findings_state(findings)), fits ? length : FINDINGS_STATE_MOST - 1);
+    }
+    findings_close(findings);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -377,6 +392,7 @@ int main(void)
         cmocka_unit_test(only_one_writes_at_a_time),
         cmocka_unit_test(a_line_that_does_not_fit_is_taken_back),
         cmocka_unit_test(what_shows_it_again_is_its_kind),
+        cmocka_unit_test(states_have_a_length),
     };
     return cmocka_run_group_tests_name("fuzz_findings", tests, make_root, remove_root);
 }
