@@ -300,6 +300,22 @@ static void tallies_are_those_of_any_number_of_workers(void **state)
     assert_string_equal(text[0], text[1]);
 }
 
+/* Pairs are of members: a table that has none is named. */
+static void an_empty_table_is_named(void **state)
+{
+    (void)state;
+    for (enum pair_factor a = 0; a < MEET_FACTORS; a++) {
+        struct pair_tables tables = all_tables();
+        struct pair_coverage *m = NULL;
+        char why[60];
+        snprintf(why, sizeof why, "pairs: there is no %s", pair_factor_name(a));
+        tables.count[a] = 0;
+        assert_int_equal(pair_coverage_open(&tables, &m, &reason), STATUS_INPUT);
+        assert_string_equal(reason.text, why);
+        assert_null(m);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -307,6 +323,7 @@ int main(void)
         cmocka_unit_test(tallies_come_back_from_their_file),
         cmocka_unit_test(draws_go_on_from_the_file),
         cmocka_unit_test(tallies_are_those_of_any_number_of_workers),
+        cmocka_unit_test(an_empty_table_is_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
