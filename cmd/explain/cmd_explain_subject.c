@@ -171,7 +171,9 @@ enum status explain_take_subject(struct explain_options *o, const char *text,
     else if (is_file(text))
         status = take_file(o, text, file, reason);
     o->of.driver = o->engines.driver;
-    if (!status && o->of.tree && !o->of.engine->needs_packed)
+    if (status) /* there may be no engine */
+        return status;
+    if (o->of.tree && !o->of.engine->needs_packed)
         status = fail(reason, STATUS_INPUT, "--bvh: engine %s takes no tree", o->of.engine->name);
     if (o->of.tree)
         o->of.builder = &tree_file_builder;

@@ -336,6 +336,11 @@ expect 2 "^raydiff explain: --leaf: $inward brings its own" explain $inward --le
 expect 2 "^raydiff explain: --rays: $inward brings its own" explain $inward --rays mixed
 expect 2 "--index: 1 is no ray here: 0 to 0" explain $inward --index 1
 expect 2 "none.trial" explain "$dir/none.trial"
+# An engine that is not here is named, and another one can be; none was a SIGSEGV.
+sed 's/^expect cpu[.]/expect gone./' $inward >"$dir/gone.trial"
+expect 2 "^raydiff explain: .*gone.trial: engine 'gone' is not available: name one with --engine" explain "$dir/gone.trial"
+expect 1 . explain "$dir/gone.trial" --engine cpu
+grep -q '^cause     rounded_inward' "$dir/out" || bad "explain with another engine names the cause of a finding"
 # A cause that says that it did not show again is not looked for.
 sed 's/^expect .*/expect cpu.rtrs_rf_paper.missed.not_repeatable/' fuzz/corpus/sentinel.trial >"$dir/once.trial"
 expect 1 . explain "$dir/once.trial" --wide
