@@ -28,6 +28,7 @@ const char *gallery_scene(const struct gallery *gallery);
 /* The members that the user named, or `own` if the user named none or all. */
 const char *gallery_named(const struct report_options *options, const char *flag, const char *own);
 
+/* Adds the last line of what a command said to the reasons: notes stand before why it ended. */
 void gallery_complain(struct gallery *gallery, const char *who, const char *what);
 
 /* Begins a command line with the gallery's scene. */

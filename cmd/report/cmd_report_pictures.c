@@ -32,7 +32,8 @@ static void add_line(char *text, size_t text_bytes, const char *line)
 void gallery_complain(struct gallery *gallery, const char *who, const char *what)
 {
     char line[RUN_SAID_MOST + NAME_BYTES];
-    snprintf(line, sizeof line, "%s: %.*s", who, (int)strcspn(what, "\n"), what);
+    const char *last = strrchr(what, '\n'); /* notes stand before what ended it */
+    snprintf(line, sizeof line, "%s: %s", who, last ? last + 1 : what);
     add_line(gallery->why, sizeof gallery->why, line);
 }
 

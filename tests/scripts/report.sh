@@ -116,6 +116,18 @@ expect 1 . report --findings "$dir/found" --findings "$dir/found" --out "$dir/f2
 grep -q "\"findings\": $((2 * of_one))[,}]*\$" "$dir/f2.json" || bad "--findings given twice: not the findings of both"
 sound "$dir/f2.html"
 
+# Pictures: what cannot draw has its own reason, not the note before it; captions have the numbers of diff.
+expect 77 . report needles:n=2000 --quick --parts pictures --engine cpu,embree,vulkan --layout f32 --out "$dir/p.html" --json "$dir/p.json"
+sound "$dir/p.html"
+"$raydiff" render needles:n=2000 --engine vulkan -w 8 -h 8 --out "$dir/none.png" 2>"$dir/err"
+[ "$(wc -l <"$dir/err")" -eq 2 ] || bad "a scene without light: no note before the reason"
+grep -qF "\"why\": \"vulkan: $(tail -n 1 "$dir/err")\"" "$dir/p.json" || bad "an engine that cannot draw: not its reason"
+"$raydiff" diff needles:n=2000 --engine cpu,embree -w 256 -h 192 --json "$dir/diff.json" >/dev/null 2>&1
+of_diff() { sed -n "s/^ *\"$1\": \([0-9]*\),*\$/\1/p" "$dir/diff.json"; }
+[ "$(of_diff values_different)" -gt 0 ] || bad "no two pixels differ"
+caption="$(of_diff values_different) of $(of_diff paths) pixels differ, at most by $(of_diff largest) of 255; every difference is explained"
+grep -qF "embree against cpu</b><br/>$caption<" "$dir/p.html" || bad "a caption of differences is not '$caption'"
+
 # A part that cannot run, fails or takes too long is in the page and in the exit code.
 expect 77 . report sphere:n=3 --count 200 --quick --engine rayquery --driver swiftshader --parts check --out "$dir/s.html"
 grep -q 'something cannot run here' "$dir/s.html" || bad "a skipped part is in the page"
@@ -143,6 +155,20 @@ done <<'END'
 check --box --query --quick --layout --engine --tri --rays --seed --count --threads --time --title
 bench --box --rounds --quick --layout --engine --tri --rays --seed --count --threads --time --title
 pictures --box --quick --layout --engine --tri --seed --threads --time --title
+END
+# All parts are all of them, whatever else is named; a list is no longer than it can be.
+expect 2 'none.obj: No such file' report "$dir/none.obj" --parts machine,all --query any --rounds 3 --box robust --out "$dir/x.html"
+while read -r most given rule; do
+    for count in "$most" $((most + 1)); do
+        expect 2 "$([ "$count" -eq "$most" ] && echo 'none[.a-z]*: No such file' || echo "^raydiff report: $rule ")" \
+            report $(awk -v n="$count" -v given="$given" 'BEGIN { sub(/~/, " ", given); while (n--) print given }') --out "$dir/x.html"
+    done
+done <<'END'
+16 --check~none.json --check: at most 16 files
+16 --bench~none.json --bench: at most 16 files
+16 --findings~none --findings: at most 16 folders
+64 --picture~t=none.png --picture: at most 64 pictures
+16 none.obj at most 16 scenes
 END
 expect 2 'is not TITLE=FILE' report --picture x.png --out "$dir/x.html"
 expect 2 'is no JSON of raydiff check' report --check "$dir/d.json" --out "$dir/x.html"
