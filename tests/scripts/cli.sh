@@ -61,6 +61,20 @@ frames="bench frames --engine cpu --layout f32 --frames 1 --size 8x8 --out $dir/
 expect 2 '--seed: not used here: it needs a scene or rays that are drawn by chance' $frames
 expect 0 . $frames --scene soup:n=9
 expect 2 '--threads: not used by benchmark special' bench special --threads 2
+# Lists are no longer than they can be; a word is looked for between commas alone.
+expect 2 "^raydiff bench: --scene: at most 16 scenes " bench builders --scene "$(seq -s';' 17)"
+expect 2 . bench builders --scene "$(seq -s';' 16)"
+grep -q "^raydiff bench: 16: unknown scene '16'" "$dir/err" || bad "bench: the last of 16 scenes is not read"
+for names in watertightx,watertight,cpu cpu,watertightx,watertight; do
+    expect 2 "require: unknown name 'watertightx'" conform --engine cpu --require $names
+done
+expect 2 'require: longer than 4095 characters' conform --require "watertight,$(printf '%04096d' 0)"
+expect 2 "require: unknown name '0" conform --require "watertight,$(printf '%04095d' 0)"
+# What --same does not use: it builds in C.
+for option in '--driver x' '--device 0' '--rounds 2' '--move 0.1'; do
+    expect 2 "^raydiff build: ${option% *}: not used here: --same builds in C " build soup:n=40 --same 1 $option
+done
+expect 2 "^raydiff build: --builder: gpu_hploc builds on a device, --same in C " build soup:n=40 --same 1 --builder median,gpu_hploc
 if [ "${2-}" = usage ]; then
     echo "cli, usage: $failed failed"
     [ "$failed" -eq 0 ]
@@ -107,6 +121,17 @@ expect 2 "no triangles" bench matrix --scene soup:n=0 --rounds 1 --count 64
 expect 2 "no-such" bench matrix --wide --scene sphere:n=4 --rounds 1 --count 64 --threads 1 --engine cpu --layout f32 --svg "$dir/no-such/x.svg"
 expect 0 . bench builders --scene sphere:n=4 --rounds 1 --csv -
 [ "$(grep -c '^builders,sphere:n=4,' "$dir/out")" -ge 2 ] || bad "bench builders --csv has a row per builder"
+# A builder that refuses a scene is told once, whatever the rounds; the others have their rows.
+{ printf 'v 1e6 1e6 0\nv 1000000.25 1e6 0\nv 1e6 1000000.25 0\n'; for i in 1 2 3 4 5; do echo 'f 1 2 3'; done; } >"$dir/far.obj"
+expect 0 . bench builders --scene "$dir/far.obj" --rounds 2 --threads 1 --wide --csv "$dir/far.csv"
+[ "$(grep -c '^  rtrs  *rtrs: RTRS never ends here .*; eps 0.02$' "$dir/out")" -eq 1 ] || bad "bench builders: a refusal is not told once"
+sed '1d' "$dir/far.csv" | cut -d, -f3 | sort -u >"$dir/rows"
+in_c() { "$raydiff" list builders | sed -n 's/^  \([a-z][a-z0-9_]*\)  .*/\1/p' | grep -v '^gpu_' | sort; }
+in_c | grep -vx rtrs | cmp -s - "$dir/rows" || bad "bench builders has not the rows of all others: $(cat "$dir/rows")"
+# So are builders whose builds are compared: all that build in C, if none is named.
+expect 0 . build soup:n=40 --same 1 --json "$dir/same.json"
+in_c >"$dir/in_c"
+sed -n 's/^ *"builder": "\(.*\)",*$/\1/p' "$dir/same.json" | sort -u | cmp -s - "$dir/in_c" || bad "build --same: not every builder in C"
 expect 2 "cannot both be '-'" bench oracle --csv - --json -
 expect 2 "needs a file" bench error --svg -
 expect 0 . bench oracle --scene sphere:n=4 --count 64 --rounds 1 --json -
@@ -208,6 +233,12 @@ expect 0 . check soup:n=300 --move 0.02 --layout f32,half4 --store indexed,compa
     bad "--move: not a line for each layout and storage"
 expect 2 . check --wide sphere $small --move 0.5 --layout bvh2_u8_scene
 grep -q 'rebuild: bvh2_u8_scene: a box' "$dir/out" || bad "--move says what is to be built anew"
+# A tree of a file was not built: what it took to build it is not told.
+expect 0 . precompute --scene soup:n=40 --out "$dir/moves.json"
+expect 0 . check soup:n=40 --bvh "$dir/moves.json" --move 0.1 --count 100 --repeat 1 --engine cpu --layout f32 --wide --json "$dir/moved.json"
+awk -F'[:,]' '/"pack_ns"/ { pack = $2 / 40 } /"refit_ns"/ { refit = $2 / 40 } /"build_ns"/ { build = $2 }
+    /: refitted in / { n++; sub(/^.*: /, ""); ok = $0 == sprintf("refitted in %.1f ns a triangle; packed in %.1f", refit, pack) }
+    END { exit !(n == 1 && ok && build == 0) }' "$dir/moved.json" "$dir/out" || bad "--move of a tree that is read: $(grep refitted "$dir/out")"
 expect 2 'is below 0' check --wide sphere $small --move -1
 # Every allowed class and every kind of WRONG has a counter, also of 0, and docs/verdicts.md has it.
 expect 0 'parity off in [0-9]* of [0-9]*$' check --wide sphere $small --query closest,any,all --json "$dir/rows.json"
@@ -622,6 +653,9 @@ grep -qx "wrote $dir/finding.c, but C on the same bytes is wrong, too: no driver
 expect 0 . export $corpus/sentinel.trial --engine vulkan --layout rf16 --to "$dir/other.c"
 grep -qx "wrote $dir/other.c, but the expected failure did not occur here: every answer was right" "$dir/out" ||
     bad "export: it is not told that nothing failed"
+expect 0 . export $corpus/sentinel.trial --engine vulkan --layout rf16 --to -
+echo "raydiff export: $corpus/sentinel.trial: the expected failure did not occur here: every answer was right" | cmp -s - "$dir/err" ||
+    bad "export --to -: it is not told that nothing failed"
 expect 0 . export $corpus/eighth-slot.trial --engine vulkan --to "$dir/other.c"
 grep -qx "wrote $dir/other.c" "$dir/out" || bad "export: a finding on which C is right has a remark"
 # The help's example shows a wrong answer, wherever a device can run it.
