@@ -99,6 +99,18 @@ try 1 fuzz --rays 400 --jobs 1 --corpus none --faithful --seed 9 --engine cpu --
 try 0 min "$(ls -d "$dir"/many/*.missed.* | head -n 1)/first.trial" --out "$dir/small.trial"
 laws min 14
 grep -qx "findings.0.asks=$(sed -n 's/^findings.0.tried=//p' "$dir/flat")" "$dir/flat" && bad "$ran: asks are trials"
+# What may not show again is left as it is.
+once=$(ls -d "$dir"/many/*.missed.* | head -n 1)
+signature=$(basename "$once" | sed 's/[^.]*$/not_repeatable/')
+mkdir -p "$dir/once/$signature"
+cp "$once/count" "$dir/once/$signature/count"
+sed "s/^expect .*/expect $signature/" "$once/first.trial" | tee "$dir/once/$signature/first.trial" >"$dir/once/$signature/smallest.trial"
+grep -F "\"$(basename "$once")\"" "$dir/many/findings.jsonl" | sed "s/$(basename "$once")/$signature/" >"$dir/once/findings.jsonl"
+try 0 min "$dir/once"
+for line in result=skipped 'reason=not repeatable' asks=0 written=; do
+    grep -qx "findings.0.$line" "$dir/flat" || bad "$ran: not $line"
+done
+cmp -s "$dir/once/$signature/first.trial" "$dir/once/$signature/smallest.trial" || bad "$ran: it was shrunk"
 
 # Merges: what each folder has, and what of it lies in the new one.
 folder() { # what, folder
