@@ -70,6 +70,14 @@ for names in watertightx,watertight,cpu cpu,watertightx,watertight; do
 done
 expect 2 'require: longer than 4095 characters' conform --require "watertight,$(printf '%04096d' 0)"
 expect 2 "require: unknown name '0" conform --require "watertight,$(printf '%04095d' 0)"
+expect 2 "^raydiff bench: --scheduler: 'mach_rt' is named twice " bench traffic --scheduler mach_rt,mach_rt
+expect 2 '^raydiff bench: --depths: at most 8 depths ' bench traffic --scene nothing.obj --depths 1,2,3,4,5,6,7,8,9
+expect 2 '^raydiff bench: nothing.obj: No such file' bench traffic --scene nothing.obj --depths 1,2,3,4,5,6,7,8
+expect 2 "layout: 'every' stands alone, not in a list" check soup --layout f32,every
+expect 2 '^raydiff check: --wide: takes no value ' check soup --wide=1
+# One dash is of one letter.
+expect 2 "^raydiff check: unknown option or missing value: '-count' " check soup -count 3
+expect 2 "^raydiff check: unknown option or missing value: '-z' " check soup -z
 # What --same does not use: it builds in C.
 for option in '--driver x' '--device 0' '--rounds 2' '--move 0.1'; do
     expect 2 "^raydiff build: ${option% *}: not used here: --same builds in C " build soup:n=40 --same 1 $option
@@ -296,6 +304,19 @@ printf '%s known README.md\n' "$hard" >"$dir/waivers"
 expect 1 . conform $hard --waivers "$dir/waivers"
 grep -q 'excused no failing trial' "$dir/out" || bad "a waiver that excuses nothing fails"
 
+# Heat maps of several engines are named by them, before the ending of the file, not of its folder; that of one is not.
+mkdir "$dir/a.b"
+for out in x x.y.png; do
+    expect 0 . diff cornell --engine cpu,embree,embree_robust -w 16 -h 12 --out "$dir/a.b/$out"
+    expect 0 . diff cornell --engine cpu,embree -w 16 -h 12 --out "$dir/a.b/one-$out"
+done
+[ "$(ls "$dir/a.b" | LC_ALL=C sort | tr '\n' ' ')" = \
+    'one-x one-x.y.png x-embree x-embree_robust x.y-embree.png x.y-embree_robust.png ' ] || bad "diff --out: $(ls "$dir/a.b")"
+for one in x x.y.png; do
+    of=$(echo "$one" | sed 's/^[^.]*\(\.y\)*/&-embree/')
+    cmp -s "$dir/a.b/one-$one" "$dir/a.b/$of" || bad "diff --out: $of is not the map of embree alone"
+done
+expect 2 "^raydiff diff: 'soup' and --path rtrs: one scene" diff soup --path rtrs
 # Explanations: one ray, a set, a trial's name.
 expect 2 'no scene given' explain
 expect 2 'one scene at a time' explain soup grid
