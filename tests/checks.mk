@@ -70,11 +70,11 @@ faults: all
 
 # Runs the recipes for many machines, with the Debian packages they need. Exit code 77: not available.
 recipe_check = sh .ci/deps.sh $(1) || { echo "SKIPPED $@: its packages cannot be had"; exit 77; }; \
-    $(MAKE) --no-print-directory -s -j$(JOBS) all && sh tests/scripts/$(1).sh $(B)
+    $(MAKE) --no-print-directory -s -j$(JOBS) all && sh $(2) $(B)
 parallel-check:
-	@$(call recipe_check,parallel)
+	@$(call recipe_check,parallel,tests/scripts/parallel.sh)
 slurm-check:
-	@$(call recipe_check,slurm)
+	@$(call recipe_check,slurm,tests/scripts/slurm.sh)
 
 # Shows a report in headless Chromium; build/report has it and a screenshot. Exit code 77: not
 # available.

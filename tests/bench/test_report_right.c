@@ -184,7 +184,7 @@ static void figures_are_shown_up_to_a_number(void **state)
     }
 }
 
-/* A matrix of more than 5000 cells is left out, and that is said. */
+/* A matrix of more than 5000 cells is left out; the page tells so. */
 static void a_matrix_is_readable_or_left_out(void **state)
 {
     (void)state;

@@ -165,7 +165,7 @@ static void a_file_is_run_by_its_name(void **state)
     finding_file_free(&file);
 }
 
-/* What was asked of whom stands there, of one ray and of several, for the nearest hit and any. */
+/* The text names query and engine, of one ray and of several, for the nearest hit and any. */
 static void the_question_is_told(void **state)
 {
     (void)state;

@@ -106,6 +106,9 @@ perl -0777 -ne 's{/\*.*?\*/}{$& =~ tr/\n//cdr}gse;
 git grep -nF shared/ -- . ':!tests/house/rules.sh' ':!tests/house/rules_planted.sh' |
     grep -E '\.\./shared/|(^|[^a-z./])shared/(scenes|design|notes)' && breach "what is not part of the project is named by an option or a variable"
 
+# What is not played finds nothing.
+perl tests/house/played.pl || breach "a script of the tests is played by nothing"
+
 # The picture of the rooms.
 sh tests/house/rooms_graph.sh edges | sort >"$scratch"
 sed -n 's|^<title>\(.*\)&#45;&gt;\(.*\)</title>$|\1 \2|p' docs/rooms.svg | sort | diff "$scratch" - ||
