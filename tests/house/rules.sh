@@ -108,6 +108,7 @@ git grep -nF shared/ -- . ':!tests/house/rules.sh' ':!tests/house/rules_planted.
 
 # What is not played finds nothing.
 perl tests/house/played.pl || breach "a script of the tests is played by nothing"
+grep -q '^deep:.* seldom-check' tests/checks.mk || breach "make deep lacks what make check leaves to it"
 
 # The picture of the rooms.
 sh tests/house/rooms_graph.sh edges | sort >"$scratch"
