@@ -21,7 +21,7 @@ OPT_release  := -O3 -g1
 OPT_debug    := -O0 -g3 -D_GLIBCXX_ASSERTIONS
 OPT_sanitize := -O1 -g -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer
 OPT_tsan     := -O1 -g -fsanitize=thread
-OPT_coverage := -O0 -g --coverage
+OPT_coverage := -O1 -g -fPIC -fsanitize-coverage=trace-pc -fno-if-conversion -fno-if-conversion2 -fno-ssa-phiopt
 OPT_mutation := -O1 -fPIC
 ifeq ($(OPT_$(config)),)
   $(error unknown config '$(config)': debug, release, sanitize, tsan, coverage or mutation)
@@ -56,10 +56,9 @@ CMD_SRC  := raydiff.c $(wildcard cmd/*/*.c)
 GEN_SRC  := $(addprefix $(B)/gen/,shaders.c baseline.c waivers.c turn.c web_view.c web_gpu.c templates.c glsl_sources.c wgsl_sources.c) # generated, of the library
 LIB_OBJ  := $(patsubst %.c,$(B)/obj/%.o,$(LIB_SRC)) $(GEN_SRC:$(B)/%.c=$(B)/obj/%.o)
 CMD_OBJ  := $(CMD_SRC:%.c=$(B)/obj/%.o)
-ifeq ($(config),mutation) # see tests/mutation/mutation.mk
-LIB_OBJ += $(filter-out $(B)/obj/raydiff.o,$(CMD_OBJ))
-CMD_OBJ := $(B)/obj/raydiff.o
-endif
+IN_ONE   := $(filter mutation coverage,$(config))
+LIB_OBJ  += $(if $(IN_ONE),$(filter-out $(B)/obj/raydiff.o,$(CMD_OBJ)))
+CMD_OBJ  := $(if $(IN_ONE),$(B)/obj/raydiff.o,$(CMD_OBJ))
 
 # Commands parse, print and call: less of the optimiser builds them in two thirds of the time.
 ifeq ($(config),release)
@@ -88,7 +87,7 @@ spv: $(SPV)
 $(B)/raydiff: $(CMD_OBJ) $(B)/libraydiff.a
 	$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(LDLIBS) $(PROGRAM_LIBS)
 
-ifneq ($(config),mutation)
+ifeq ($(IN_ONE),)
 $(B)/libraydiff.a: $(LIB_OBJ)
 	@rm -f $@
 	$(AR) rcs $@ $^

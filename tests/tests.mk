@@ -12,7 +12,7 @@ tests: $(TESTS) $(SAMPLES)
 $(foreach object,$(TEST_OBJ),$(eval $(B)/tests/$(basename $(notdir $(object))): $(object)))
 $(TESTS): $(B)/libraydiff.a
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS) $(TEST_LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LDLIBS) $(CMOCKA_LIBS) $(TEST_LIBS)
+	$(CC) $(CFLAGS) $(TEST_LDFLAGS) -o $@ $(filter %.o,$^) $(or $(WHOLE),$(filter %.a,$^)) $(LDLIBS) $(CMOCKA_LIBS) $(TEST_LIBS)
 	@mkdir -p $(B)/links; echo '$(filter-out %/$(@F).o,$(filter %.o,$^)) $(filter %.a,$^) $(LDLIBS) $(CMOCKA_LIBS) $(TEST_LIBS)' >$(B)/links/$(@F)
 
 # A test runs for seconds, nearly all of them in the library: without the optimiser it ends sooner, and so does what
@@ -85,7 +85,7 @@ $(addprefix $(B)/tests/test_,scene_treelets schedulers traffic_cuts traffic_no_m
 
 # Parts of commands, which are no part of the library (but of that for mutations).
 COMMAND_TESTS := $(addprefix $(B)/tests/,$(notdir $(basename $(wildcard tests/commands/test_*.c))))
-ifneq ($(config),mutation)
+ifeq ($(IN_ONE),)
 $(B)/libcommands.a: $(filter-out $(B)/obj/raydiff.o,$(CMD_OBJ))
 	@rm -f $@
 	$(AR) rcs $@ $^
@@ -103,6 +103,7 @@ $(B)/tests/test_judge_many: TEST_LIBS += -Wl,--wrap=twin_eval_many
 
 # What builders on a device compare is looked at.
 $(B)/tests/test_builders_compare: TEST_LIBS += -Wl,--wrap=wide_compare
+WRAPPED_TESTS := $(MEMORY_TESTS) $(B)/tests/test_judge_many $(B)/tests/test_builders_compare
 
 # A Vulkan within the program, which the loader of the library finds in it.
 FAKE_VULKAN_TESTS := $(addprefix $(B)/tests/,test_card test_ways test_freed \

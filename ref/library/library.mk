@@ -1,6 +1,6 @@
 # The public library (ref/library/raydiff.h) as a shared object, which `make lib` makes beside the static one.
 # Of the rooms below only what the interface needs is linked. Their objects are those of the program: compiled once, so
-# that both have the same bits. config=mutation has a shared object of its own.
+# that both have the same bits. config=mutation and config=coverage have a shared object of their own.
 ABI := $(shell sed -n 's/^\#define RAYDIFF_ABI //p' ref/library/raydiff.h)
 SHARED_ROOMS := $(addprefix ref/,base build builders fast integers judge layouts library match oracle outside packed \
                   primitives scene staged store trace tree twin two_level world) scenes/rays fuzz/play fuzz/shrink
@@ -8,7 +8,7 @@ SHARED_OBJ := $(patsubst %.c,$(B)/obj/%.o,$(wildcard $(SHARED_ROOMS:%=%/*.c) sce
 SHARED_OWN := $(filter $(B)/obj/ref/library/%,$(SHARED_OBJ))
 SHARED     := $(B)/shared/libraydiff.so.$(ABI)
 PIC        := -fPIC -fvisibility=hidden -ffunction-sections -fdata-sections
-ifneq ($(config),mutation)
+ifeq ($(IN_ONE),)
 $(SHARED_OBJ): ref/library/library.mk
 $(SHARED_OBJ): private CFLAGS := $(CFLAGS) $(PIC)
 # Its types are told to debuggers, and compared with those of its interface before.
@@ -29,7 +29,7 @@ $(SHARED): $(SHARED_OWN) $(B)/shared/pic.a ref/library/raydiff.map
 	    -o $@ $(SHARED_OWN) $(B)/shared/pic.a -lm -lpthread
 	@ln -sf $(@F) $(B)/shared/libraydiff.so
 
-ifneq ($(config),mutation)
+ifeq ($(IN_ONE),)
 lib: $(SHARED)
 endif
 

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Which suites run which lines: sh tests/mutation/coverage.sh BUILD OUT [SUITE]
-# BUILD is one of config=coverage. OUT/map/FILE (with dots in place of slashes) gets a line "LINE SUITE..." for
-# each that is run; what a suite ran is kept in OUT/lines/SUITE and not asked again. SUITE: that one alone.
+# BUILD is one of config=coverage, with BUILD/table (make coverage). OUT/map/FILE (with dots in place of slashes) gets a
+# line "LINE SUITE..." for each that is run; what a suite ran is kept in OUT/lines/SUITE and not asked again. SUITE: that one alone.
 # Of a shader module, OUT/map/spv.NAME gets line 0 with the suites that make it (tests/mutation/modules.c).
 set -u
 build=$1 out=$2
@@ -41,21 +41,23 @@ dir=$(mktemp -d) || exit 4
 trap 'rm -rf "$dir"' EXIT
 command=$(sed -n "s/^$3 //p" "$out/suites")
 logs=$dir
-mkdir "$dir/modules"
+mkdir "$dir/modules" "$dir/ran"
 (
     export RAYDIFF_WHOLE_MODULES=1 # as they are in the build
-    export GCOV_PREFIX="$dir/gcov" RAYDIFF_MODULES="$dir/modules" LD_PRELOAD="$(realpath "$build/modules.so")"
+    export RAN_BLOCKS="$dir/ran" RAYDIFF_MODULES="$dir/modules" LD_PRELOAD="$(realpath "$build/modules.so")"
     eval "timeout -k 5 1800 $command"
 ) >"$dir/log" 2>&1 </dev/null
 code=$?
 [ "$code" -eq 0 ] || { echo "$3: exit $code without a mutation" >&2; tail -n 3 "$dir/log" >&2; }
-# gcov looks for what the compiler wrote beside what the program wrote.
-find "$dir/gcov" -name '*.gcda' >"$dir/data" 2>/dev/null
-perl -ne 'BEGIN { $base = shift } s/gcda\n$/gcno/; my $real = substr($_, length $base); symlink $real, $_' \
-    "$dir/gcov" <"$dir/data"
-xargs -r -n 50 gcov -t <"$dir/data" 2>/dev/null | awk -F: '
-    $2 + 0 == 0 && $3 == "Source" { file = $4; next }
-    $1 ~ /^ *[0-9]+\*?$/ && file !~ /^\// { print file, $2 + 0 }' >"$dir/seen"
+for data in "$dir"/ran/*; do
+    name=$(basename "$data")
+    table=$build/table
+    if [ "$name" != libraydiff.so ]; then # a test that is linked with all objects
+        table=$dir/table
+        perl tests/mutation/blocks.pl table "$build/tests/$name" >"$table" 2>>"$dir/log" || continue
+    fi
+    perl tests/mutation/blocks.pl ran "$table" "$data"
+done >"$dir/seen"
 cksum $(cat "$build/spv/list") >"$dir/known"
 find "$dir/modules" -type f -exec cksum {} + | awk '
     { content = $1 " " $2 }

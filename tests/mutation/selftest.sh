@@ -161,19 +161,29 @@ while read -r name suite; do
     [ -x "$build/tests/$suite" ] || grep -qE "^ *(suite|waits|pairs|alone) $suite " tests/run.sh || bad "invariant $name: no suite $suite"
 done <"$dir/invariants"
 
-# Lines that nothing runs are told, with the sums of their rooms.
-mkdir -p "$dir/room/obj"
-printf 'int main(int argc, char **argv)\n{\n    (void)argv;\n    if (argc > 1)\n        return 3;\n    return 0;\n}\n' >"$dir/room/a.c"
-(cd "$dir" && cc -O0 --coverage -c -o room/obj/a.o room/a.c && cc --coverage -o room/a room/obj/a.o) || bad 'no program tells its lines'
-perl tests/mutation/uncovered.pl "$dir/room" >"$dir/out" 2>&1 && bad 'nothing was run, and that is not told'
-"$dir/room/a"
-(cd "$dir" && perl "$OLDPWD/tests/mutation/uncovered.pl" room) >"$dir/out" 2>&1 || bad 'uncovered.pl fails'
-printf '%s\n' 'room/a.c: 1 of 4 lines' '5:        return 3;' '    1 of     4 lines of room are run by no suite' \
-    '1 of 4 lines are run by no suite' | cmp -s - "$dir/out" || { bad 'uncovered.pl'; cat "$dir/out"; }
-(cd "$dir" && perl "$OLDPWD/tests/mutation/uncovered.pl" room other) >"$dir/out" 2>&1
+# Lines that nothing runs are told, with the sums of their rooms; what a signal ended has told what it ran.
+mkdir -p "$dir/room/ref/a" "$dir/room/build/ran" "$dir/room/build/tests"
+printf '#include <stdlib.h>\n\nint main(int argc, char **argv)\n{\n    (void)argv;\n    if (argc == 2)\n        exit(3);\n    if (argc > 2)\n        abort();\n    return 0;\n}\n' >"$dir/room/ref/a/a.c"
+(
+    cd "$dir/room" && git init -q . && git add ref && ln -s "$here/tests" tests &&
+        cc -O1 -g -fPIC -c -o ran.o tests/mutation/ran.c &&
+        cc -O1 -g -fPIC -fsanitize-coverage=trace-pc -c -o a.o ref/a/a.c && cc -o build/tests/a a.o ran.o &&
+        perl tests/mutation/blocks.pl table build/tests/a >build/table
+) || bad 'no program tells its lines'
+uncovered() { (cd "$dir/room" && perl tests/mutation/uncovered.pl build "$@") >"$dir/out" 2>&1; }
+ran() { RAN_BLOCKS="$dir/room/build/ran" "$dir/room/build/tests/a" "$@"; }
+uncovered && bad 'nothing was run, and that is not told'
+ran
+uncovered || bad 'uncovered.pl fails'
+printf '%s\n' 'ref/a/a.c: 2 of 8 lines' '7:        exit(3);' '9:        abort();' \
+    '    2 of     8 lines of ref/a are run by no suite' '2 of 8 lines are run by no suite' | cmp -s - "$dir/out" ||
+    { bad 'uncovered.pl'; cat "$dir/out"; }
+uncovered other
 grep -qx '0 of 0 lines are run by no suite' "$dir/out" || bad 'a room that is not there has lines'
-"$dir/room/a" 1
-(cd "$dir" && perl "$OLDPWD/tests/mutation/uncovered.pl" room) | grep -qx '0 of 4 lines are run by no suite' || bad 'all lines are run, and that is not told'
+ran 1
+uncovered && grep -qx '1 of 8 lines are run by no suite' "$dir/out" || { bad 'what was run later is not told'; cat "$dir/out"; }
+(ran 1 2) 2>/dev/null
+uncovered && grep -qx '0 of 8 lines are run by no suite' "$dir/out" || { bad 'what ended by a signal is not told'; cat "$dir/out"; }
 
 for file in $files; do
     "$build/mutate" list "$file" >>"$dir/all" || bad "$file cannot be read"
