@@ -36,7 +36,7 @@ WARNED  := $(if $(filter 1,$(WERROR)),$(shell find $(B) -name '*.warned' 2>/dev/
 warned = $(1) $(if $(filter 1,$(WERROR)),-Werror) 2>$@.warned; code=$$?; cat $@.warned >&2; \
          [ -s $@.warned ] || rm -f $@.warned; exit $$code
 
-# Libraries found on this machine. HAVE_EMBREE=0 leaves Embree out, HAVE_GLSLANG=0 glslang.
+# Libraries found here. HAVE_EMBREE=0 leaves Embree out, of which only headers are needed; HAVE_GLSLANG=0 glslang.
 PKG_CONFIG ?= pkg-config
 $(shell mkdir -p $(B)/gen && CC='$(CC)' PKG_CONFIG='$(PKG_CONFIG)' sh .ci/libs.sh >$(B)/gen/libs.$$$$ && \
     mv $(B)/gen/libs.$$$$ $(B)/gen/libs.mk)
@@ -45,7 +45,7 @@ EMBREE := $(filter 3 4,$(HAVE_EMBREE))
 CPPFLAGS += -I. -I$(B)/gen $(LIBS_CFLAGS) $(if $(EMBREE),$(EMBREE_CFLAGS)) -DRAYDIFF_VERSION='"$(VERSION)"' \
             -DHAVE_EMBREE=$(or $(EMBREE),0)
 CFLAGS   := -std=c17 $(OPT_$(config)) $(WARN) $(FP) -fopenmp $(CFLAGS_EXTRA)
-LDLIBS   := $(if $(EMBREE),$(EMBREE_LIBS)) $(LIBS) -ldl -lm -lpthread
+LDLIBS   := $(LIBS) -ldl -lm -lpthread
 # Only the program is linked with glslang, and only it is rebuilt when glslang is added or removed.
 PROGRAM_LIBS := $(if $(filter 1,$(HAVE_GLSLANG)),$(GLSLANG_LIBS))
 

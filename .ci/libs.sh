@@ -93,11 +93,10 @@ embree_files 2>/dev/null | while read -r file; do
     [ -e "$library" ] && [ -e "$root/include/embree$major/rtcore.h" ] || continue
     best=$((major * 1000 + minor))
     echo "HAVE_EMBREE := $major"
-    folder=$(dirname "$library")
+    # The library is opened by name, and outside /usr by its place.
     if [ "$root" = /usr ]; then
-        printf 'EMBREE_CFLAGS :=\nEMBREE_LIBS := -lembree%s\n' "$major"
+        echo "EMBREE_CFLAGS :="
     else
-        echo "EMBREE_CFLAGS := -isystem $root/include"
-        echo "EMBREE_LIBS := -L$folder -Wl,-rpath,$folder -lembree$major"
+        echo "EMBREE_CFLAGS := -isystem $root/include -DEMBREE_FOLDER='\"$(dirname "$library")\"'"
     fi
 done

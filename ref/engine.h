@@ -178,7 +178,7 @@ struct engine {
                           functions that are told their engine */
     bool reference;       /* the C engine that all others are compared with, on a tree or without
                              one */
-    bool library;         /* a tracer of another project, linked in */
+    bool library;         /* a tracer of another project, in this process */
     bool needs_packed;    /* false: reads only the scene (brute, Embree) */
     bool brute;           /* tests every triangle; gets at most as many rays as
                              match_options.brute_budget allows */

@@ -135,6 +135,7 @@ plain)
     suite concluded sh tests/values/concluded.sh "$build/raydiff"
     suite losers sh tests/scripts/losers.sh "$build/raydiff"
     suite named_others sh tests/scripts/named_others.sh "$build/raydiff"
+    suite embree_opened sh tests/embree/embree_opened.sh "$build/raydiff"
     suite watertight sh tests/scripts/watertight.sh "$build/raydiff"
     alone bench sh tests/scripts/bench.sh "$build/raydiff"
     suite reported sh tests/reported/reported.sh "$build/raydiff"

@@ -22,7 +22,7 @@ static bool embree_memory(void *user, ssize_t bytes, bool post)
 
 enum status embree_error(struct embree *embree, const char *doing, struct reason *reason)
 {
-    enum RTCError error = rtcGetDeviceError(embree->device);
+    enum RTCError error = rtc.GetDeviceError(embree->device);
     if (error == RTC_ERROR_NONE)
         return STATUS_OK;
     enum status status = error == RTC_ERROR_OUT_OF_MEMORY ? STATUS_MEMORY : STATUS_DEVICE;
@@ -32,7 +32,7 @@ enum status embree_error(struct embree *embree, const char *doing, struct reason
 void embree_drop(struct embree *embree)
 {
     if (embree->scene)
-        rtcReleaseScene(embree->scene);
+        rtc.ReleaseScene(embree->scene);
     embree->scene = NULL;
     embree_world_free(embree->world);
     embree->world = NULL;
@@ -45,7 +45,7 @@ void embree_close(void *self)
         return;
     embree_drop(embree);
     if (embree->device)
-        rtcReleaseDevice(embree->device);
+        rtc.ReleaseDevice(embree->device);
     free(embree->rays);
     free(embree);
 }
@@ -54,7 +54,9 @@ enum status embree_open_mode(const struct engine_options *options, const struct 
                              void **self, struct reason *reason)
 {
     *self = NULL;
-    enum status status = embree_isa_check(mode->isa, reason);
+    enum status status = embree_load(reason);
+    if (!status)
+        status = embree_isa_check(mode->isa, reason);
     if (status)
         return status;
     struct embree *embree = alloc_zeroed(1, sizeof *embree);
@@ -69,14 +71,14 @@ enum status embree_open_mode(const struct engine_options *options, const struct 
                                         : "";
     char config[sizeof "threads=4294967295,isa=sse4.2,frequency_level=simd512"];
     snprintf(config, sizeof config, "threads=%u%s", embree->threads, isa);
-    embree->device = rtcNewDevice(config);
+    embree->device = rtc.NewDevice(config);
     if (!embree->device) {
         free(embree);
         return fail(reason, STATUS_UNSUPPORTED, "Embree: no device for this processor (error %d)",
-                    (int)rtcGetDeviceError(NULL));
+                    (int)rtc.GetDeviceError(NULL));
     }
-    embree->masks = rtcGetDeviceProperty(embree->device, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED);
-    rtcSetDeviceMemoryMonitorFunction(embree->device, embree_memory, embree);
+    embree->masks = rtc.GetDeviceProperty(embree->device, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED);
+    rtc.SetDeviceMemoryMonitorFunction(embree->device, embree_memory, embree);
     *self = embree;
     return STATUS_OK;
 }
@@ -118,38 +120,38 @@ void embree_list_filter(const struct RTCFilterFunctionNArguments *args)
 static enum status embree_add_mesh(struct embree *embree, const struct scene *scene,
                                    struct reason *reason)
 {
-    RTCGeometry mesh = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    float *vertex = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                            3 * sizeof(float), scene->vertex_count);
-    unsigned *index = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                              3 * sizeof(unsigned), scene->tri_count);
+    RTCGeometry mesh = rtc.NewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    float *vertex = rtc.SetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                             3 * sizeof(float), scene->vertex_count);
+    unsigned *index = rtc.SetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                               3 * sizeof(unsigned), scene->tri_count);
     if (!vertex || !index) {
-        rtcReleaseGeometry(mesh);
+        rtc.ReleaseGeometry(mesh);
         return fail(reason, STATUS_MEMORY, "Embree: no memory for %u triangles", scene->tri_count);
     }
     memcpy(vertex, scene->vertex, 3 * sizeof(float) * (size_t)scene->vertex_count);
     memcpy(index, scene->index, 3 * sizeof(unsigned) * (size_t)scene->tri_count);
     if (embree->mode.refit)
-        rtcSetGeometryBuildQuality(mesh, RTC_BUILD_QUALITY_REFIT);
+        rtc.SetGeometryBuildQuality(mesh, RTC_BUILD_QUALITY_REFIT);
     if (embree->query == QUERY_ALL)
-        rtcSetGeometryIntersectFilterFunction(mesh, embree_list_filter);
-    rtcCommitGeometry(mesh);
-    rtcAttachGeometry(embree->scene, mesh);
-    rtcReleaseGeometry(mesh);
+        rtc.SetGeometryIntersectFilterFunction(mesh, embree_list_filter);
+    rtc.CommitGeometry(mesh);
+    rtc.AttachGeometry(embree->scene, mesh);
+    rtc.ReleaseGeometry(mesh);
     return STATUS_OK;
 }
 
 RTCScene embree_scene(const struct embree *embree)
 {
-    RTCScene scene = rtcNewScene(embree->device);
-    rtcSetSceneFlags(scene,
-                     (embree->mode.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE) |
-                         (embree->mode.compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE) |
-                         (embree->mode.dynamic ? RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_NONE));
+    RTCScene scene = rtc.NewScene(embree->device);
+    rtc.SetSceneFlags(scene,
+                      (embree->mode.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE) |
+                          (embree->mode.compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE) |
+                          (embree->mode.dynamic ? RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_NONE));
     if (embree->mode.quality == EMBREE_HIGH)
-        rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+        rtc.SetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
     if (embree->mode.quality == EMBREE_LOW)
-        rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
+        rtc.SetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
     return scene;
 }
 
@@ -158,7 +160,7 @@ enum status embree_commit(struct embree *embree, RTCScene scene, struct reason *
     /* The build sets flush-to-zero on this thread; restore the mode for the reference. */
     fenv_t environment;
     fegetenv(&environment);
-    rtcCommitScene(scene);
+    rtc.CommitScene(scene);
     fesetenv(&environment);
     return embree_error(embree, "building", reason);
 }
@@ -181,11 +183,11 @@ enum status embree_move(void *self, const struct job *job, struct reason *reason
     const struct scene *scene = job->scene;
     if (scene->tri_count == 0)
         return STATUS_OK;
-    RTCGeometry mesh = rtcGetGeometry(embree->scene, 0);
-    float *vertex = rtcGetGeometryBufferData(mesh, RTC_BUFFER_TYPE_VERTEX, 0);
+    RTCGeometry mesh = rtc.GetGeometry(embree->scene, 0);
+    float *vertex = rtc.GetGeometryBufferData(mesh, RTC_BUFFER_TYPE_VERTEX, 0);
     memcpy(vertex, scene->vertex, 3 * sizeof(float) * (size_t)scene->vertex_count);
-    rtcUpdateGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0);
-    rtcCommitGeometry(mesh);
+    rtc.UpdateGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtc.CommitGeometry(mesh);
     return embree_commit(embree, embree->scene, reason);
 }
 
@@ -232,9 +234,9 @@ void embree_intersect(RTCScene scene, embree_context *context, struct RTCRayHit 
     struct RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
     arguments.context = context;
-    rtcIntersect1(scene, query, &arguments);
+    rtc.Intersect1(scene, query, &arguments);
 #else
-    rtcIntersect1(scene, context, query);
+    rtc.Intersect1(scene, context, query);
 #endif
 }
 
@@ -245,9 +247,9 @@ bool embree_occluded(RTCScene scene, embree_context *context, struct RTCRay *ray
     struct RTCOccludedArguments arguments;
     rtcInitOccludedArguments(&arguments);
     arguments.context = context;
-    rtcOccluded1(scene, ray, &arguments);
+    rtc.Occluded1(scene, ray, &arguments);
 #else
-    rtcOccluded1(scene, context, ray);
+    rtc.Occluded1(scene, context, ray);
 #endif
     return ray->tfar < 0.0f;
 }
@@ -287,18 +289,23 @@ void embree_describe(const struct engine *engine, const struct engine_options *o
                      size_t text_bytes)
 {
     (void)engine;
-    RTCDevice device = rtcNewDevice("threads=1");
+    struct reason reason;
+    if (embree_load(&reason)) {
+        snprintf(text, text_bytes, "%s", reason.text);
+        return;
+    }
+    RTCDevice device = rtc.NewDevice("threads=1");
     if (!device) {
         snprintf(text, text_bytes, "no device for this processor");
         return;
     }
-    bool masks = rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED);
+    bool masks = rtc.GetDeviceProperty(device, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED);
     snprintf(text, text_bytes, "Embree %lld.%lld.%lld, %u threads%s",
-             (long long)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR),
-             (long long)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MINOR),
-             (long long)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_PATCH),
+             (long long)rtc.GetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR),
+             (long long)rtc.GetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MINOR),
+             (long long)rtc.GetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_PATCH),
              cpu_rays_threads(options), masks ? "" : ", without masks of rays");
-    rtcReleaseDevice(device);
+    rtc.ReleaseDevice(device);
 }
 
 #endif

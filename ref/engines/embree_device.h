@@ -30,16 +30,17 @@ struct embree_mode {
 
 #define EMBREE_PACKET_MOST 16u
 
-/* As engine.open. options->compact is as mode->compact. Errors: STATUS_UNSUPPORTED no device for
- * this processor, or one of another ISA than that asked for (embree_isa_check); STATUS_MEMORY. */
+/* As engine.open. options->compact is as mode->compact. Errors: STATUS_UNSUPPORTED no library
+ * (embree_load), no device for this processor, or one of another ISA than that asked for
+ * (embree_isa_check); STATUS_MEMORY. */
 enum status embree_open_mode(const struct engine_options *options, const struct embree_mode *mode,
                              void **self, struct reason *reason) MUST_USE;
 
 /* Asks a device made for that ISA which one it runs: of those that Embree was compiled with the
  * best that the device is told of. Embree has no call for that, but says it where it is verbose, to
  * the standard output: so a process is forked for the first question. EMBREE_ISA_OWN is always
- * right. Errors: STATUS_UNSUPPORTED no such device for this processor, or Embree runs another one
- * in its place (the reason names it); STATUS_DEVICE it could not be asked. */
+ * right. Errors: STATUS_UNSUPPORTED no library, no such device for this processor, or Embree runs
+ * another one in its place (the reason names it); STATUS_DEVICE it could not be asked. */
 enum status embree_isa_check(enum embree_isa isa, struct reason *reason) MUST_USE;
 
 enum status embree_prepare(void *self, const struct job *job, struct reason *reason) MUST_USE;

@@ -1,19 +1,17 @@
-/* What the files of Embree's engines share: for embree_device.c and embree_worlds.c only. The one
- * header of the library that includes Embree's. */
+/* What the files of Embree's engines share, for them only. */
 #ifndef EMBREE_INNER_H
 #define EMBREE_INNER_H
 
 #include "ref/engines/embree_device.h"
-
-#if HAVE_EMBREE == 4
-#include <embree4/rtcore.h>
-typedef struct RTCRayQueryContext embree_context;
-#else
-#include <embree3/rtcore.h>
-typedef struct RTCIntersectContext embree_context;
-#endif
+#include "ref/engines/embree_library.h"
 
 #include <stdatomic.h>
+
+#if HAVE_EMBREE == 4
+typedef struct RTCRayQueryContext embree_context;
+#else
+typedef struct RTCIntersectContext embree_context;
+#endif
 
 struct embree_world; /* embree_worlds.c */
 

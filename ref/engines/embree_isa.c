@@ -60,9 +60,9 @@ static void say(enum embree_isa isa, int to)
     snprintf(config, sizeof config, "threads=1,verbose=1%s", embree_isa_configs[isa]);
     if (dup2(to, STDOUT_FILENO) < 0 || dup2(to, STDERR_FILENO) < 0)
         _exit(2);
-    RTCDevice device = rtcNewDevice(config);
+    RTCDevice device = rtc.NewDevice(config);
     if (device)
-        rtcReleaseDevice(device);
+        rtc.ReleaseDevice(device);
     _exit(device ? 0 : 1);
 }
 
@@ -113,7 +113,9 @@ enum status embree_isa_check(enum embree_isa isa, struct reason *reason)
     if (isa == EMBREE_ISA_OWN)
         return STATUS_OK;
     if (!atomic_load(&known[isa])) {
-        enum status status = ask(isa, said, reason);
+        enum status status = embree_load(reason);
+        if (!status)
+            status = ask(isa, said, reason);
         if (status)
             return status;
         atomic_store(&known[isa], 1 + (int)embree_isa_said(said));

@@ -28,24 +28,24 @@ struct embree_packet {
         struct RTCIntersectArguments arguments;                                                    \
         rtcInitIntersectArguments(&arguments);                                                     \
         arguments.context = context;                                                               \
-        rtcIntersect##W(p->valid, scene, &p->rays.of##W, &arguments);                              \
+        rtc.Intersect##W(p->valid, scene, &p->rays.of##W, &arguments);                             \
     }                                                                                              \
     static void any_##W(struct embree_packet *p, RTCScene scene, embree_context *context)          \
     {                                                                                              \
         struct RTCOccludedArguments arguments;                                                     \
         rtcInitOccludedArguments(&arguments);                                                      \
         arguments.context = context;                                                               \
-        rtcOccluded##W(p->valid, scene, &p->rays.of##W.ray, &arguments);                           \
+        rtc.Occluded##W(p->valid, scene, &p->rays.of##W.ray, &arguments);                          \
     }
 #else
 #define CALLS(W)                                                                                   \
     static void closest_##W(struct embree_packet *p, RTCScene scene, embree_context *context)      \
     {                                                                                              \
-        rtcIntersect##W(p->valid, scene, context, &p->rays.of##W);                                 \
+        rtc.Intersect##W(p->valid, scene, context, &p->rays.of##W);                                \
     }                                                                                              \
     static void any_##W(struct embree_packet *p, RTCScene scene, embree_context *context)          \
     {                                                                                              \
-        rtcOccluded##W(p->valid, scene, context, &p->rays.of##W.ray);                              \
+        rtc.Occluded##W(p->valid, scene, context, &p->rays.of##W.ray);                             \
     }
 #endif
 

@@ -41,10 +41,10 @@ static void closest_span(RTCScene scene, struct RTCRayHit *ray, size_t count)
     rtcInitIntersectArguments(&arguments);
     arguments.context = &context;
     for (size_t i = 0; i < count; i++)
-        rtcIntersect1(scene, &ray[i], &arguments);
+        rtc.Intersect1(scene, &ray[i], &arguments);
 #else
     for (size_t i = 0; i < count; i++)
-        rtcIntersect1(scene, &context, &ray[i]);
+        rtc.Intersect1(scene, &context, &ray[i]);
 #endif
 }
 
@@ -57,10 +57,10 @@ static void any_span(RTCScene scene, struct RTCRay *ray, size_t count)
     rtcInitOccludedArguments(&arguments);
     arguments.context = &context;
     for (size_t i = 0; i < count; i++)
-        rtcOccluded1(scene, &ray[i], &arguments);
+        rtc.Occluded1(scene, &ray[i], &arguments);
 #else
     for (size_t i = 0; i < count; i++)
-        rtcOccluded1(scene, &context, &ray[i]);
+        rtc.Occluded1(scene, &context, &ray[i]);
 #endif
 }
 

@@ -18,11 +18,11 @@ static enum status move_mesh(struct embree *embree, const struct world_mesh *mes
     for (uint32_t i = 0; i < mesh->geometry_count; i++) {
         if (mesh->geometry[i].count == 0)
             continue;
-        RTCGeometry geometry = rtcGetGeometry(scene, i);
-        memcpy(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0), mesh->scene->vertex,
+        RTCGeometry geometry = rtc.GetGeometry(scene, i);
+        memcpy(rtc.GetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0), mesh->scene->vertex,
                12 * (size_t)mesh->scene->vertex_count);
-        rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
-        rtcCommitGeometry(geometry);
+        rtc.UpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+        rtc.CommitGeometry(geometry);
     }
     return embree_commit(embree, scene, reason);
 }
@@ -36,11 +36,11 @@ static enum status move_instance(struct embree *embree, uint32_t number, struct 
     enum status status = embree_instance_mask(embree, number, &mask, reason);
     if (status)
         return status;
-    RTCGeometry geometry = rtcGetGeometry(world->top, number);
-    rtcSetGeometryInstancedScene(geometry, world->mesh[instance->mesh]);
-    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance->m);
-    rtcSetGeometryMask(geometry, mask);
-    rtcCommitGeometry(geometry);
+    RTCGeometry geometry = rtc.GetGeometry(world->top, number);
+    rtc.SetGeometryInstancedScene(geometry, world->mesh[instance->mesh]);
+    rtc.SetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance->m);
+    rtc.SetGeometryMask(geometry, mask);
+    rtc.CommitGeometry(geometry);
     return STATUS_OK;
 }
 
@@ -56,7 +56,7 @@ static enum status move_each(struct embree *embree, struct reason *reason)
         else if (active)
             status = embree_add_instance(embree, i, reason);
         else if (world->placed[i])
-            rtcDetachGeometry(world->top, i);
+            rtc.DetachGeometry(world->top, i);
         world->placed[i] = active;
     }
     return status;

@@ -18,10 +18,10 @@ void embree_world_free(struct embree_world *world)
     if (!world)
         return;
     if (world->top)
-        rtcReleaseScene(world->top);
+        rtc.ReleaseScene(world->top);
     for (uint32_t i = 0; i < world->mesh_count && world->mesh; i++)
         if (world->mesh[i])
-            rtcReleaseScene(world->mesh[i]);
+            rtc.ReleaseScene(world->mesh[i]);
     free(world->mesh);
     free(world->placed);
     free(world);
@@ -125,10 +125,10 @@ static void filter_candidate(const struct RTCFilterFunctionNArguments *args)
  * where the last vertex is. */
 static RTCBuffer copy_of(const struct embree *embree, const void *data, size_t bytes)
 {
-    RTCBuffer buffer = rtcNewBuffer(embree->device, bytes + 16);
-    void *to = buffer ? rtcGetBufferData(buffer) : NULL;
+    RTCBuffer buffer = rtc.NewBuffer(embree->device, bytes + 16);
+    void *to = buffer ? rtc.GetBufferData(buffer) : NULL;
     if (buffer && !to)
-        rtcReleaseBuffer(buffer);
+        rtc.ReleaseBuffer(buffer);
     return to ? memcpy(to, data, bytes), buffer : NULL;
 }
 
@@ -136,20 +136,20 @@ static void add_geometry(const struct embree *embree, RTCScene to, const struct 
                          const struct geometry *geometry, uint32_t number, RTCBuffer vertices,
                          RTCBuffer indices)
 {
-    RTCGeometry mesh = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices, 0,
-                         3 * sizeof(float), scene->vertex_count);
-    rtcSetGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices,
-                         3 * sizeof(unsigned) * (size_t)geometry->first, 3 * sizeof(unsigned),
-                         geometry->count);
-    rtcSetGeometryMask(mesh, 0xFFFFFFFFu); /* masks of rays apply to it, too */
+    RTCGeometry mesh = rtc.NewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtc.SetGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices, 0,
+                          3 * sizeof(float), scene->vertex_count);
+    rtc.SetGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices,
+                          3 * sizeof(unsigned) * (size_t)geometry->first, 3 * sizeof(unsigned),
+                          geometry->count);
+    rtc.SetGeometryMask(mesh, 0xFFFFFFFFu); /* masks of rays apply to it, too */
     if (!embree->world->bare) {
-        rtcSetGeometryIntersectFilterFunction(mesh, filter_candidate);
-        rtcSetGeometryOccludedFilterFunction(mesh, filter_candidate);
+        rtc.SetGeometryIntersectFilterFunction(mesh, filter_candidate);
+        rtc.SetGeometryOccludedFilterFunction(mesh, filter_candidate);
     }
-    rtcCommitGeometry(mesh);
-    rtcAttachGeometryByID(to, mesh, number);
-    rtcReleaseGeometry(mesh);
+    rtc.CommitGeometry(mesh);
+    rtc.AttachGeometryByID(to, mesh, number);
+    rtc.ReleaseGeometry(mesh);
 }
 
 static enum status build_mesh(struct embree *embree, const struct world_mesh *mesh, RTCScene *out,
@@ -172,9 +172,9 @@ static enum status build_mesh(struct embree *embree, const struct world_mesh *me
         status = embree_commit(embree, *out, reason);
     }
     if (vertices)
-        rtcReleaseBuffer(vertices);
+        rtc.ReleaseBuffer(vertices);
     if (indices)
-        rtcReleaseBuffer(indices);
+        rtc.ReleaseBuffer(indices);
     return status;
 }
 
@@ -186,13 +186,13 @@ enum status embree_add_instance(struct embree *embree, uint32_t number, struct r
     enum status status = embree_instance_mask(embree, number, &mask, reason);
     if (status)
         return status;
-    RTCGeometry geometry = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(geometry, world->mesh[instance->mesh]);
-    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance->m);
-    rtcSetGeometryMask(geometry, mask);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(world->top, geometry, number);
-    rtcReleaseGeometry(geometry);
+    RTCGeometry geometry = rtc.NewGeometry(embree->device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtc.SetGeometryInstancedScene(geometry, world->mesh[instance->mesh]);
+    rtc.SetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance->m);
+    rtc.SetGeometryMask(geometry, mask);
+    rtc.CommitGeometry(geometry);
+    rtc.AttachGeometryByID(world->top, geometry, number);
+    rtc.ReleaseGeometry(geometry);
     return STATUS_OK;
 }
 

@@ -10,9 +10,10 @@ raydiff=${1?} quick=${2:-} rounds=21 rays=30000
 scenes='sphere:n=60;terrain:k=6;terrain:k=7'
 each=0.05 mean=0.02
 [ "$quick" = quick ] && each=0.08 mean=0.04 rounds=11 scenes='terrain:k=6'
-version=$(ldd "$raydiff" | sed -n 's/.*libembree\([34]\)\..*/\1/p' | head -n 1)
+doctor=$("$raydiff" doctor 2>&1)
+version=$(echo "$doctor" | sed -n 's/^ *Embree \([34]\)\..*/\1/p' | head -n 1)
 if [ -z "$version" ]; then
-    "$raydiff" doctor 2>&1 | grep -q 'built without Embree' && { echo "SKIPPED fair: $raydiff is built without Embree"; exit 77; }
+    echo "$doctor" | grep -q 'built without Embree' && { echo "SKIPPED fair: $raydiff is built without Embree"; exit 77; }
     echo "FAILED  fair: $raydiff has no Embree, and does not say so"
     exit 1
 fi

@@ -97,7 +97,8 @@ chosen() { sed -n 's/^HAVE_EMBREE := //p' "$dir/out" | tail -n 1; }
 embree "$dir/links" 3 13
 libs
 [ "$(chosen)" = 3 ] || bad 'Embree 3 is found'
-has "EMBREE_LIBS := -L$dir/links/lib -Wl,-rpath,$dir/links/lib -lembree3" 'outside /usr'
+has "EMBREE_CFLAGS := -isystem $dir/links/include -DEMBREE_FOLDER='\"$dir/links/lib\"'" 'outside /usr'
+hasnt EMBREE_LIBS 'nothing is linked with Embree'
 embree "$dir/links" 4 3
 libs
 [ "$(chosen)" = 4 ] || bad 'Embree 4 goes before 3'
@@ -114,7 +115,7 @@ mv "$dir/merged/usr/lib/x-y/include" "$dir/merged/usr"
 sed -i 's|/../../")|/../../../../")|; s|/lib/libembree|/lib/x-y/lib/libembree|' "$dir"/merged/usr/lib/x-y/cmake/*/*.cmake
 linked=$dir/merged/lib/x-y libs
 [ "$(chosen)" = 4 ] || bad 'a folder that a link leads to'
-has "EMBREE_CFLAGS := -isystem $dir/merged/usr/include" 'headers beside the folder that the link leads to'
+has "EMBREE_CFLAGS := -isystem $dir/merged/usr/include -DEMBREE_FOLDER='\"$dir/merged/usr/lib/x-y/lib\"'" 'headers beside the folder that the link leads to'
 embree "$dir/torn" 4 9
 rm "$dir/torn/lib/libembree4.so.4"
 linked=$dir/torn libs

@@ -1,14 +1,14 @@
-/* Embree's functions as a test sees them: each is counted and then does what it does, unless the
- * test wants a failure or answers for it. Define _GNU_SOURCE before the first include; for one
- * thread and one file of a program. */
+/* Embree's functions as a test sees them, once calls_can_run() was called: each is counted and then
+ * does what it does, unless the test wants a failure or answers for it. For one thread and one file
+ * of a program. */
 #ifndef TESTS_EMBREE_CALLS_H
 #define TESTS_EMBREE_CALLS_H
 
 #include "ref/engines/embree_inner.h"
 
-#include <dlfcn.h>
 #include <fenv.h>
 #include <stdio.h>
+#include <string.h>
 
 #define CALLS_MASKS 64
 
@@ -39,7 +39,7 @@ static struct {
     void (*answer16)(struct RTCRayHit16 *query);
 } calls;
 
-#define CALLS_REAL(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
+static struct embree_functions real; /* Embree's own */
 
 static bool calls_memory_is_there(void)
 {
@@ -52,97 +52,87 @@ static void calls_forget(void)
     memset(&calls, 0, sizeof calls);
 }
 
-/* False, with the reason, where Embree cannot run. */
-static bool calls_can_run(void)
-{
-    RTCDevice device = CALLS_REAL(rtcNewDevice)("threads=1");
-    if (device)
-        CALLS_REAL(rtcReleaseDevice)(device);
-    else
-        puts("SKIP Embree has no device for this processor");
-    return device;
-}
-
 /* --- objects ---------------------------------------------------------------------------------- */
 
-RTCDevice rtcNewDevice(const char *config)
+static RTCDevice calls_NewDevice(const char *config)
 {
     snprintf(calls.config, sizeof calls.config, "%s", config);
     if (calls.no_device)
         return NULL;
     calls.devices++;
     calls.made++;
-    return CALLS_REAL(rtcNewDevice)(calls.other ? calls.other : config);
+    return real.NewDevice(calls.other ? calls.other : config);
 }
 
-void rtcReleaseDevice(RTCDevice device)
+static void calls_ReleaseDevice(RTCDevice device)
 {
     calls.devices--;
-    CALLS_REAL(rtcReleaseDevice)(device);
+    real.ReleaseDevice(device);
 }
 
-RTCScene rtcNewScene(RTCDevice device)
+static RTCScene calls_NewScene(RTCDevice device)
 {
     calls.scenes++;
     calls.made++;
-    return CALLS_REAL(rtcNewScene)(device);
+    return real.NewScene(device);
 }
 
-void rtcReleaseScene(RTCScene scene)
+static void calls_ReleaseScene(RTCScene scene)
 {
     calls.scenes--;
-    CALLS_REAL(rtcReleaseScene)(scene);
+    real.ReleaseScene(scene);
 }
 
-RTCGeometry rtcNewGeometry(RTCDevice device, enum RTCGeometryType type)
+static RTCGeometry calls_NewGeometry(RTCDevice device, enum RTCGeometryType type)
 {
     calls.geometries++;
     calls.made++;
-    return CALLS_REAL(rtcNewGeometry)(device, type);
+    return real.NewGeometry(device, type);
 }
 
-void rtcReleaseGeometry(RTCGeometry geometry)
+static void calls_ReleaseGeometry(RTCGeometry geometry)
 {
     calls.geometries--;
-    CALLS_REAL(rtcReleaseGeometry)(geometry);
+    real.ReleaseGeometry(geometry);
 }
 
-RTCBuffer rtcNewBuffer(RTCDevice device, size_t bytes)
+static RTCBuffer calls_NewBuffer(RTCDevice device, size_t bytes)
 {
     if (!calls_memory_is_there())
         return NULL;
     calls.buffers++;
     calls.made++;
     calls.bytes = bytes;
-    return CALLS_REAL(rtcNewBuffer)(device, bytes);
+    return real.NewBuffer(device, bytes);
 }
 
-void rtcReleaseBuffer(RTCBuffer buffer)
+static void calls_ReleaseBuffer(RTCBuffer buffer)
 {
     calls.buffers--;
-    CALLS_REAL(rtcReleaseBuffer)(buffer);
+    real.ReleaseBuffer(buffer);
 }
 
-void *rtcGetBufferData(RTCBuffer buffer)
+static void *calls_GetBufferData(RTCBuffer buffer)
 {
-    return calls_memory_is_there() ? CALLS_REAL(rtcGetBufferData)(buffer) : NULL;
+    return calls_memory_is_there() ? real.GetBufferData(buffer) : NULL;
 }
 
-void *rtcSetNewGeometryBuffer(RTCGeometry geometry, enum RTCBufferType type, unsigned slot,
-                              enum RTCFormat format, size_t stride, size_t count)
+static void *calls_SetNewGeometryBuffer(RTCGeometry geometry, enum RTCBufferType type,
+                                        unsigned slot, enum RTCFormat format, size_t stride,
+                                        size_t count)
 {
     if (!calls_memory_is_there())
         return NULL;
-    return CALLS_REAL(rtcSetNewGeometryBuffer)(geometry, type, slot, format, stride, count);
+    return real.SetNewGeometryBuffer(geometry, type, slot, format, stride, count);
 }
 
-enum RTCError rtcGetDeviceError(RTCDevice device)
+static enum RTCError calls_GetDeviceError(RTCDevice device)
 {
-    enum RTCError error = CALLS_REAL(rtcGetDeviceError)(device);
+    enum RTCError error = real.GetDeviceError(device);
     return calls.error ? calls.error : error;
 }
 
-ssize_t rtcGetDeviceProperty(RTCDevice device, enum RTCDeviceProperty which)
+static ssize_t calls_GetDeviceProperty(RTCDevice device, enum RTCDeviceProperty which)
 {
     if (which == RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED && calls.no_ray_masks)
         return 0;
@@ -152,47 +142,48 @@ ssize_t rtcGetDeviceProperty(RTCDevice device, enum RTCDeviceProperty which)
         return calls.version[1];
     if (which == RTC_DEVICE_PROPERTY_VERSION_PATCH && calls.version[2])
         return calls.version[2];
-    return CALLS_REAL(rtcGetDeviceProperty)(device, which);
+    return real.GetDeviceProperty(device, which);
 }
 
 /* --- what they are set to --------------------------------------------------------------------- */
 
-void rtcSetSceneFlags(RTCScene scene, enum RTCSceneFlags flags)
+static void calls_SetSceneFlags(RTCScene scene, enum RTCSceneFlags flags)
 {
     calls.flags[((flags & RTC_SCENE_FLAG_ROBUST) ? 1 : 0) |
                 ((flags & RTC_SCENE_FLAG_COMPACT) ? 2 : 0)]++;
-    CALLS_REAL(rtcSetSceneFlags)(scene, flags);
+    real.SetSceneFlags(scene, flags);
 }
 
-void rtcSetSceneBuildQuality(RTCScene scene, enum RTCBuildQuality quality)
+static void calls_SetSceneBuildQuality(RTCScene scene, enum RTCBuildQuality quality)
 {
     calls.qualities[quality]++;
-    CALLS_REAL(rtcSetSceneBuildQuality)(scene, quality);
+    real.SetSceneBuildQuality(scene, quality);
 }
 
-void rtcSetGeometryIntersectFilterFunction(RTCGeometry geometry, RTCFilterFunctionN filter)
+static void calls_SetGeometryIntersectFilterFunction(RTCGeometry geometry,
+                                                     RTCFilterFunctionN filter)
 {
     calls.filters[0]++;
     calls.filter = filter;
-    CALLS_REAL(rtcSetGeometryIntersectFilterFunction)(geometry, filter);
+    real.SetGeometryIntersectFilterFunction(geometry, filter);
 }
 
-void rtcSetGeometryOccludedFilterFunction(RTCGeometry geometry, RTCFilterFunctionN filter)
+static void calls_SetGeometryOccludedFilterFunction(RTCGeometry geometry, RTCFilterFunctionN filter)
 {
     calls.filters[1]++;
-    CALLS_REAL(rtcSetGeometryOccludedFilterFunction)(geometry, filter);
+    real.SetGeometryOccludedFilterFunction(geometry, filter);
 }
 
-void rtcSetGeometryMask(RTCGeometry geometry, unsigned mask)
+static void calls_SetGeometryMask(RTCGeometry geometry, unsigned mask)
 {
     if (calls.masks < CALLS_MASKS)
         calls.mask[calls.masks++] = mask;
-    CALLS_REAL(rtcSetGeometryMask)(geometry, mask);
+    real.SetGeometryMask(geometry, mask);
 }
 
-void rtcCommitScene(RTCScene scene)
+static void calls_CommitScene(RTCScene scene)
 {
-    CALLS_REAL(rtcCommitScene)(scene);
+    real.CommitScene(scene);
     if (calls.rude)
         fesetround(FE_UPWARD);
 }
@@ -226,25 +217,25 @@ void rtcCommitScene(RTCScene scene)
     const int *valid, RTCScene scene, embree_context *with, struct RTCRay##W *ray
 #endif
 
-void rtcIntersect1(CALLS_CLOSEST)
+static void calls_Intersect1(CALLS_CLOSEST)
 {
     calls.closest++;
     calls.ray = query->ray;
     if (calls.answer)
         calls.answer(CALLS_CONTEXT, query);
     else
-        CALLS_REAL(rtcIntersect1)(CALLS_PASS(query));
+        real.Intersect1(CALLS_PASS(query));
 }
 
-void rtcOccluded1(CALLS_ANY)
+static void calls_Occluded1(CALLS_ANY)
 {
     calls.any++;
     calls.ray = *ray;
     if (!calls.answer)
-        CALLS_REAL(rtcOccluded1)(CALLS_PASS(ray));
+        real.Occluded1(CALLS_PASS(ray));
 }
 
-void rtcIntersect16(CALLS_CLOSEST16)
+static void calls_Intersect16(CALLS_CLOSEST16)
 {
     calls.packets[0]++;
     memcpy(calls.valid, valid, sizeof calls.valid);
@@ -252,31 +243,81 @@ void rtcIntersect16(CALLS_CLOSEST16)
     if (calls.answer16)
         calls.answer16(query);
     else
-        CALLS_REAL(rtcIntersect16)(valid, CALLS_PASS(query));
+        real.Intersect16(valid, CALLS_PASS(query));
 }
 
-void rtcOccluded16(CALLS_ANY16)
+static void calls_Occluded16(CALLS_ANY16)
 {
     calls.packets[1]++;
     memcpy(calls.valid, valid, sizeof calls.valid);
     calls.packet = *ray;
-    CALLS_REAL(rtcOccluded16)(valid, CALLS_PASS(ray));
+    real.Occluded16(valid, CALLS_PASS(ray));
 }
 
 #define CALLS_NARROW(W)                                                                            \
-    void rtcIntersect##W(CALLS_CLOSEST_OF(W))                                                      \
+    static void calls_Intersect##W(CALLS_CLOSEST_OF(W))                                            \
     {                                                                                              \
         calls.of##W[0]++;                                                                          \
         memcpy(calls.valid, valid, W * sizeof *valid);                                             \
-        CALLS_REAL(rtcIntersect##W)(valid, CALLS_PASS(query));                                     \
+        real.Intersect##W(valid, CALLS_PASS(query));                                               \
     }                                                                                              \
-    void rtcOccluded##W(CALLS_ANY_OF(W))                                                           \
+    static void calls_Occluded##W(CALLS_ANY_OF(W))                                                 \
     {                                                                                              \
         calls.of##W[1]++;                                                                          \
         memcpy(calls.valid, valid, W * sizeof *valid);                                             \
-        CALLS_REAL(rtcOccluded##W)(valid, CALLS_PASS(ray));                                        \
+        real.Occluded##W(valid, CALLS_PASS(ray));                                                  \
     }
 CALLS_NARROW(4)
 CALLS_NARROW(8)
+
+/* --- in Embree's place ------------------------------------------------------------------------ */
+
+#define CALLS_REPLACED(X)                                                                          \
+    X(NewDevice)                                                                                   \
+    X(ReleaseDevice)                                                                               \
+    X(NewScene)                                                                                    \
+    X(ReleaseScene)                                                                                \
+    X(NewGeometry)                                                                                 \
+    X(ReleaseGeometry)                                                                             \
+    X(NewBuffer)                                                                                   \
+    X(ReleaseBuffer)                                                                               \
+    X(GetBufferData)                                                                               \
+    X(SetNewGeometryBuffer)                                                                        \
+    X(GetDeviceError)                                                                              \
+    X(GetDeviceProperty)                                                                           \
+    X(SetSceneFlags)                                                                               \
+    X(SetSceneBuildQuality)                                                                        \
+    X(SetGeometryIntersectFilterFunction)                                                          \
+    X(SetGeometryOccludedFilterFunction)                                                           \
+    X(SetGeometryMask)                                                                             \
+    X(CommitScene)                                                                                 \
+    X(Intersect1)                                                                                  \
+    X(Occluded1)                                                                                   \
+    X(Intersect16)                                                                                 \
+    X(Occluded16)                                                                                  \
+    X(Intersect4)                                                                                  \
+    X(Occluded4)                                                                                   \
+    X(Intersect8)                                                                                  \
+    X(Occluded8)
+
+/* Puts them in place of Embree's. False, with the reason, where Embree cannot run. */
+static bool calls_can_run(void)
+{
+    struct reason reason;
+    if (embree_load(&reason)) {
+        printf("SKIP %s\n", reason.text);
+        return false;
+    }
+    real = rtc;
+#define CALLS_REPLACE(name) rtc.name = calls_##name;
+    CALLS_REPLACED(CALLS_REPLACE)
+#undef CALLS_REPLACE
+    RTCDevice device = real.NewDevice("threads=1");
+    if (device)
+        real.ReleaseDevice(device);
+    else
+        puts("SKIP Embree has no device for this processor");
+    return device;
+}
 
 #endif

@@ -1,6 +1,5 @@
 /* How answers of Embree are read in worlds: this file answers in its place, with numbers that the
  * world has and with others, and calls the filter as Embree would. */
-#define _GNU_SOURCE /* RTLD_NEXT */
 #include "ref/engine.h"
 
 #include <stdio.h>

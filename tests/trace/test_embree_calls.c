@@ -1,6 +1,5 @@
 /* What the engines of Embree call: with what devices, scenes and geometries are made, that all of
  * them are released, what comes of it if Embree has no memory, and what rays are in packets. */
-#define _GNU_SOURCE /* RTLD_NEXT */
 #include <stdio.h>
 
 #include "tests/support/world_laws.h"

@@ -1,7 +1,6 @@
 /* Rays that Embree aborts on are not given to it, nor to instances that would lengthen them too
  * much: what is computed here from the header of ref/engines/embree_worlds.c is compared with the
  * masks that arrive at Embree, a millionth beside each border. */
-#define _GNU_SOURCE /* RTLD_NEXT */
 #include "ref/engine.h"
 
 #include <stdio.h>

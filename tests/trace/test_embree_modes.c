@@ -1,5 +1,4 @@
 /* Modes of Embree that are named: ISAs, what Embree is called with, packets, lists. */
-#define _GNU_SOURCE /* RTLD_NEXT */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -1,6 +1,5 @@
 /* Engine embree on a scene of three triangles: which rays are traced, how lists are read, and that
  * a build leaves the thread's floating-point mode as it was. */
-#define _GNU_SOURCE /* RTLD_NEXT */
 #include "ref/engine.h"
 
 #include <fenv.h>
