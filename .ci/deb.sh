@@ -51,7 +51,7 @@ use() {
     mkdir "$root/root/packages"
     cp $(ls "$logs"/*.deb | grep -v dbgsym) "$root/root/packages"
     step needs 'cd /root/packages &&
-        for deb in *.deb; do dpkg-deb -f "$deb" Depends; done | tr , "\n" | grep -vE "^ *($|(lib|python3-)?raydiff)" |
+        for deb in *.deb; do dpkg-deb -f "$deb" Depends; dpkg-deb -f "$deb" Recommends; done | tr , "\n" | grep -vE "^ *($|(lib|python3-)?raydiff)" |
             paste -sd, >needs &&
         apt-get -q -y --no-install-recommends satisfy "$(cat needs)"'
     step before "$files >/root/before"

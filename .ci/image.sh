@@ -37,7 +37,7 @@ inside() {
     rm -rf "$root/root/raydiff.git"
     cp build/deb/"$release"/raydiff_*.deb "$root/root/raydiff.deb" || exit 1
     step update in_root 'apt-get -q update'
-    step install in_root 'apt-get -q -y --no-install-recommends install /root/raydiff.deb libvulkan1 mesa-vulkan-drivers'
+    step install in_root 'apt-get -q -y --no-install-recommends install /root/raydiff.deb $(dpkg-deb -f /root/raydiff.deb Recommends | tr -d ,)'
     step clean in_root 'apt-get clean && rm -rf /root/raydiff.deb /var/lib/apt/lists/* /etc/apt/apt.conf.d/*proxy* /etc/resolv.conf'
     container=$(bud from --name "raydiff-$release" scratch) || exit 1
     step fill fill
