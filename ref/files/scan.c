@@ -129,6 +129,22 @@ enum status scan_float(struct scan *scan, const char *what, float *out, struct r
                      too_large ? "beyond the range of a 32-bit float" : "not a finite number");
 }
 
+bool scan_u64(struct scan *scan, uint64_t *out)
+{
+    const char *word;
+    const size_t length = scan_word(scan, &word);
+    uint64_t value = 0;
+    *out = 0;
+    for (size_t i = 0; i < length; i++) {
+        const uint64_t digit = (uint64_t)(word[i] - '0');
+        if (word[i] < '0' || word[i] > '9' || value > (UINT64_MAX - digit) / 10)
+            return false;
+        value = value * 10 + digit;
+    }
+    *out = value;
+    return length > 0;
+}
+
 bool scan_digits(struct scan *scan, int64_t *out)
 {
     const char *at = scan->at + (*scan->at == '-' || *scan->at == '+');

@@ -52,6 +52,10 @@ enum status scan_float(struct scan *scan, const char *what, float *out,
 enum status scan_whole(struct scan *scan, const char *what, int64_t *out,
                        struct reason *reason) MUST_USE;
 
+/* Skips blanks and reads a word of digits alone, up to 2^64 - 1. Returns false and sets *out to 0
+ * for any other word. */
+bool scan_u64(struct scan *scan, uint64_t *out);
+
 /* Reads [+-]digits at the cursor, without skipping blanks or checking what follows. Returns false
  * and does not move if there are no digits or more than 18. */
 bool scan_digits(struct scan *scan, int64_t *out);

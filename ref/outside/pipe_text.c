@@ -260,11 +260,7 @@ static enum status read_from(struct pipe_reading *r)
     char *end = NULL;
     from->hash = strtoull(word, &end, 16);
     bool good = length == 16 && end == word + 16;
-    int64_t n[2] = {0, 0};
-    for (int i = 0; i < 2 && good; i++)
-        good = scan_whole(&r->scan, "", &n[i], NULL) == STATUS_OK && n[i] >= 0;
-    from->seed = (uint64_t)n[0];
-    from->count = (uint64_t)n[1];
+    good = good && scan_u64(&r->scan, &from->seed) && scan_u64(&r->scan, &from->count);
     length = good ? scan_word(&r->scan, &rest) : 0;
     good = good && length > 0 && length < sizeof from->rays && !memchr(rest, 0, length);
     if (good)

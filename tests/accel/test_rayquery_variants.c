@@ -80,6 +80,31 @@ static size_t differing(const struct hit *a, const struct hit *b, enum query que
     return count;
 }
 
+/* The words of a name have no order: whichever is told, it is one engine, named as it is written
+ * when it is told first or again. */
+static void words_in_any_order_name_one_engine(void **state)
+{
+    (void)state;
+    const size_t begin = strlen("rayquery:");
+    for (size_t i = 0; accel_names[i]; i++) {
+        const struct engine *written = named(accel_names[i]);
+        char turned[200], copy[200];
+        size_t words = 1;
+        assert_string_equal(written->name, accel_names[i]);
+        snprintf(turned, sizeof turned, "%s", accel_names[i]);
+        for (const char *at = turned + begin; (at = strchr(at, ':')); at++)
+            words++;
+        for (size_t turn = 0; turn < words; turn++) { /* the first word becomes the last */
+            char *first = turned + begin, *end = first + strcspn(first, ":");
+            snprintf(copy, sizeof copy, "rayquery:%s%s%.*s", *end ? end + 1 : "", *end ? ":" : "",
+                     (int)(end - first), first);
+            memcpy(turned, copy, sizeof turned);
+            assert_ptr_equal(named(turned), written);
+        }
+        assert_string_equal(turned, accel_names[i]);
+    }
+}
+
 /* A scene without exact ties, as a soup has none, and the flat ones that small formats hold. */
 static void every_variant_answers_as_the_plain_tree(void **state)
 {
@@ -254,6 +279,7 @@ static void worlds_keep_their_laws(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(words_in_any_order_name_one_engine),
         cmocka_unit_test(every_variant_answers_as_the_plain_tree),
         cmocka_unit_test(updates_follow_what_moves),
         cmocka_unit_test(copies_have_the_bits_of_what_they_copy),

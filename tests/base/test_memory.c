@@ -4,6 +4,7 @@
 
 #include "ref/build/room.h"
 #include "ref/base/memory.h"
+#include "ref/store.h"
 #include "tests/support/built.h"
 
 #include <stdarg.h>
@@ -90,6 +91,58 @@ static void what_is_too_large_is_refused_before(void **state)
     scene_free(&scene);
 }
 
+/* Whether a reason tells the bytes of the arrays of a packed tree, or those of its records alone
+ * where items are a matter of the storage. */
+static bool tells_bytes(const char *text, const struct packed *packed)
+{
+    const uint32_t items[] = {0, packed->item_count};
+    bool is_right = false;
+    for (size_t i = 0; i < ARRAY_COUNT(items); i++) {
+        char wanted[80];
+        snprintf(wanted, sizeof wanted, "%s: no memory for %llu bytes", packed->layout->name,
+                 4 * ((unsigned long long)packed->word_count + items[i]));
+        is_right |= strcmp(text, wanted) == 0;
+    }
+    return is_right;
+}
+
+/* What there is no memory for is what is made where there is. */
+static void bytes_that_are_not_there_are_told(void **state)
+{
+    (void)state;
+    struct scene scene = built_soup(120, 1);
+    const struct build_options options = {.leaf = 3, .eps = BUILD_EPS_DEFAULT};
+    struct bvh bvh;
+    size_t layouts_told = 0, taken = 0;
+    assert_int_equal(bvh_build(builder_find("median"), &scene, &options, &bvh, NULL), STATUS_OK);
+    for (size_t l = 0; layouts_all[l]; l++) {
+        struct packed whole, packed;
+        size_t told = 0;
+        if (packed_make(layouts_all[l], &bvh, &scene, &whole, NULL))
+            continue;
+        for (long n = 0, last = 0; !last; n++) {
+            struct reason reason = {""};
+            fail_after(n);
+            last = packed_make(layouts_all[l], &bvh, &scene, &packed, &reason) == STATUS_OK;
+            atomic_store(&until_failure, -1);
+            packed_free(&packed);
+            if (!strncmp(reason.text, whole.layout->name, strlen(whole.layout->name)) &&
+                strstr(reason.text, " bytes")) {
+                told++;
+                if (!tells_bytes(reason.text, &whole))
+                    fail_msg("%s: %u words and %u items", reason.text, whole.word_count,
+                             whole.item_count);
+            }
+        }
+        packed_free(&whole);
+        layouts_told += told > 0;
+        taken++;
+    }
+    assert_true(taken > 30 && layouts_told == taken);
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
 /* Number and size of the elements may be exchanged: as many bytes, all zero, or none. */
 static void number_and_size_commute(void **state)
 {
@@ -135,6 +188,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(builders_take_what_they_say),
         cmocka_unit_test(number_and_size_commute),
+        cmocka_unit_test(bytes_that_are_not_there_are_told),
         cmocka_unit_test(an_array_has_the_room_it_needs),
         cmocka_unit_test(what_is_too_large_is_refused_before),
     };

@@ -125,6 +125,22 @@ static void every_load_becomes_a_fetch(void **state)
     assert_true(played > 30);
 }
 
+/* Loads that name an alignment: that of what is loaded, a quad or one word, and no more. */
+static uint32_t aligned_loads(const char *name, const uint32_t *word, size_t count)
+{
+    uint32_t out = 0;
+    for (size_t i = 5; i < count; i += word[i] >> 16) {
+        if ((word[i] & 0xFFFFu) != OP_LOAD || word[i] >> 16 == 4)
+            continue;
+        const uint32_t bytes = maker(word, count, OP_TYPE_VECTOR, word[i + 1]) ? 16 : 4;
+        assert_true(word[i] >> 16 == 6 && word[i + 4] == 2);
+        if (word[i + 5] != bytes)
+            fail_msg("%s: %u bytes are aligned to %u", name, bytes, word[i + 5]);
+        out++;
+    }
+    return out;
+}
+
 static void every_load_goes_by_an_address(void **state)
 {
     (void)state;
@@ -140,6 +156,7 @@ static void every_load_goes_by_an_address(void **state)
         const uint32_t loads = reads(shader->word, shader->word_count, INPUTS, &words);
         assert_int_equal(how_many(word, count, OP_LOAD),
                          how_many(shader->word, shader->word_count, OP_LOAD) + loads);
+        assert_int_equal(aligned_loads(shader->name, word, count), loads);
         assert_int_equal(reads(word, count, INPUTS, &words), loads);
         same_arithmetic(shader, word, count);
         validate(shader->name, word, count);

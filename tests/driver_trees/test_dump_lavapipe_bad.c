@@ -154,6 +154,7 @@ static void structures_below_are_those_of_the_handles(void **state)
     (void)state;
     tree_must_be_whole(&file, write_two_meshes);
     tree_must_be_of_handles(&file, write_two_meshes);
+    tree_must_say_where(&file, write_two_meshes);
 }
 
 static void any_word_may_be_anything(void **state)

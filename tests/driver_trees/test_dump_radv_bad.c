@@ -210,6 +210,7 @@ static void structures_below_are_those_of_the_handles(void **state)
     (void)state;
     tree_must_be_whole(&file.raw, write_two_meshes);
     tree_must_be_of_handles(&file.raw, write_two_meshes);
+    tree_must_say_where(&file.raw, write_two_meshes);
 }
 
 /* An inactive instance is in no box, and its handle may be anything. The file then has the

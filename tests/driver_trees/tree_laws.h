@@ -158,6 +158,34 @@ static inline void tree_must_be_of_handles(struct lvp_file *file, void (*write)(
     tree_must_refuse(file, "bytes behind a bottom level");
 }
 
+/* What is wrong with a structure is told with the byte at which it begins, and bytes behind the
+ * last one with their number, however few. */
+static inline void tree_must_say_where(struct lvp_file *file, void (*write)(void))
+{
+    char rule[120];
+    write();
+    const size_t whole = file->size;
+    assert_int_equal(file->begin[0], 0);
+    for (uint32_t level = 0; level < 3; level++) {
+        write();
+        lvp_put(file, file->begin[level], 1); /* the driver's UUID */
+        snprintf(rule, sizeof rule, "t: structure at byte %zu: ", file->begin[level]);
+        tree_must_refuse(file, rule);
+    }
+    for (size_t behind = 1; behind < 2 * 104; behind++) { /* the heads have 96 and 104 bytes */
+        write();
+        memset(file->bytes + whole, 0, behind);
+        file->size = whole + behind;
+        snprintf(rule, sizeof rule, "t: structure at byte %zu: ", whole);
+        tree_must_refuse(file, rule);
+        write();
+        memmove(file->bytes, file->bytes + file->begin[1], whole - file->begin[1]);
+        file->size = file->begin[2] - file->begin[1] + behind;
+        snprintf(rule, sizeof rule, "t: %zu bytes behind a bottom level", behind);
+        tree_must_refuse(file, rule);
+    }
+}
+
 /* Whatever a word says, reading and checking end. */
 static inline void tree_must_end(struct lvp_file *file, const uint32_t *words, size_t count)
 {

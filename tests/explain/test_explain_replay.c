@@ -240,6 +240,54 @@ static void the_conservative_box_test_turns_away_nothing_that_is_met(void **stat
 }
 
 /* Notes tell what happened on the way. */
+static void note_tri(void *user, uint32_t prim)
+{
+    *(bool *)user |= prim == 0;
+}
+
+static void note_nothing(void *user, uint32_t number)
+{
+    (void)user, (void)number;
+}
+
+/* The entry is some steps of a float behind the exit at 1: a box test that is padded by so many u,
+ * of 2^-24, reaches it exactly if both planes moved by that do. */
+static void a_box_test_is_padded_by_so_many_u(void **state)
+{
+    (void)state;
+    for (uint32_t steps = 0; steps < 20; steps++) {
+        const float near = 1 + 0x1p-23f * (float)steps;
+        const float corner[18] = {near, 0,  -1, near + 1, 1,  1,  near, 1,  1,
+                                  90,   90, 90, 91,       91, 91, 90,   91, 91};
+        uint32_t index[6] = {0, 1, 2, 3, 4, 5};
+        float vertex[18];
+        memcpy(vertex, corner, sizeof vertex);
+        const struct scene scene = {
+            .vertex = vertex, .index = index, .vertex_count = 6, .tri_count = 2};
+        struct subject s = subject_make(&scene, "median", 1, SEED_EPS, "f32");
+        struct explain_tree tree;
+        assert_int_equal(explain_tree_make(&scene, &s.bvh, &s.packed, &tree, NULL), STATUS_OK);
+        for (uint32_t pad = 0; pad < 24; pad += 2) {
+            const struct explain_replay replay = {.scene = &scene,
+                                                  .tree = &tree,
+                                                  .box_id = ABI_BOX_ROBUST,
+                                                  .tri_id = ABI_TRI_MT,
+                                                  .query = QUERY_CLOSEST};
+            const struct replay_change change = {0, DEFECT_NOT_PADDED, pad};
+            const struct ray ray = {{0, 0, 0}, 0, {1, 1, 0}, INFINITY};
+            const float lesser = 1 - 0x1p-24f * (float)pad, greater = 1 + 0x1p-24f * (float)pad;
+            bool tested = false;
+            const struct replay_watch watch = {&tested, note_nothing, note_tri, note_nothing};
+            struct replay_notes notes = {.prim = ABI_NO_PRIM, .watch = &watch};
+            struct hit hit;
+            assert_int_equal(replay_run(&replay, &change, &ray, &hit, &notes), REPLAY_DONE);
+            assert_int_equal(tested, near * lesser <= greater);
+        }
+        explain_tree_free(&tree);
+        subject_free(&s);
+    }
+}
+
 static void notes_follow_the_path(void **state)
 {
     (void)state;
@@ -332,6 +380,7 @@ int main(void)
         cmocka_unit_test(the_rule_of_a_box_test_is_found_by_asking_it),
         cmocka_unit_test(the_rules_give_the_bits_of_the_box_tests),
         cmocka_unit_test(the_conservative_box_test_turns_away_nothing_that_is_met),
+        cmocka_unit_test(a_box_test_is_padded_by_so_many_u),
         cmocka_unit_test(notes_follow_the_path),
         cmocka_unit_test(what_a_storage_holds_is_replayed),
     };

@@ -258,12 +258,55 @@ static void failures_name_the_place(void **state)
     }
 }
 
+/* Of digits alone, as long as they tell a number of 64 bits; zeros before it are digits. */
+static void numbers_of_64_bits_are_whole(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *word;
+        uint64_t value;
+        bool good;
+    } cases[] = {{"0", 0, true},
+                 {"007", 7, true},
+                 {"999999999999999999", 999999999999999999u, true},
+                 {"1000000000000000000", 1000000000000000000u, true},
+                 {"9223372036854775807", INT64_MAX, true},
+                 {"9223372036854775808", (uint64_t)1 << 63, true},
+                 {"18446744073709551609", UINT64_MAX - 6, true},
+                 {"18446744073709551615", UINT64_MAX, true},
+                 {"0000018446744073709551615", UINT64_MAX, true},
+                 {"18446744073709551616", 0, false},
+                 {"18446744073709551620", 0, false},
+                 {"99999999999999999999", 0, false},
+                 {"-1", 0, false},
+                 {"+1", 0, false},
+                 {"1x", 0, false},
+                 {"1.", 0, false},
+                 {"/", 0, false},
+                 {":", 0, false}};
+    for (size_t i = 0; i < ARRAY_COUNT(cases); i++) {
+        char text[64];
+        uint64_t value = 7;
+        snprintf(text, sizeof text, " \t%s next", cases[i].word);
+        struct scan scan = scan_make("name", text, strlen(text));
+        assert_int_equal(scan_u64(&scan, &value), cases[i].good);
+        assert_true(value == cases[i].value);
+        if (cases[i].good)
+            assert_string_equal(scan.at, " next");
+    }
+    uint64_t value = 7;
+    struct scan scan = scan_make("name", "\n1", 2);
+    assert_false(scan_u64(&scan, &value));
+    assert_true(value == 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(words_and_lines_are_those_of_a_plain_reader),
         cmocka_unit_test(words_are_shown),
         cmocka_unit_test(whole_numbers_have_up_to_18_digits),
+        cmocka_unit_test(numbers_of_64_bits_are_whole),
         cmocka_unit_test(floats_are_finite_and_alone),
         cmocka_unit_test(failures_name_the_place),
     };

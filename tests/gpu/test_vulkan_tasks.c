@@ -34,6 +34,55 @@ static void a_device_takes_many_jobs_through_staging(void **state)
     free_jobs();
 }
 
+/* Small tasks without number: a dispatch takes 128 of them (gpu/trace/tracer_tasks.c), and whether
+ * they are fewer, as many or more, each has its own answers. */
+enum { GROUP = 128, MANY = 2 * GROUP + 3, FEW = 5 };
+static struct hit many_hit[MANY][FEW];
+static uint32_t many_flag[MANY][FEW];
+
+static void make_many(struct engine_task task[MANY])
+{
+    make_tasks();
+    memset(many_hit, 0xAB, sizeof many_hit);
+    memset(many_flag, 0xAB, sizeof many_flag);
+    for (size_t k = 0; k < MANY; k++) {
+        task[k] = tasks[k % JOBS];
+        task[k].ray_count = task[k].ray_count < FEW ? task[k].ray_count : FEW;
+        task[k].hit = many_hit[k];
+        task[k].flag = many_flag[k];
+        task[k].work = NULL;
+        task[k].expected = NULL;
+    }
+}
+
+static void as_many_tasks_as_there_are_are_taken(void **state)
+{
+    (void)state;
+    static const size_t counts[] = {1, GROUP - 1, GROUP, GROUP + 1, MANY};
+    static struct engine_task task[MANY];
+    static struct hit alone[JOBS][FEW];
+    const struct vk_options options = gpu_options();
+    struct tracer *tracer = gpu_tracer(&options, 0);
+    struct reason reason = {""};
+    make_jobs();
+    make_many(task);
+    gpu_must(tracer_trace_tasks(tracer, task, JOBS, &reason), &reason);
+    memcpy(alone, many_hit, sizeof alone);
+    for (size_t i = 0; i < ARRAY_COUNT(counts); i++) {
+        make_many(task);
+        gpu_must(tracer_trace_tasks(tracer, task, counts[i], &reason), &reason);
+        for (size_t k = 0; k < MANY; k++) {
+            assert_int_equal(task[k].status, k < counts[i] ? STATUS_OK : STATUS_INTERNAL);
+            for (size_t r = 0; r < task[k].ray_count && k < counts[i]; r++)
+                assert_int_equal(many_flag[k][r], ABI_FLAG_DONE);
+            if (k < counts[i])
+                assert_memory_equal(many_hit[k], alone[k % JOBS], sizeof alone[0]);
+        }
+    }
+    gpu_close_tracer(tracer);
+    free_jobs();
+}
+
 /* A task of more rays than workgroups of one a driver takes: it goes alone, and neither its answers
  * nor its broken tree are those of the tasks around it. Large ones have the rays of small ones over
  * and over. Where a driver takes as many, all go together, with the same answers. */
@@ -101,6 +150,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_device_takes_many_jobs_through_staging),
+        cmocka_unit_test(as_many_tasks_as_there_are_are_taken),
         cmocka_unit_test(a_large_task_keeps_to_itself),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -21,6 +21,19 @@
 #define KINDS    5
 #define LIMIT_MS 20000
 
+/* The fork that fails, by number from the next one on, in this process or one that it has made;
+ * 0: none does. */
+static int fork_that_fails;
+
+pid_t fork(void)
+{
+    if (fork_that_fails && --fork_that_fails == 0) {
+        errno = EAGAIN;
+        return -1;
+    }
+    return _Fork();
+}
+
 /* In shared memory: who was started. */
 struct family {
     _Atomic pid_t member[KINDS];
@@ -92,6 +105,34 @@ static void all_end_when_it_is_stopped(void **state)
     assert_int_equal(waitpid(-1, NULL, WNOHANG), -1);
     assert_int_equal(errno, ECHILD);
     guardian_stop(&guardian);
+}
+
+static void end_at_once(const void *user)
+{
+    (void)user;
+    _exit(0);
+}
+
+/* Neither the guardian nor the command can be made: both are told with the system's word, and
+ * nothing is left; there is no third process. */
+static void what_cannot_be_started_is_told(void **state)
+{
+    (void)state;
+    for (int at = 1; at <= 3; at++) {
+        struct guardian guardian = {.pid = 7, .line = 7};
+        struct reason reason = {""};
+        fork_that_fails = at;
+        const enum status status = guardian_start(end_at_once, NULL, &guardian, &reason);
+        fork_that_fails = 0;
+        assert_int_equal(status, at < 3 ? STATUS_DEVICE : STATUS_OK);
+        assert_string_equal(reason.text,
+                            at < 3 ? "no process: Resource temporarily unavailable" : "");
+        if (at < 3)
+            assert_int_equal(guardian.pid, 0);
+        guardian_stop(&guardian);
+        assert_int_equal(waitpid(-1, NULL, WNOHANG), -1);
+        assert_int_equal(errno, ECHILD);
+    }
 }
 
 static void hold(struct child *parent, void *user)
@@ -175,6 +216,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(all_end_when_it_is_stopped, set_up, tear_down),
         cmocka_unit_test_setup_teardown(all_end_when_we_are_killed, set_up, tear_down),
+        cmocka_unit_test(what_cannot_be_started_is_told),
         cmocka_unit_test_setup_teardown(the_commands_own_end_is_told, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_command_that_goes_on_is_not_said_to_have_ended, set_up,
                                         tear_down),

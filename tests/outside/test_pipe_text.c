@@ -23,10 +23,10 @@ static enum status parse(const char *text, const struct pipe_limits *limits, str
 }
 
 static void must_read_back(const struct scene *scene, const struct ray *ray, size_t count,
-                           bool decimal)
+                           bool decimal, uint64_t seed)
 {
     struct pipe_from from = {.hash = pipe_hash(scene, ray, count, QUERY_ANY),
-                             .seed = 7,
+                             .seed = seed,
                              .count = count,
                              .rays = "mixed",
                              .spec = "a mesh, with blanks.obj"};
@@ -51,7 +51,7 @@ static void must_read_back(const struct scene *scene, const struct ray *ray, siz
             assert_true(float_bits(a[k]) == float_bits(b[k]) || (a[k] != a[k] && b[k] != b[k]));
     }
     assert_int_equal(text.query, QUERY_ANY);
-    assert_true(text.from.hash == from.hash && text.from.seed == 7 && text.from.count == count);
+    assert_true(text.from.hash == from.hash && text.from.seed == seed && text.from.count == count);
     assert_string_equal(text.from.rays, from.rays);
     assert_string_equal(text.from.spec, from.spec);
     pipe_text_free(&text);
@@ -81,8 +81,13 @@ static void what_is_written_reads_back_to_the_bit(void **state)
             bits[i % 8] = i % 2 ? 0x7F800000u : 0x80000000u;
         memcpy(&ray[i], bits, sizeof bits);
     }
-    must_read_back(&scene, ray, COUNT, false);
-    must_read_back(&scene, ray, COUNT, true);
+    must_read_back(&scene, ray, COUNT, false, 7);
+    must_read_back(&scene, ray, COUNT, true, 7);
+    static const uint64_t seeds[] = {
+        0, 1, 999999999999999999u, 1000000000000000000u, INT64_MAX, UINT64_MAX};
+    for (size_t i = 0; i < ARRAY_COUNT(seeds); i++)
+        for (size_t count = 0; count < 3; count++)
+            must_read_back(&scene, ray, count, i % 2, seeds[i]);
     scene_free(&scene);
     free(ray);
 }
@@ -176,6 +181,9 @@ static void what_is_wrong_is_named_with_its_line(void **state)
         {"from x 1 2 mixed soup\n", "file:1: not a 'from' line"},
         {"from 0123456789abcdef 1 2 mixed\n", "file:1: not a 'from' line"},
         {"from 0123456789abcdef -1 2 mixed soup\n", "file:1: not a 'from' line"},
+        {"from 0123456789abcdef 1 -2 mixed soup\n", "file:1: not a 'from' line"},
+        {"from 0123456789abcdef 18446744073709551616 2 mixed soup\n", "file:1: not a 'from' line"},
+        {"from 0123456789abcdef 1 18446744073709551616 mixed soup\n", "file:1: not a 'from' line"},
         {"end\nm\n", "file:2: nothing follows 'end'"},
     };
     for (size_t i = 0; i < ARRAY_COUNT(bad); i++) {

@@ -43,6 +43,7 @@ static void plugin_that_lies_is_refused_by_the_record(void **state)
         {LIE_ONE, "liar: record 0: one child, not two", PACKED_RECORD},
         {LIE_NOTHING, "liar: pack() asked for no records", PACKED_RESULT},
         {LIE_CODE, "liar: pack() returned 99", PACKED_RESULT},
+        {LIE_AGAIN, NULL, PACKED_SOUND},
     };
     stand_hears(*state, &lie, LIE_HONEST, cases, ARRAY_COUNT(cases));
 }

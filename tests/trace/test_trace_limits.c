@@ -196,11 +196,55 @@ static void no_side_is_the_back(void **state)
     scene_free(&scene);
 }
 
+/* As many triangles before each other as the ray has a stack for, and fewer entries than that: what
+ * cannot be finished has no hit, whatever was found until then, in every way to trace. */
+static void what_is_not_finished_is_a_miss(void **state)
+{
+    (void)state;
+    struct scene scene = pile(64, 1);
+    struct bvh bvh;
+    const struct build_options options = {.leaf = 1, .eps = BUILD_EPS_DEFAULT};
+    size_t unfinished = 0, found = 0;
+    assert_int_equal(builder_find("median")->build(&scene, &options, &bvh, NULL), STATUS_OK);
+    for (size_t l = 0; layouts_all[l]; l++) {
+        struct packed packed;
+        if (packed_make(layouts_all[l], &bvh, &scene, &packed, NULL))
+            continue;
+        const uint32_t need = packed.stack_need;
+        for (packed.stack_need = 0; packed.stack_need <= need; packed.stack_need++)
+            for (int down = 0; down < 2; down++) {
+                const struct ray ray = {{0, 0, down ? 100 : 0}, 0, {0, 0, down ? -1 : 1}, INFINITY};
+                const struct job job = {.scene = &scene,
+                                        .packed = &packed,
+                                        .box = box_test_find("robust"),
+                                        .tri = tri_test_find("mt"),
+                                        .query = QUERY_CLOSEST};
+                struct hit one, many, miss = hit_none();
+                uint32_t flag;
+                const enum status status = trace_ray(&job, &ray, &one, NULL);
+                assert_int_equal(trace_rays(&job, &ray, 1, &many, &flag, NULL), status);
+                assert_int_equal(flag == ABI_FLAG_DONE, status == STATUS_OK);
+                assert_memory_equal(&one, &many, sizeof one);
+                if (status)
+                    assert_memory_equal(&one, &miss, sizeof one);
+                else if (!layouts_all[l]->faithful)
+                    assert_int_equal(one.prim, down ? 63 : 0);
+                unfinished += status == STATUS_LIMIT;
+                found += status == STATUS_OK;
+            }
+        packed_free(&packed);
+    }
+    assert_true(unfinished > 50 && found > 50);
+    bvh_free(&bvh);
+    scene_free(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(work_is_counted_up_to_16_bits),
         cmocka_unit_test(brute_force_ends_with_the_last_triangle),
+        cmocka_unit_test(what_is_not_finished_is_a_miss),
         cmocka_unit_test(both_levels_test_boxes_as_the_job_says),
         cmocka_unit_test(no_side_is_the_back),
         cmocka_unit_test(sorting_leaves_what_is_behind_alone),

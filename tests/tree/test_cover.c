@@ -160,6 +160,8 @@ static void cover_meets_as_clipping_says(void **state)
     meets_as_clipping_says(0x1p-149f, 0);
     meets_as_clipping_says(0x1p125f, 0);
     meets_as_clipping_says(0x1p-20f, 1);
+    for (float scale = 0x1p-130f; scale < 0x1p-124f; scale *= 2) /* small ones are subnormal */
+        meets_as_clipping_says(scale, 0);
 }
 
 /* Slivers far below the double's resolution: a plane through large and tiny coordinates. */

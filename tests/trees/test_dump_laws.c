@@ -66,11 +66,47 @@ static void the_neighbour_of_the_last_number_is_none(void **state)
     dumped_free(&d);
 }
 
+/* Where neither a scene nor the file tells how many triangles there are, it is one more than the
+ * largest number of an item, but not more than the items are: as if that were told. */
+static void numbers_of_items_tell_how_many_triangles_there_are(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(23, 0);
+    for (uint32_t turn = 0; turn < 400; turn++) {
+        struct dumped d = dumped_make(built_soup(1 + rng_below(&rng, 12), turn), "median", 2);
+        const uint32_t items = (uint32_t)d.dump.item_count;
+        uint64_t count = 0;
+        for (uint32_t i = 0; i < items; i++) {
+            const uint32_t any[] = {rng_below(&rng, items), items - 1, items, items + 1,
+                                    UINT32_MAX};
+            if (rng_below(&rng, 3) == 0)
+                d.dump.item[i] = any[rng_below(&rng, 1 + turn % ARRAY_COUNT(any))];
+            count = d.dump.item[i] >= count ? (uint64_t)d.dump.item[i] + 1 : count;
+        }
+        d.dump.tri_known = false;
+        struct dump_report guessed = dump_found(&d.dump, NULL);
+        d.dump.tri_known = true;
+        d.dump.tri_count = (uint32_t)(count < items ? count : items);
+        struct dump_report told = dump_found(&d.dump, NULL);
+        assert_memory_equal(guessed.count, told.count, sizeof told.count);
+        assert_int_equal(guessed.fault_count, told.fault_count);
+        for (size_t i = 0; i < told.fault_count; i++) {
+            char text[2][DUMP_FAULT_TEXT];
+            assert_string_equal(dump_fault_text(&guessed.fault[i], text[0]),
+                                dump_fault_text(&told.fault[i], text[1]));
+        }
+        free(guessed.fault);
+        free(told.fault);
+        dumped_free(&d);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nodes_that_nothing_leads_to_measure_nothing),
         cmocka_unit_test(the_neighbour_of_the_last_number_is_none),
+        cmocka_unit_test(numbers_of_items_tell_how_many_triangles_there_are),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

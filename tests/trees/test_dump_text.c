@@ -285,6 +285,49 @@ static void what_is_refused_has_its_line_and_rule(void **state)
     }
 }
 
+/* A line of each kind, and what is read of all. */
+static const char *const each_line[] = {"raydiff tree 1",
+                                        "splits",
+                                        "bytes 96",
+                                        "vertex 0 0 0",
+                                        "vertex 1 0 0",
+                                        "vertex 0 1 0",
+                                        "triangle 0 1 2",
+                                        "node 0 0 0 1 1 0 1 2",
+                                        "leaf 0 0 0 1 1 0 0",
+                                        "leaf 0 0 0 1 1 0",
+                                        "end"};
+
+/* What is behind the values of a line, whichever, is refused with the line and the word; a comment
+ * or blanks there change nothing, nor do lines without a word anywhere. */
+static void a_line_has_its_values_and_no_more(void **state)
+{
+    (void)state;
+    static const char *const behind[] = {" x", "\t7x y", " # x", "\t \t", "\n\n# x\n"};
+    char all[600];
+    for (size_t b = 0; b < ARRAY_COUNT(behind); b++)
+        for (size_t line = 0; line < ARRAY_COUNT(each_line); line++) {
+            struct tree_dump dump;
+            struct reason reason = {""};
+            char want[64], *at = all;
+            for (size_t i = 0; i < ARRAY_COUNT(each_line); i++)
+                at += sprintf(at, "%s%s\n", each_line[i], i == line ? behind[b] : "");
+            const enum status status =
+                tree_dump_read("t", all, strlen(all), DUMP_GUESSED, &dump, &reason);
+            assert_int_equal(status, b < 2 ? STATUS_INPUT : STATUS_OK);
+            snprintf(want, sizeof want, "t:%zu: ", line + 1);
+            if (status && (strncmp(reason.text, want, strlen(want)) != 0 ||
+                           !strstr(reason.text, b ? "'7x'" : "'x'")))
+                fail_msg("%s: %s", each_line[line], reason.text);
+            if (status)
+                continue;
+            assert_int_equal(dump.node_count, 3);
+            assert_true(dump.item_count == 1 && dump.child_count == 2);
+            assert_true(dump.splits && dump.bytes == 96 && dump.scene.tri_count == 1);
+            tree_dump_free(&dump);
+        }
+}
+
 static void a_text_that_is_cut_anywhere_is_refused(void **state)
 {
     (void)state;
@@ -311,6 +354,7 @@ int main(void)
         cmocka_unit_test(triangles_and_names_of_scenes_come_again),
         cmocka_unit_test(numbers_of_all_forms),
         cmocka_unit_test(what_is_refused_has_its_line_and_rule),
+        cmocka_unit_test(a_line_has_its_values_and_no_more),
         cmocka_unit_test(a_text_that_is_cut_anywhere_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -289,6 +289,9 @@ static void what_no_ray_meets_has_no_box(void **state)
     assert_int_equal(world_boxes_make(&world, WORLD_BOXES_AUTO, &box, &reason), STATUS_LIMIT);
     assert_string_equal(reason.text, "instance 3: its triangles reach beyond float32");
     assert_null(box);
+    memcpy(world.instance[0].m, world.instance[3].m, sizeof world.instance[0].m);
+    assert_int_equal(world_boxes_make(&world, WORLD_BOXES_AUTO, &box, &reason), STATUS_LIMIT);
+    assert_string_equal(reason.text, "instance 0: its triangles reach beyond float32");
     world_free(&world);
 }
 

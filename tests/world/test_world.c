@@ -57,6 +57,38 @@ static void what_breaks_a_rule_is_refused_by_name(void **state)
     refused(&w, STATUS_INPUT, "filter: a share of 257 of 256");
 }
 
+/* Triangles that geometries leave out or have twice, wherever: the first that does is told with its
+ * own numbers. */
+static void geometries_that_do_not_cover_are_told_by_number(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(55, 0);
+    for (int turn = 0; turn < 500; turn++) {
+        struct world w = fixture_world((const uint32_t[]){4, 20, 3}, 3, 3);
+        const uint32_t geometries = 1 + rng_below(&rng, 5), wrong = rng_below(&rng, geometries);
+        struct geometry *own = calloc(geometries, sizeof *own);
+        char text[160];
+        assert_non_null(own);
+        free(w.mesh[1].geometry);
+        w.mesh[1].geometry = own;
+        w.mesh[1].geometry_count = geometries;
+        for (uint32_t i = 0, first = 0; i < geometries; i++) {
+            own[i] = (struct geometry){.first = first, .opaque = true};
+            own[i].count = i + 1 == geometries ? 20 - first : rng_below(&rng, (20 - first) / 2);
+            first += own[i].count;
+        }
+        if (turn % 2)
+            own[wrong].count += 20 - own[wrong].first - own[wrong].count + 1 + rng_below(&rng, 9);
+        else
+            own[wrong].first += 1 + rng_below(&rng, 9);
+        snprintf(text, sizeof text,
+                 "mesh 1: geometry %u has triangles from %u on, %u of them: geometries cover the "
+                 "mesh's 20 in order",
+                 wrong, own[wrong].first, own[wrong].count);
+        refused(&w, STATUS_INPUT, text);
+    }
+}
+
 static void every_number_of_a_transform_must_be_finite(void **state)
 {
     (void)state;
@@ -276,6 +308,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_breaks_a_rule_is_refused_by_name),
+        cmocka_unit_test(geometries_that_do_not_cover_are_told_by_number),
         cmocka_unit_test(every_number_of_a_transform_must_be_finite),
         cmocka_unit_test(limits_themselves_are_taken),
         cmocka_unit_test(placed_triangles_have_32_bits),
