@@ -15,7 +15,7 @@ static void unlike_devices(void)
         VkPhysicalDeviceLimits *limits = &device->base.limits;
         (void)snprintf(device->base.deviceName, 16, "device %u", i);
         device->base.apiVersion = VK_API_VERSION_1_2 + i;
-        device->allocation = (uint64_t[]){5 * FAKE_ACCEL_BYTES, 1u << 20, 0}[i];
+        device->allocation = (uint64_t[]){1u << 20, 5 * FAKE_ACCEL_BYTES, 0}[i];
         device->nearest = i == 0;
         device->denormals = i == 1;
         device->inf_nan = i == 2;

@@ -196,42 +196,47 @@ static void no_side_is_the_back(void **state)
     scene_free(&scene);
 }
 
-/* As many triangles before each other as the ray has a stack for, and fewer entries than that: what
- * cannot be finished has no hit, whatever was found until then, in every way to trace. */
+/* A wide triangle that is met at 50 in a box that begins at 0, and many that are met behind it but
+ * begin before it: it is found first, and then the stack is too small. What cannot be finished has
+ * no hit, whatever was found until then, in every way to trace. */
 static void what_is_not_finished_is_a_miss(void **state)
 {
     (void)state;
-    struct scene scene = pile(64, 1);
+    struct scene scene = pile(65, 0);
     struct bvh bvh;
     const struct build_options options = {.leaf = 1, .eps = BUILD_EPS_DEFAULT};
     size_t unfinished = 0, found = 0;
-    assert_int_equal(builder_find("median")->build(&scene, &options, &bvh, NULL), STATUS_OK);
+    for (uint32_t i = 0; i < 65; i++) { /* each slopes along x, and is met at x = 0 */
+        const float met = i ? 60 + (float)i : 50, begins = i ? 1 + (float)i / 8 : 0,
+                    wide = i ? 1 : 9;
+        const float v[9] = {-wide, -wide, begins, wide, -wide, 2 * met - begins, 0, 2 * wide, met};
+        memcpy(scene.vertex + 9 * i, v, sizeof v);
+    }
+    assert_int_equal(builder_find("sah_sweep")->build(&scene, &options, &bvh, NULL), STATUS_OK);
     for (size_t l = 0; layouts_all[l]; l++) {
         struct packed packed;
         if (packed_make(layouts_all[l], &bvh, &scene, &packed, NULL))
             continue;
         const uint32_t need = packed.stack_need;
-        for (packed.stack_need = 0; packed.stack_need <= need; packed.stack_need++)
-            for (int down = 0; down < 2; down++) {
-                const struct ray ray = {{0, 0, down ? 100 : 0}, 0, {0, 0, down ? -1 : 1}, INFINITY};
-                const struct job job = {.scene = &scene,
-                                        .packed = &packed,
-                                        .box = box_test_find("robust"),
-                                        .tri = tri_test_find("mt"),
-                                        .query = QUERY_CLOSEST};
-                struct hit one, many, miss = hit_none();
-                uint32_t flag;
-                const enum status status = trace_ray(&job, &ray, &one, NULL);
-                assert_int_equal(trace_rays(&job, &ray, 1, &many, &flag, NULL), status);
-                assert_int_equal(flag == ABI_FLAG_DONE, status == STATUS_OK);
-                assert_memory_equal(&one, &many, sizeof one);
-                if (status)
-                    assert_memory_equal(&one, &miss, sizeof one);
-                else if (!layouts_all[l]->faithful)
-                    assert_int_equal(one.prim, down ? 63 : 0);
-                unfinished += status == STATUS_LIMIT;
-                found += status == STATUS_OK;
-            }
+        for (packed.stack_need = 0; packed.stack_need <= need; packed.stack_need++) {
+            const struct job job = {.scene = &scene,
+                                    .packed = &packed,
+                                    .box = box_test_find("robust"),
+                                    .tri = tri_test_find("mt"),
+                                    .query = QUERY_CLOSEST};
+            struct hit one, many, miss = hit_none();
+            uint32_t flag;
+            const enum status status = trace_ray(&job, &along_z, &one, NULL);
+            assert_int_equal(trace_rays(&job, &along_z, 1, &many, &flag, NULL), status);
+            assert_int_equal(flag == ABI_FLAG_DONE, status == STATUS_OK);
+            assert_memory_equal(&one, &many, sizeof one);
+            if (status)
+                assert_memory_equal(&one, &miss, sizeof one);
+            else if (!layouts_all[l]->faithful)
+                assert_int_equal(one.prim, 0);
+            unfinished += status == STATUS_LIMIT;
+            found += status == STATUS_OK;
+        }
         packed_free(&packed);
     }
     assert_true(unfinished > 50 && found > 50);
