@@ -1,6 +1,6 @@
 #!/usr/bin/perl
 # Stands for Node in tests/webgpu/webgpu.sh: answers as gpu/webgpu/peer.js does, or in the wrong way that $FAKE_NODE
-# names. Its hits are what $FAKE_WORDS says, five words a ray.
+# names. Its hits are what $FAKE_WORDS says, five words a ray; with $FAKE_AT that of one ray alone, all others miss.
 use strict;
 use warnings;
 my $way = $ENV{FAKE_NODE} // 'well';
@@ -20,6 +20,7 @@ sub answer {
 
 exit 9 if $way eq 'ends';
 kill 'SEGV', $$ if $way eq 'crashes';
+my $done = 0; # rays
 for (;;) {
     my ($magic, $version, undef, $words, undef, $records, $same) = unpack 'a4 V7', take(32);
     exit 4 if $magic ne 'RDRQ';
@@ -36,8 +37,13 @@ for (;;) {
     take(32 * $records);
     sleep 60 if $way eq 'hangs';
     kill 'ABRT', $$ if $way eq 'aborts';
-    my $one = pack 'V5', split / /, $ENV{FAKE_WORDS} // '0 0 0 4294967295 1';
-    answer(3, 0, $way eq 'counts' ? $records + 1 : $records, $one x ($way eq 'short' ? $records - 1 : $records));
+    my $miss = pack 'V5', 0, 0, 0, 4294967295, 1;
+    my $one = defined $ENV{FAKE_WORDS} ? pack 'V5', split / /, $ENV{FAKE_WORDS} : $miss;
+    my $body = (defined $ENV{FAKE_AT} ? $miss : $one) x ($way eq 'short' ? $records - 1 : $records);
+    my $at = ($ENV{FAKE_AT} // -1) - $done;
+    substr($body, 20 * $at, 20) = $one if $at >= 0 && $at < $records;
+    $done += $records;
+    answer(3, 0, $way eq 'counts' ? $records + 1 : $records, $body);
     exit 0 if $way eq 'short';
     print 'x' if $way eq 'long';
 }

@@ -30,8 +30,9 @@ expect 77 . check $soup --engine webgpu --layout f32 --driver "$dir/none.json"
 has 'no driver' '^skipped f32 +webgpu vulkan: driver file '
 
 # --- a process that is not well ---------------------------------------------------------------------------------------
+late=1
 fails() { # way, exit code, what the row says
-    FAKE_NODE=$1 expect "$2" . check $soup --engine webgpu --layout f32 --peer-time 1 --json "$dir/fake.json"
+    FAKE_NODE=$1 expect "$2" . check $soup --engine webgpu --layout f32 --peer-time "$late" --json "$dir/fake.json"
     grep -qE -- "\"reason\": \".*$3" "$dir/fake.json" || bad "a process that $1: no reason like /$3/"
     case $2 in 3) status=failed ;; *) status=skipped ;; esac # what it refuses it cannot do, and does not fail
     grep -q "\"status\": \"$status\"" "$dir/fake.json" || bad "a process that $1: the row is not $status"
@@ -49,6 +50,13 @@ fails 'refuses a tree' 1 'webgpu: too large'
 FAKE_WORDS='0 0 0 4294967295 3' fails 'has no end' 3 'ray 0 was not finished'
 FAKE_WORDS='0 0 0 9 1' fails 'names none' 3 'ray 0 names triangle 9 of 9'
 FAKE_WORDS='0 0 0 4294967295 0' fails 'does not run' 3 'ray 0 was not finished'
+# The ray is told by its number among all, whichever of the requests of 65,536 it is in.
+soup='soup:n=9 --count 140000 --repeat 1' late=60
+for ray in 1 65535 65536 65537 131072 139999; do
+    FAKE_AT=$ray FAKE_WORDS='0 0 0 4294967295 3' fails "does not finish ray $ray" 3 "ray $ray was not finished"
+    FAKE_AT=$ray FAKE_WORDS='0 0 0 9 1' fails "names none for ray $ray" 3 "ray $ray names triangle 9 of 9"
+done
+soup='soup:n=9 --count 9 --repeat 1'
 
 # It answers, and what it answers is judged: it misses everything.
 FAKE_NODE=noisy expect 1 . check sphere:n=4 --count 200 --repeat 1 --engine webgpu --layout f32
