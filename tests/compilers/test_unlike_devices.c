@@ -1,5 +1,6 @@
 /* Of several devices that differ in all that they answer, the one that is taken has nothing of
- * those that were looked at (tests/gpu/fake_vulkan.h). */
+ * those that were looked at; and what a device says of structures that it serialised itself, right
+ * or wrong, is told with its name (tests/gpu/fake_vulkan.h). */
 #include "tests/gpu/fake_work.h"
 
 /* Three devices that differ in all that they answer; of the last one the driver tells no largest
@@ -88,10 +89,116 @@ static void a_device_has_nothing_of_the_others(void **state)
         }
 }
 
+/* Makes a structure of one triangle, which is copied, serialises it and loads it. */
+static enum status save_and_load(struct vk *vk, enum vk_accel_copy copy, struct reason *reason)
+{
+    static const struct vk_accel_geometry geometry = {0, 1, true, NULL};
+    const struct vk_accel_instance instance = {.mesh = 0};
+    const struct vk_accel_how how = {.copy = copy};
+    struct vk_buffer *vertices = NULL;
+    struct vk_accel *accel = NULL, *again = NULL;
+    struct vk_accel_bytes *bytes = NULL;
+    enum status status = vk_buffer_make(vk, 64, &vertices, reason);
+    const struct vk_accel_mesh mesh = {vertices, vertices, 3, &geometry, 1, NULL, NULL};
+    const struct vk_accel_world world = {
+        .mesh = &mesh, .instance = &instance, .mesh_count = 1, .instance_count = 1, .how = &how};
+    if (!status)
+        status = vk_accel_make_world(vk, &world, &accel, reason);
+    if (!status)
+        status = vk_accel_save(vk, accel, &bytes, reason);
+    if (!status)
+        status = vk_accel_load(vk, bytes, &again, reason);
+    for (uint32_t level = 0; level < 2 && !status; level++) {
+        uint64_t count, handle;
+        assert_non_null(vk_accel_bytes_level(bytes, level, &count, &handle));
+        assert_int_equal(count, fake.serial_bytes);
+        assert_int_equal(handle != 0, level == 1);
+    }
+    vk_accel_bytes_free(bytes);
+    vk_accel_free(vk, again);
+    vk_accel_free(vk, accel);
+    vk_buffer_free(vk, vertices);
+    return status;
+}
+
+static struct vk_options with_lives(void)
+{
+    struct vk_options options = fake_options();
+    options.ray_query = true;
+    options.ray_more.lives = true;
+    return options;
+}
+
+/* The head of a structure has 56 bytes, each handle 8. */
+static void what_a_device_serialised_is_told_by_its_name(void **state)
+{
+    (void)state;
+    static const struct {
+        uint64_t bytes, handles, handle;
+        bool incompatible;
+        const char *why; /* NULL: all is well */
+    } cases[] = {
+        {200, 0, 0, false, NULL},
+        {56, 0, 0, false, NULL},
+        {64, 1, 0, false, NULL},
+        {200, 18, 0, false, NULL},
+        {200, 0, 0, true, "calls what it serialised itself incompatible"},
+        {0, 0, 0, false, "has an acceleration structure of 0 bytes"},
+        {55, 0, 0, false, "serialised a structure whose header counts 0 handles in 55 bytes"},
+        {63, 1, 0, false, "serialised a structure whose header counts 1 handles in 63 bytes"},
+        {200, 19, 0, false, "serialised a structure whose header counts 19 handles in 200 bytes"},
+        {200, 2, 0x123, false,
+         "serialised a top level whose handle 0, 0x123, is that of no structure"},
+    };
+    for (size_t i = 0; i < ARRAY_COUNT(cases); i++) {
+        const struct vk_options options = with_lives();
+        struct reason reason = {""};
+        char wanted[160] = "";
+        fake_reset();
+        fake.serial_bytes = cases[i].bytes;
+        fake.serial_handles = cases[i].handles;
+        fake.serial_handle = cases[i].handle;
+        fake.incompatible = cases[i].incompatible;
+        struct vk *vk = must_open(&options);
+        assert_int_equal(save_and_load(vk, VK_ACCEL_COPY_NONE, &reason),
+                         cases[i].why ? STATUS_DEVICE : STATUS_OK);
+        if (cases[i].why)
+            (void)snprintf(wanted, sizeof wanted, "vulkan: fake device %s", cases[i].why);
+        assert_string_equal(reason.text, wanted);
+        must_close(vk);
+    }
+}
+
+/* Each call that can fail fails once. */
+static void nothing_is_left_where_a_copy_fails(void **state)
+{
+    (void)state;
+    for (int copy = VK_ACCEL_COPY_NONE; copy <= VK_ACCEL_COPY_SERIALISE; copy++) {
+        bool failed = true;
+        for (uint32_t at = 1; failed; at++) {
+            const struct vk_options options = with_lives();
+            struct reason reason = {""};
+            struct vk *vk;
+            fake_reset();
+            fake.fail_at = at;
+            fake.result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+            enum status status = vk_open(&options, &vk, &reason);
+            if (!status)
+                status = save_and_load(vk, (enum vk_accel_copy)copy, &reason);
+            failed = fake.failed != NULL;
+            assert_int_equal(status != STATUS_OK, failed);
+            assert_int_equal(vk_close(vk, NULL), 0);
+            must_be_clean(failed ? fake.failed : "no call that fails");
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_device_has_nothing_of_the_others),
+        cmocka_unit_test(what_a_device_serialised_is_told_by_its_name),
+        cmocka_unit_test(nothing_is_left_where_a_copy_fails),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,7 +11,8 @@ static struct fake_object physical[3];
 
 void fake_reset(void)
 {
-    fake = (struct fake){.devices = 1, .version = VK_API_VERSION_1_3, .ticks = {1000, 3000}};
+    fake = (struct fake){
+        .devices = 1, .version = VK_API_VERSION_1_3, .ticks = {1000, 3000}, .serial_bytes = 200};
     struct fake_device *device = &fake.device[0];
     *device = (struct fake_device){
         .base = {.apiVersion = VK_API_VERSION_1_3,
@@ -165,8 +166,8 @@ static VkResult vkCreateInstance(const VkInstanceCreateInfo *info, const VkAlloc
     for (uint32_t i = 0; checks && i < checks->enabledValidationFeatureCount; i++) {
         const VkValidationFeatureEnableEXT feature = checks->pEnabledValidationFeatures[i];
         fake.checks = fake.checks || feature == VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT;
-        fake.races = fake.races ||
-                     feature == VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+        fake.races =
+            fake.races || feature == VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
     }
     if (info->enabledLayerCount != (fake.layer ? 1 : 0) ||
         info->enabledExtensionCount != 2 * info->enabledLayerCount)
@@ -248,6 +249,14 @@ static void vkGetPhysicalDeviceFeatures2(VkPhysicalDevice which, VkPhysicalDevic
         else
             fake_wrong("an unknown question in vkGetPhysicalDeviceFeatures2");
     }
+}
+
+static void vkGetPhysicalDeviceFormatProperties(VkPhysicalDevice which, VkFormat format,
+                                                VkFormatProperties *out)
+{
+    (void)device_of(which);
+    (void)format;
+    *out = (VkFormatProperties){0};
 }
 
 static void vkGetPhysicalDeviceMemoryProperties(VkPhysicalDevice which,
@@ -358,6 +367,7 @@ static const struct fake_entry instance_entry[] = {
     FAKE_ENTRY(vkGetPhysicalDeviceProperties),
     FAKE_ENTRY(vkGetPhysicalDeviceProperties2),
     FAKE_ENTRY(vkGetPhysicalDeviceFeatures2),
+    FAKE_ENTRY(vkGetPhysicalDeviceFormatProperties),
     FAKE_ENTRY(vkGetPhysicalDeviceMemoryProperties),
     FAKE_ENTRY(vkGetPhysicalDeviceQueueFamilyProperties),
     FAKE_ENTRY(vkEnumerateDeviceExtensionProperties),

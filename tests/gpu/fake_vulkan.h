@@ -64,6 +64,10 @@ struct fake {
     VkResult result;        /* of it */
     uint32_t waits_in_vain; /* that many waits for fences time out */
     bool no_ticks;          /* timestamps cannot be read */
+    bool incompatible;      /* what was serialised is called so */
+    uint64_t serial_bytes;  /* of what is serialised: as many, with so many handles in its head; */
+    uint64_t serial_handles, serial_handle; /* each is this, or 0: that of the last structure that
+                                             * was asked for its address */
 
     /* What was done. */
     uint32_t calls;     /* those that can fail */
@@ -78,10 +82,11 @@ struct fake {
     uint32_t family; /* of its queue */
     uint32_t api;    /* version asked of the instance */
     VkBool32 robust;
-    uint32_t extensions; /* enabled for the device */
-    bool checks;         /* the layer's checks of memory accesses are enabled */
-    bool races;          /* likewise those of races between dispatches */
-    uint64_t ticks[2];   /* what the timestamps are */
+    uint32_t extensions;    /* enabled for the device */
+    bool checks;            /* the layer's checks of memory accesses are enabled */
+    bool races;             /* likewise those of races between dispatches */
+    uint64_t ticks[2];      /* what the timestamps are */
+    uint64_t accel_address; /* the last that was asked for */
     struct fake_dispatch log[FAKE_LOG];
     char recorded[64];      /* the last command buffer, a letter each: see fake_record() */
     uint32_t barrier[8][4]; /* in it: stages and accesses, before and after */

@@ -160,8 +160,8 @@ static VkResult vkCreateQueryPool(VkDevice device, const VkQueryPoolCreateInfo *
                                   const VkAllocationCallbacks *a, VkQueryPool *out)
 {
     UNUSED;
-    if (info->queryCount != 2 || info->queryType != VK_QUERY_TYPE_TIMESTAMP)
-        fake_wrong("queries that are no two timestamps");
+    if (info->queryCount != (info->queryType == VK_QUERY_TYPE_TIMESTAMP ? 2 : 1))
+        fake_wrong("queries that are no two timestamps and no size");
     NEW(VkQueryPool, FAKE_QUERY);
 }
 
@@ -177,6 +177,13 @@ static VkResult vkGetQueryPoolResults(VkDevice device, VkQueryPool pool, uint32_
 {
     (void)fake_what(device, FAKE_DEVICE);
     (void)fake_what(pool, FAKE_QUERY);
+    if (count == 1) {
+        if (first != 0 || bytes != 8 ||
+            flags != (VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT))
+            fake_wrong("how a size is read");
+        memcpy(out, &fake.serial_bytes, 8);
+        return fake_call(__func__);
+    }
     if (first != 0 || count != 2 || bytes != 16 || stride != 8 || flags != VK_QUERY_RESULT_64_BIT)
         fake_wrong("how timestamps are read");
     memcpy(out, fake.ticks, 16);
@@ -189,7 +196,7 @@ static void vkCmdResetQueryPool(VkCommandBuffer command, VkQueryPool pool, uint3
     (void)fake_what(command, FAKE_COMMAND);
     fake_record('r');
     (void)fake_what(pool, FAKE_QUERY);
-    if (first != 0 || count != 2)
+    if (first != 0 || count < 1 || count > 2)
         fake_wrong("timestamps that are not reset");
 }
 
@@ -328,7 +335,8 @@ vkGetAccelerationStructureDeviceAddressKHR(VkDevice device,
                                            const VkAccelerationStructureDeviceAddressInfoKHR *info)
 {
     (void)fake_what(device, FAKE_DEVICE);
-    return (VkDeviceAddress)(uintptr_t)fake_what(info->accelerationStructure, FAKE_ACCEL);
+    fake.accel_address = (uintptr_t)fake_what(info->accelerationStructure, FAKE_ACCEL);
+    return fake.accel_address;
 }
 
 /* The scratch memory lies in the buffer whose address was asked for last. */

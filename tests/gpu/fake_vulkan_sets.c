@@ -1,6 +1,8 @@
 /* Descriptor sets: their layouts and pools, what they bind, and views of buffers. */
 #include "tests/gpu/fake_vulkan.h"
 
+#include <string.h>
+
 #define UNUSED (void)a, (void)fake_what(device, FAKE_DEVICE)
 
 static VkResult vkCreateDescriptorSetLayout(VkDevice device,
@@ -161,10 +163,82 @@ static void vkDestroyBufferView(VkDevice device, VkBufferView view, const VkAllo
     fake_drop(view, FAKE_VIEW);
 }
 
+/* Copies of acceleration structures. */
+static void
+vkCmdWriteAccelerationStructuresPropertiesKHR(VkCommandBuffer command, uint32_t count,
+                                              const VkAccelerationStructureKHR *structure,
+                                              VkQueryType type, VkQueryPool pool, uint32_t first)
+{
+    (void)fake_what(command, FAKE_COMMAND);
+    (void)fake_what(*structure, FAKE_ACCEL);
+    (void)fake_what(pool, FAKE_QUERY);
+    if (count != 1 || first != 0 ||
+        (type != VK_QUERY_TYPE_ACCELERATION_STRUCTURE_SERIALIZATION_SIZE_KHR &&
+         type != VK_QUERY_TYPE_ACCELERATION_STRUCTURE_COMPACTED_SIZE_KHR))
+        fake_wrong("what is asked of a structure");
+}
+
+static void vkCmdCopyAccelerationStructureKHR(VkCommandBuffer command,
+                                              const VkCopyAccelerationStructureInfoKHR *info)
+{
+    (void)fake_what(command, FAKE_COMMAND);
+    (void)fake_what(info->src, FAKE_ACCEL);
+    (void)fake_what(info->dst, FAKE_ACCEL);
+}
+
+/* A head and no more: two UUIDs, sizes serialised and not, handles. */
+static void
+vkCmdCopyAccelerationStructureToMemoryKHR(VkCommandBuffer command,
+                                          const VkCopyAccelerationStructureToMemoryInfoKHR *info)
+{
+    (void)fake_what(command, FAKE_COMMAND);
+    (void)fake_what(info->src, FAKE_ACCEL);
+    uint8_t *at = (uint8_t *)(uintptr_t)info->dst.deviceAddress;
+    const uint64_t handle = fake.serial_handle ? fake.serial_handle : fake.accel_address;
+    const uint64_t head[3] = {fake.serial_bytes, 2 * FAKE_ACCEL_BYTES, fake.serial_handles};
+    if (info->dst.deviceAddress % 256)
+        fake_wrong("where a structure is serialised to");
+    memset(at, 0, fake.serial_bytes);
+    for (uint64_t i = 0; i < 7 && 8 * i + 8 <= fake.serial_bytes; i++)
+        memcpy(at + 8 * i, i < 4 ? &(uint64_t){0} : &head[i - 4], 8);
+    for (uint64_t i = 0; i < fake.serial_handles && 64 + 8 * i <= fake.serial_bytes; i++)
+        memcpy(at + 56 + 8 * i, &handle, 8);
+}
+
+static void
+vkCmdCopyMemoryToAccelerationStructureKHR(VkCommandBuffer command,
+                                          const VkCopyMemoryToAccelerationStructureInfoKHR *info)
+{
+    (void)fake_what(command, FAKE_COMMAND);
+    (void)fake_what(info->dst, FAKE_ACCEL);
+    if (info->src.deviceAddress % 256)
+        fake_wrong("where a structure is deserialised from");
+}
+
+static void
+vkGetDeviceAccelerationStructureCompatibilityKHR(VkDevice device,
+                                                 const VkAccelerationStructureVersionInfoKHR *info,
+                                                 VkAccelerationStructureCompatibilityKHR *out)
+{
+    (void)fake_what(device, FAKE_DEVICE);
+    (void)info;
+    *out = fake.incompatible ? VK_ACCELERATION_STRUCTURE_COMPATIBILITY_INCOMPATIBLE_KHR
+                             : VK_ACCELERATION_STRUCTURE_COMPATIBILITY_COMPATIBLE_KHR;
+}
+
 const struct fake_entry fake_set_entry[] = {
-    FAKE_ENTRY(vkCreateDescriptorSetLayout), FAKE_ENTRY(vkDestroyDescriptorSetLayout),
-    FAKE_ENTRY(vkCreateDescriptorPool),      FAKE_ENTRY(vkDestroyDescriptorPool),
-    FAKE_ENTRY(vkAllocateDescriptorSets),    FAKE_ENTRY(vkUpdateDescriptorSets),
-    FAKE_ENTRY(vkCreateBufferView),          FAKE_ENTRY(vkDestroyBufferView),
+    FAKE_ENTRY(vkCmdWriteAccelerationStructuresPropertiesKHR),
+    FAKE_ENTRY(vkCmdCopyAccelerationStructureKHR),
+    FAKE_ENTRY(vkCmdCopyAccelerationStructureToMemoryKHR),
+    FAKE_ENTRY(vkCmdCopyMemoryToAccelerationStructureKHR),
+    FAKE_ENTRY(vkGetDeviceAccelerationStructureCompatibilityKHR),
+    FAKE_ENTRY(vkCreateDescriptorSetLayout),
+    FAKE_ENTRY(vkDestroyDescriptorSetLayout),
+    FAKE_ENTRY(vkCreateDescriptorPool),
+    FAKE_ENTRY(vkDestroyDescriptorPool),
+    FAKE_ENTRY(vkAllocateDescriptorSets),
+    FAKE_ENTRY(vkUpdateDescriptorSets),
+    FAKE_ENTRY(vkCreateBufferView),
+    FAKE_ENTRY(vkDestroyBufferView),
 };
 const size_t fake_set_entries = sizeof fake_set_entry / sizeof *fake_set_entry;
