@@ -8,6 +8,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <cmocka.h> /* last: it has a macro `fail` */
 
@@ -139,8 +140,42 @@ static void a_tree_is_known_as_it_is(void **state)
     assert_true(splits > 0);
 }
 
+/* However few the triangles, the record of the root is the root, also where all that a wide one has
+ * is one leaf. */
+static void the_root_is_known_of_the_smallest_trees(void **state)
+{
+    (void)state;
+    size_t made = 0;
+    for (uint32_t count = 1; count < 10; count++)
+        for (uint32_t leaf = 1; leaf <= 4; leaf *= 4) {
+            const struct build_options options = {.leaf = leaf, .eps = BUILD_EPS_DEFAULT};
+            struct scene scene;
+            struct bvh bvh;
+            char spec[32];
+            snprintf(spec, sizeof spec, "soup:n=%u", count);
+            assert_int_equal(scene_open(spec, 1, &scene, NULL), STATUS_OK);
+            assert_int_equal(bvh_build(builder_find("median"), &scene, &options, &bvh, NULL), 0);
+            for (size_t l = 0; layouts_all[l]; l++) {
+                struct packed packed;
+                struct explain_tree tree;
+                if (layouts_all[l]->width == 2 ||
+                    packed_make(layouts_all[l], &bvh, &scene, &packed, NULL))
+                    continue;
+                assert_int_equal(explain_tree_make(&scene, &bvh, &packed, &tree, NULL), 0);
+                assert_int_equal(tree.record[0], packed.root);
+                explain_tree_free(&tree);
+                packed_free(&packed);
+                made++;
+            }
+            bvh_free(&bvh);
+            scene_free(&scene);
+        }
+    assert_true(made > 200);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_tree_is_known_as_it_is)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_tree_is_known_as_it_is),
+                                       cmocka_unit_test(the_root_is_known_of_the_smallest_trees)};
     return cmocka_run_group_tests_name("explain: trees", tests, NULL, NULL);
 }

@@ -8,6 +8,8 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <string.h>
 #include <cmocka.h> /* last: it has a macro `fail` */
 
 static struct scene soup(void)
@@ -88,8 +90,31 @@ static void no_axis_is_another(void **state)
     scene_free(&base);
 }
 
+/* Of no vertex and no axis: a grid has one zero. */
+static void a_negative_zero_is_on_no_grid(void **state)
+{
+    (void)state;
+    struct scene scene = soup();
+    struct grid grid;
+    for (uint32_t i = 0; i < 3 * scene.vertex_count; i++)
+        scene.vertex[i] = floorf(scene.vertex[i] * 64);
+    assert_int_equal(grid_of_scene(&scene, &grid, NULL), STATUS_OK);
+    for (uint32_t i = 0; i < 3 * scene.vertex_count; i++) {
+        const float was = scene.vertex[i];
+        struct reason reason = {""};
+        char want[64];
+        scene.vertex[i] = -0.0f;
+        assert_int_equal(grid_of_scene(&scene, &grid, &reason), STATUS_LIMIT);
+        snprintf(want, sizeof want, "the scene's %c coordinates lie on no grid of", "xyz"[i % 3]);
+        assert_int_equal(strncmp(reason.text, want, strlen(want)), 0);
+        scene.vertex[i] = was;
+    }
+    scene_free(&scene);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(no_axis_is_another)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(no_axis_is_another),
+                                       cmocka_unit_test(a_negative_zero_is_on_no_grid)};
     return cmocka_run_group_tests_name("axes of grids", tests, NULL, NULL);
 }

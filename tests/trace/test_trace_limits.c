@@ -224,12 +224,19 @@ static void what_is_not_finished_is_a_miss(void **state)
                                     .box = box_test_find("robust"),
                                     .tri = tri_test_find("mt"),
                                     .query = QUERY_CLOSEST};
-            struct hit one, many, miss = hit_none();
-            uint32_t flag;
+            struct hit one, many[3], miss = hit_none();
+            uint32_t flag[3];
+            const struct ray rays[3] = {{.org = {99}, .dir = {0, 0, 1}, .tmax = INFINITY},
+                                        along_z,
+                                        {.org = {99}, .dir = {0, 0, 1}, .tmax = INFINITY}};
             const enum status status = trace_ray(&job, &along_z, &one, NULL);
-            assert_int_equal(trace_rays(&job, &along_z, 1, &many, &flag, NULL), status);
-            assert_int_equal(flag == ABI_FLAG_DONE, status == STATUS_OK);
-            assert_memory_equal(&one, &many, sizeof one);
+            for (size_t from = 0; from < 2; from++) { /* another before it, and one behind it */
+                assert_int_equal(trace_rays(&job, rays + from, 2, many, flag, NULL), status);
+                assert_int_equal(flag[1 - from] == ABI_FLAG_DONE, status == STATUS_OK);
+                assert_int_equal(flag[from], ABI_FLAG_DONE);
+                assert_memory_equal(&one, &many[1 - from], sizeof one);
+                assert_memory_equal(&miss, &many[from], sizeof one);
+            }
             if (status)
                 assert_memory_equal(&one, &miss, sizeof one);
             else if (!layouts_all[l]->faithful)

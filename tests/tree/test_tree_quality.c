@@ -135,10 +135,39 @@ static void trees_without_area_have_no_cost(void **state)
     scene_free(&scene);
 }
 
+/* Of more triangles than `most`, every second, third .. is measured, so that they are not more than
+ * that: as where all others have no area. */
+static void a_sample_is_of_every_so_manyth(void **state)
+{
+    (void)state;
+    static const uint32_t counts[] = {1, 2, 99, 100, 101},
+                          mosts[] = {0, 1, 2, 7, 33, 49, 50, 51, 99, 100};
+    for (size_t i = 0; i < ARRAY_COUNT(counts); i++) {
+        struct scene scene = built_soup(counts[i], 7), flat = built_soup(counts[i], 7);
+        struct bvh bvh = trees_make(&scene, 2, TREES_BALANCED);
+        for (size_t m = 0; m < ARRAY_COUNT(mosts); m++) {
+            uint32_t every = 1;
+            while (mosts[m] && (counts[i] + every - 1) / every > mosts[m])
+                every++;
+            for (uint32_t t = 0; t < counts[i]; t++)
+                for (uint32_t c = 0; c < 3; c++)
+                    flat.index[3 * t + c] = scene.index[3 * t + (t % every ? 0 : c)];
+            const double want = overlap_of(&bvh, &flat, 0),
+                         got = overlap_of(&bvh, &scene, mosts[m]);
+            if (fabs(got - want) > 1e-12 * want)
+                fail_msg("%u of %u: %.17g, not %.17g", mosts[m], counts[i], got, want);
+        }
+        bvh_free(&bvh);
+        scene_free(&scene);
+        scene_free(&flat);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(overlap_by_hand),
+        cmocka_unit_test(a_sample_is_of_every_so_manyth),
         cmocka_unit_test(overlap_is_what_points_on_the_triangles_meet),
         cmocka_unit_test(an_estimate_is_near_and_scale_changes_nothing),
         cmocka_unit_test(trees_without_area_have_no_cost),
