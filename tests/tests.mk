@@ -101,6 +101,9 @@ $(MEMORY_TESTS): TEST_LIBS += \
 # What it computes together is looked at.
 $(B)/tests/test_judge_many: TEST_LIBS += -Wl,--wrap=twin_eval_many
 
+# What the layer of validation tells is made up.
+$(B)/tests/test_device_wide: TEST_LIBS += -Wl,--wrap=vk_messages
+
 # What builders on a device compare is looked at.
 $(B)/tests/test_builders_compare: TEST_LIBS += -Wl,--wrap=wide_compare
 WRAPPED_TESTS := $(MEMORY_TESTS) $(B)/tests/test_judge_many $(B)/tests/test_builders_compare

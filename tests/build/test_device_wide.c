@@ -300,6 +300,63 @@ static void dispatches_do_not_race(void **state)
     device_close(tree);
 }
 
+/* How many messages the layer of validation is said to have told; 0: its own. The program is linked
+ * so that this is called (tests/tests.mk). */
+static uint32_t told;
+
+uint32_t __real_vk_messages(const struct vk *vk, struct reason *reason);
+uint32_t __wrap_vk_messages(const struct vk *vk, struct reason *reason);
+
+uint32_t __wrap_vk_messages(const struct vk *vk, struct reason *reason)
+{
+    if (told == 0)
+        return __real_vk_messages(vk, reason);
+    if (reason)
+        snprintf(reason->text, sizeof reason->text, "a message");
+    return told;
+}
+
+static void must_be_told(enum status status, const struct reason *reason)
+{
+    assert_int_equal(status, STATUS_DEVICE);
+    assert_string_equal(reason->text, "3 validation messages, the first: a message");
+}
+
+/* Whatever the device does: a message since it was opened is its error. */
+static void messages_are_an_error_of_every_step(void **state)
+{
+    (void)state;
+    struct device_tree *tree = device_open(false);
+    const struct layout *layout = layout_find("tiny8");
+    const struct build_options options = {.leaf = 2, .eps = BUILD_EPS_DEFAULT};
+    struct scene scene = built_soup(40, 3);
+    struct bvh bvh;
+    struct packed packed;
+    struct staged staged;
+    struct device_wide wide;
+    struct device_wide_times times;
+    struct reason reason = {""};
+    uint64_t ns;
+    gpu_must(bvh_build(builder_find("median"), &scene, &options, &bvh, &reason), &reason);
+    gpu_must(packed_make(layout_find("f32"), &bvh, &scene, &packed, &reason), &reason);
+    uint32_t *word = calloc(packed.word_count, sizeof *word);
+    assert_non_null(word);
+    gpu_must(device_tree_build(tree, STAGED_LBVH63, &scene, &staged, NULL, &reason), &reason);
+    staged_free(&staged);
+    told = 3;
+    must_be_told(device_wide_make(tree, layout, &wide, &times, &reason), &reason);
+    assert_true(!wide.word && wide.word_count == 0);
+    must_be_told(device_refit(tree, &packed, &scene, word, &ns, &reason), &reason);
+    must_be_told(device_tree_build(tree, STAGED_LBVH63, &scene, &staged, NULL, &reason), &reason);
+    assert_true(!staged.code && staged.count == 0);
+    told = 0;
+    free(word);
+    packed_free(&packed);
+    bvh_free(&bvh);
+    scene_free(&scene);
+    device_close(tree);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -309,6 +366,7 @@ int main(void)
         cmocka_unit_test(a_tree_must_stand_on_the_device),
         cmocka_unit_test(a_comparison_names_what_differs),
         cmocka_unit_test(the_first_record_that_differs_is_named),
+        cmocka_unit_test(messages_are_an_error_of_every_step),
         cmocka_unit_test(dispatches_do_not_race),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
