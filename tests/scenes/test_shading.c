@@ -99,6 +99,35 @@ static void shading_fills_what_scenes_lack(void **state)
     picture_free(&p);
 }
 
+/* The offset of second rays is of the largest coordinate, whichever it is and of whichever sign. */
+static void offset_is_of_the_largest_coordinate(void **state)
+{
+    (void)state;
+    static const float far[] = {64, -64};
+    struct picture p = picture_make("sphere:n=2", looks[0], 8, 8);
+    picture_settle(&p);
+    struct camera camera = scene_camera(&p.scene);
+    memset(camera.pos, 0, sizeof camera.pos);
+    frame_job_fill(&p.shading, &camera, &p.job);
+    assert_true(p.job.offset > 0 && p.job.offset < 0x1p-17f * 8);
+    for (uint32_t i = 0; i < 9 * p.scene.tri_count; i++)
+        for (size_t sign = 0; sign < ARRAY_COUNT(far); sign++) {
+            float *slot = &p.scene.vertex[3 * p.scene.index[i / 3] + i % 3], kept = *slot;
+            *slot = far[sign];
+            frame_job_fill(&p.shading, &camera, &p.job);
+            assert_true(p.job.offset == 0x1p-17f * 64);
+            *slot = kept;
+        }
+    for (int k = 0; k < 3; k++)
+        for (size_t sign = 0; sign < ARRAY_COUNT(far); sign++) {
+            camera.pos[k] = far[sign];
+            frame_job_fill(&p.shading, &camera, &p.job);
+            assert_true(p.job.offset == 0x1p-17f * 64);
+            camera.pos[k] = 0;
+        }
+    picture_free(&p);
+}
+
 /* The numbers that stand in the published shader (ref/frame.h). */
 static void shading_has_the_published_thresholds(void **state)
 {
@@ -141,6 +170,7 @@ int main(void)
         cmocka_unit_test(render_refuses_jobs_out_of_range),
         cmocka_unit_test(shading_refuses_what_cannot_be_shown),
         cmocka_unit_test(shading_fills_what_scenes_lack),
+        cmocka_unit_test(offset_is_of_the_largest_coordinate),
         cmocka_unit_test(shading_has_the_published_thresholds),
         cmocka_unit_test(shading_of_the_published_profile_keeps_normals),
     };

@@ -64,6 +64,24 @@ moved '4.0 4.0 6.0' --translate 1 0 0 --scale 2
 moved '3.0 4.0 6.0' --scale 2 --translate 1 0 0
 moved '12.0 6.0 5.0' --matrix 2 0 0 10 0 0 2 0 0 1 0 3 0 0 0 1
 
+# Models of one option are as those of an option each, whichever material each has.
+for of in '0 1 2' '2 1 0' '1 default 0' 'default 2 2'; do
+    together= apart=
+    for material in $of; do
+        together="$together soup:n=4 $material" apart="$apart --model soup:n=4 $material"
+    done
+    for models in "--model $together" "$apart"; do
+        # shellcheck disable=SC2086 # words of a command
+        expect 0 . construct $out $seen --material 0.5 0.1 0.1 0.9 0.1 0 10 --material 0.4 0.1 0.1 0.9 0.1 0 10 \
+            --material 0.3 0.1 0.1 0.9 0.1 0 10 $models
+        cksum <"$dir/x.json" >>"$dir/made"
+        grep '"material":' "$dir/x.json" | sort -u >>"$dir/materials"
+    done
+    [ "$(sort -u "$dir/made" | wc -l)" -eq 1 ] || bad "models $of: not the same of one option and of several"
+    rm "$dir/made"
+done
+[ "$(sort -u "$dir/materials" | wc -l)" -ge 3 ] || bad "the models do not differ by their materials"
+
 # Generators, binary and zipped meshes; other endings keep the triangles.
 "$raydiff" scene convert platonic:which=3 "$dir/d.ply" >/dev/null
 gzip -c "$dir/d.ply" >"$dir/d.ply.gz"
@@ -79,7 +97,14 @@ grep -q 'triangles *41$' "$dir/out" || bad "a PLY file of 41 triangles"
 # Errors: one line, and nothing is written, nor what was there changed.
 rm -f "$dir/x.json"
 m="--material 0.5 0.1 0.1 0.9 0.1 0 10"
-refuse() { expect 2 "$@"; }
+# What stands behind the paper's `--` is refused by the same words.
+refuse() {
+    expect 2 "$@"
+    shift 2
+    cp "$dir/err" "$dir/said"
+    expect 2 . construct -- "$@"
+    cmp -s "$dir/err" "$dir/said" || bad "construct -- $*: not what is said without the --"
+}
 refuse '--out is missing' construct $sphere $seen
 refuse '--model is missing' construct $out $seen
 refuse '--camera-pos is missing' construct $out $sphere --camera-orbit

@@ -96,8 +96,19 @@ grep -q '^    *[a-z ]*flags mixed, seed 1' "$dir/screen" || bad 'check: the head
 fits fuzz --trials 16 --engine cpu,vulkan --layout f32,rtrs_rf --faithful --no-shrink --corpus none --jobs 1 --dir "$dir/found"
 fits min fuzz/corpus/rounded-inward.trial --out "$dir/small.trial"
 fits doctor
-fits list
-fits scene list
+# What continues a line begins beneath a word of it, or of one just before where a long name stands in the way.
+beneath() {
+    awk '{ match($0, /^ */) }
+        RLENGTH > 6 {
+            more++
+            for (i = 0; i < 3 && !(substr(head[i], RLENGTH, 1) == " " && substr(head[i], RLENGTH + 1, 1) ~ /[^ ]/); i++) continue
+            if (i == 3) { print "not beneath a word: " $0; bad = 1 }
+            next
+        }
+        { head[heads++ % 3] = $0 }
+        END { exit bad || more < 5 }' "$dir/screen" || bad "$1 at 80 columns: what continues a line"
+}
+for listed in list 'scene list'; do fits "$listed" && beneath "$listed"; done
 fits diff rtrs --engine cpu,vulkan,embree --width 16 --height 12
 fits bench error --scene sphere:n=4 --count 60 --rounds 1
 

@@ -286,6 +286,22 @@ files() {
     ends 2 bench builders --scene "$gone.obj"
     ends 3 bench error --scene sphere:n=4 --engine "$dies" --count 50 --rounds 1
     ends 77 bench matrix --scene sphere:n=4 --rounds 1 $none
+    # A scene that cannot be read ends what several are given to, wherever it stands among them.
+    for of in "$gone.obj sphere:n=4" "sphere:n=4 $gone.obj" "sphere:n=3 $gone.obj sphere:n=4"; do
+        list=$(echo "$of" | tr ' ' ';')
+        ends 2 scene info $of
+        ends 2 scene info $of --json
+        ends 2 leaks $of --engine cpu --layout f32 --tri woop --box watertight --count 1000
+        ends 2 bench builders --scene "$list" --rounds 1
+        ends 2 bench traffic --scene "$list" --scheduler depth_first --layout f32 --count 50
+        ends 2 bench tightness --scene "$list" --count 50
+        for benchmark in oracle 'spawn --engine cpu --layout f32 --tri mt' fast 'worlds --instances 3' 'layouts --layout f32 --engine cpu' \
+            "frames --engine cpu --layout f32 --frames 1 --size 8x8 --out $dir/frames"; do
+            rounds='--count 50 --rounds 1'
+            case $benchmark in frames*) rounds= ;; esac
+            ends 2 bench $benchmark --scene "$list" $rounds
+        done
+    done
     printf 'camera\n' >"$dir/broken.json"
     ends 2 construct "$dir/one.obj" --out "$gone/x.json"
     ends 0 precompute --scene soup:n=20 --builder median --out "$dir/tree.json"
