@@ -25,7 +25,7 @@ static enum status take_passed(void *options, const struct option_value *given,
     } passed[] = {
         {"layout engine tri box rays shader", TO_CHECK | TO_ERROR},
         {"query", TO_CHECK},
-        {"seed", TO_CHECK | TO_ERROR | TO_PICTURES},
+        {"seed", TO_CHECK | TO_ERROR | TO_LAYOUTS | TO_PICTURES},
         {"threads driver device workgroup peer-time peer-memory", TO_OTHERS},
     };
     static char flags[REPORT_PASSED][16];

@@ -138,7 +138,7 @@ static enum status make_bench(const struct report_options *options, struct runne
     uint64_t count = options->count ? options->count : options->quick ? 2000 : 5000;
     number(&line, "--count", count);
     number(&line, "--rounds", options->rounds ? options->rounds : options->quick ? 3 : 5);
-    report_pass_on(&line, options, (error ? TO_ERROR : 0u) | TO_OTHERS);
+    report_pass_on(&line, options, (error ? TO_ERROR : TO_LAYOUTS) | TO_OTHERS);
     return run_part(report, runner, cmd_bench, &line, file, &part, reason);
 }
 

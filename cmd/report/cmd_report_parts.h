@@ -21,7 +21,7 @@ struct baseline; /* fuzz/findings/baseline.h */
 
 /* An option passed on unchanged; `to` is the set of commands that take it. A shader is passed
  * together with its layout, also where only one of several layouts is passed. */
-enum { TO_CHECK = 1, TO_ERROR = 2, TO_OTHERS = 4, TO_PICTURES = 8, TO_ALL = 15 };
+enum { TO_CHECK = 1, TO_ERROR = 2, TO_OTHERS = 4, TO_PICTURES = 8, TO_LAYOUTS = 16, TO_ALL = 31 };
 struct passed {
     unsigned to;
     const char *flag, *value;

@@ -146,15 +146,19 @@ expect 2 "unknown 'chekc'" report soup --parts chekc --out "$dir/x.html"
 # A part alone takes what the commands that make it take, and nothing else.
 while read -r part uses; do
     for option in '--box robust' '--query any' '--rounds 3' '--quick' '--layout f32' '--engine cpu' '--tri mt' '--rays random' '--seed 3' \
-        '--count 9' '--threads 1' '--time 9' '--title T'; do
-        rule="--$(echo "$option" | tr -d - | sed 's/ .*//'): not used by the parts of this report"
+        '--count 9' '--threads 1' '--time 9' '--title T' '--driver none' '--device 0' '--workgroup 32' '--peer-time 9' '--peer-memory 9'; do
+        rule="${option%% *}: not used by the parts of this report"
         case " $uses " in *" ${option%% *} "*) rule='none.obj: No such file' ;; esac
-        expect 2 "$rule" report "$dir/none.obj" --parts "$part" $option --out "$dir/x.html"
+        expect 2 "$rule" report $(echo "$part" | sed "s|DIR|$dir|g; y/~/ /") $option --out "$dir/x.html"
     done
 done <<'END'
-check --box --query --quick --layout --engine --tri --rays --seed --count --threads --time --title
-bench --box --rounds --quick --layout --engine --tri --rays --seed --count --threads --time --title
-pictures --box --quick --layout --engine --tri --seed --threads --time --title
+DIR/none.obj~--parts~check --box --query --quick --layout --engine --tri --rays --seed --count --threads --time --title --driver --device --workgroup --peer-time --peer-memory
+DIR/none.obj~--parts~bench --box --rounds --quick --layout --engine --tri --rays --seed --count --threads --time --title --driver --device --workgroup --peer-time --peer-memory
+DIR/none.obj~--parts~pictures --box --quick --layout --engine --tri --seed --threads --time --title --driver --device --workgroup --peer-time --peer-memory
+DIR/none.obj~--parts~machine --threads --time --title --driver --device --workgroup
+--check~DIR/none.obj~--parts~machine --threads --time --title --driver --device --workgroup
+--check~DIR/none.obj~--parts~machine~--doctor~DIR/d.json --time --title
+--check~DIR/none.obj~--doctor~DIR/d.json --time --title
 END
 # All parts are all of them, whatever else is named; a list is no longer than it can be.
 expect 2 'none.obj: No such file' report "$dir/none.obj" --parts machine,all --query any --rounds 3 --box robust --out "$dir/x.html"

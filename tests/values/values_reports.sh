@@ -148,6 +148,50 @@ for order in 'found blind.found' 'blind.found found'; do
     [ "$(sort "$dir/states" | uniq | wc -l)" -eq 2 ] || bad "report: not findings with and without a result"
 done
 
+# What a report is given goes to every command that takes it: none of them is refused, and each refuses what it was not
+# given. All layouts on all engines are the subject of bench layouts, whatever is named; values are shown of one engine.
+given='--seed=3 --rays=random --query=any --tri=woop --box=watertight --layout=f32 --engine=cpu --threads=1'
+whole=$(realpath "$raydiff")
+for scene in soup:n=60 cornell; do
+    # shellcheck disable=SC2086 # words of a command
+    "$raydiff" report $scene --quick --count 100 --rounds 1 $given --out "$dir/page.html" --json "$dir/json" >"$dir/text" 2>"$dir/err"
+    perl -MJSON::PP -e 'local $/; print map { ("$_->{exit}\n", map { "$_\n" } split /\n/, $_->{command}) } @{ decode_json(<STDIN>)->{parts} }' \
+        <"$dir/json" >"$dir/commands"
+    grep -qx 2 "$dir/commands" && bad "report $scene: a part is bad input"
+    grep '^raydiff ' "$dir/commands" >"$dir/lines"
+    [ "$(wc -l <"$dir/lines")" -ge 8 ] || bad "report $scene: $(wc -l <"$dir/lines") commands"
+    refused=0
+    while read -r line; do
+        for option in $given; do
+            case "$line $option" in
+            *" ${option%%=*} "* | *' bench layouts '*' --layout='* | *' bench layouts '*' --engine='* | *' --show '*' --engine='*) continue ;;
+            esac
+            (cd "$dir" && eval "'$whole' ${line#raydiff } $option") >"$dir/text" 2>"$dir/err" </dev/null
+            code=$?
+            [ "$code" -eq 2 ] && grep -qe "${option%%=*}" "$dir/err" || bad "report $scene, $line: takes $option, which it was not given"
+            refused=$((refused + 1))
+        done
+    done <"$dir/lines"
+    [ "$refused" -ge 10 ] || bad "report $scene: only $refused options are left out"
+done
+
+# A layout that does not hold the scene counts where it was named, in pictures, too.
+printf 'v 0 0 0\nv 1e6 0 0\nv 1e6 1e6 0\nv 0 1e6 0\nf 1 2 3\nf 1 3 4\n' >"$dir/far.obj"
+while read -r want named; do
+    # shellcheck disable=SC2086 # words of a command
+    "$raydiff" report "$dir/far.obj" --quick --parts pictures --engine cpu $named --out "$dir/page.html" >"$dir/text" 2>"$dir/err"
+    code=$?
+    [ "$code" -eq "$want" ] || bad "report of a scene that rf16 does not hold, $named: exit $code, not $want"
+    case $named in '--layout f32') continue ;; esac
+    grep -q 'rf16.*65504\|65504.*rf16' "$dir/page.html" || bad "report of a scene that rf16 does not hold, $named: not told"
+done <<'END'
+0
+0 --layout f32
+2 --layout f32,rf16
+2 --layout rf16,f32
+2 --layout rf16
+END
+
 all_seen doctor report
 echo "values_reports: $failed failed"
 [ "$failed" -eq 0 ]
