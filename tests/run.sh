@@ -212,6 +212,7 @@ seldom)
     suite mutate sh tests/mutation/selftest.sh "$build"
     suite shader_mutants sh tests/shader_mutants/selftest.sh "$build"
     alone selftest make -s selftest-quick
+    suite values_charts sh tests/values/values_paper.sh "$build/raydiff" charts
     suite tutorial sh tests/house/tutorial.sh "$build"
     ;;
 sanitize)

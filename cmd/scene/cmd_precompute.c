@@ -146,7 +146,10 @@ static enum status verify_json(const char *bytes, size_t size, const struct prec
     struct bvh_stats stats;
     if (!status)
         status = bvh_count(&bvh, scene, &stats, reason);
-    *sound = !status && bvh_check(&bvh, scene, reason) == STATUS_OK;
+    struct reason why;
+    *sound = !status && bvh_check(&bvh, scene, &why) == STATUS_OK;
+    if (!status && !*sound)
+        (void)fail(reason, STATUS_INPUT, "%s: %s", file_label(p->verify), why.text);
     if (!status)
         printf("%s: %s, %s of at most %s, depth %u, %s too small\n", p->verify,
                COUNTED(stats.node_count, "node"), COUNTED(stats.leaf_count, "leaf"),

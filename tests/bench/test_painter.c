@@ -154,20 +154,31 @@ static void frames_follow_the_angle(void **state)
     scene_free(&scene);
 }
 
+/* Whatever the layout, also where a tree of the scene is given. */
 static void a_blank_frame_hits_nothing(void **state)
 {
     (void)state;
     struct scene scene = opened();
-    struct painter painter;
-    struct painter_plan plan = plan_of("cpu", "rtrs_rf");
+    struct painter_plan plan = plan_of("cpu", "f32");
+    struct bvh tree;
+    struct reason reason = {""};
     plan.blank = true;
-    open_painter(&plan, &scene, &painter);
-    struct sheet sheet;
-    draw_sheet(&painter, 0, &sheet);
-    assert_int_equal(lit(&sheet), 0);
-    assert_int_equal(painter_bytes(&painter), 0);
-    sheet_free(&sheet);
-    painter_close(&painter);
+    assert_int_equal(bvh_build(plan.builder, &scene, &plan.build, &tree, &reason), STATUS_OK);
+    for (size_t l = 0; layouts_all[l]; l++)
+        for (int given = 0; given < 2; given++) {
+            struct painter painter;
+            struct sheet sheet;
+            plan.layout = layouts_all[l];
+            plan.tree = given ? &tree : NULL;
+            open_painter(&plan, &scene, &painter);
+            assert_int_equal(painter_bytes(&painter), 0);
+            assert_int_equal(painter.tree.node_count, 0);
+            draw_sheet(&painter, 0, &sheet);
+            assert_int_equal(lit(&sheet), 0);
+            sheet_free(&sheet);
+            painter_close(&painter);
+        }
+    bvh_free(&tree);
     scene_free(&scene);
 }
 

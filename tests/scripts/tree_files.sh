@@ -146,8 +146,18 @@ damaged() { # perl on @word; @leaf has where leaves begin there, in the order of
     perl -e 'local $/; binmode STDIN; binmode STDOUT; my @word = unpack "V*", <STDIN>;
         my @leaf = sort { $word[$a + 3] <=> $word[$b + 3] } grep { $word[$_ + 7] } map { 12 + 8 * $_ } 0 .. $word[7] - 1;
         '"$1"'; print pack "V*", @word' <"$dir/f32.rdpk" >"$dir/damaged.rdpk"
-    expect 1 . precompute --scene $scene --verify "$dir/damaged.rdpk"
+    verify_tells "$scene" "$dir/damaged.rdpk"
 }
+# What is wrong with a tree is told in one line that names its file.
+verify_tells() { # scene, file
+    expect 1 . precompute --scene "$1" --verify "$2"
+    one_line && grep -qF "raydiff precompute: $2: " "$dir/err" || bad "precompute --verify $2: not one line of what is wrong in it"
+}
+for layout in '' '--layout f32'; do
+    # shellcheck disable=SC2086 # words of a command
+    expect 0 . precompute --scene soup:n=20 --builder median $layout --out "$dir/other.tree"
+    verify_tells soup:n=20,seed=2 "$dir/other.tree"
+done
 damaged '$word[$leaf[2] + 7] -= 2'
 grep -q ', 0 boxes too small, 2 triangles in no leaf, 0 in several$' "$dir/out" || bad "precompute --verify: 2 left out"
 damaged '$word[$leaf[2] + 7] -= 2; $word[$leaf[7] + 7]++'

@@ -84,6 +84,33 @@ static void computed_points_keep_their_bounds(void **state)
     }
 }
 
+/* The bound on a hit's coordinates is that of the worst of them, whichever it is. */
+static void fuzz_is_of_every_coordinate(void **state)
+{
+    (void)state;
+    size_t worst[3] = {0};
+    for (size_t s = 0; s < ARRAY_COUNT(fields); s++) {
+        struct field *f = opened(fields[s].spec, fields[s].scale, fields[s].offset);
+        shoot(f, fields[s].rays, "mt");
+        for (size_t i = 0; i < f->count; i++) {
+            const struct spawn_hit *hit = &f->hit[i];
+            double most = 0;
+            int at = 0;
+            for (int k = 0; k < 3; k++) {
+                double org = (double)hit->primary.org[k], along = hit->at[k] - org;
+                double one = 0x1p-39 * fabs(along) + 0x1p-51 * fabs(org);
+                at = one > most ? k : at;
+                most = fmax(most, one);
+            }
+            assert_true(hit->fuzz >= most * (1 - 1e-6) && hit->fuzz <= most * (1 + 1e-6));
+            worst[at]++;
+        }
+        closed(f);
+    }
+    for (int k = 0; k < 3; k++)
+        assert_true(worst[k] > 10);
+}
+
 static bool hits_own(const struct field *f, const struct spawn_hit *hit, const float org[3])
 {
     struct oracle_pair pair;
@@ -175,6 +202,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rules_move_by_what_their_sources_say),
         cmocka_unit_test(computed_points_keep_their_bounds),
+        cmocka_unit_test(fuzz_is_of_every_coordinate),
         cmocka_unit_test(offset_0_hits_its_own_triangle_and_the_bound_never_does),
         cmocka_unit_test(the_least_offset_is_the_least),
         cmocka_unit_test(on_a_lattice_one_step_suffices),

@@ -286,6 +286,7 @@ files() {
     ends 2 bench builders --scene "$gone.obj"
     ends 3 bench error --scene sphere:n=4 --engine "$dies" --count 50 --rounds 1
     ends 77 bench matrix --scene sphere:n=4 --rounds 1 $none
+    for named in "$missing" "cpu,$missing"; do ends 77 bench fast --scene sphere:n=4 --engine "$named" --count 50 --rounds 1; done
     # A scene that cannot be read ends what several are given to, wherever it stands among them.
     for of in "$gone.obj sphere:n=4" "sphere:n=4 $gone.obj" "sphere:n=3 $gone.obj sphere:n=4"; do
         list=$(echo "$of" | tr ' ' ';')

@@ -68,6 +68,16 @@ play_spawn() {
     # Neighbours touch.
     run bench spawn --wide --scene sphere:n=4 --count 150 --threads 1 --engine cpu --tri mt --json "$dir/json" --csv "$dir/csv" &&
         values bench_spawn 1000 "$dir/text"
+    # Far is by the largest of its sides, whichever it is: points are moved by as many floats of numbers as large.
+    "$raydiff" scene convert sphere:n=4 "$dir/round.obj" >"$dir/text"
+    for axis in 2 3 4; do
+        awk -v axis=$axis '$1 == "v" { $axis *= 64 } { print }' "$dir/round.obj" >"$dir/long.obj"
+        run bench spawn --scene "$dir/long.obj" --rays edges --count 60 --threads 1 --engine cpu --tri mt --json "$dir/json" && awk -f tests/values/flat.awk "$dir/json" |
+            awk -F '[.=]' '$3 == "far" { far[$2] = $4 } $3 == "rule" { rule[$2] = $4 } /moved_max=/ { sub(/.*=/, ""); moved[n++] = $0 + 0 }
+                END { for (i = 0; i < n; i++) if (far[i] == 1000 && rule[i] == "integer" && moved[i] > most) most = moved[i]; print most + 0 }'
+    done >"$dir/of_axes"
+    sort -g "$dir/of_axes" | awk 'NR == 1 { least = $1 } END { exit !(NR == 3 && least > 0.1 && $1 < 3 * least) }' ||
+        bad "bench spawn: moved by $(echo $(cat "$dir/of_axes")) in a scene that is long on another axis"
 }
 # The third scene has far more triangles than vertices: a time of one is none of the other.
 play_builders() {
@@ -151,11 +161,29 @@ play_matrix() {
     # Larger than the caches.
     bench matrix 150 1 --scene sphere:n=32 --count 400 --threads 1 --engine cpu,fast --layout f32,rf16
     bench matrix 80 1 --scene soup:n=100 --count 100 --threads 1 --engine embree_robust
+    play_leak_rays
     # Members as published are not judged; one of them loses nothing here and yet takes a wrong triangle.
     "$raydiff" scene convert sphere:n=5 "$dir/closed.obj" >"$dir/text" && sed '$d' "$dir/closed.obj" >"$dir/open.obj"
     bench matrix 100 1 --scene "$dir/open.obj" --count 200 --threads 1 --engine cpu --layout rtrs_rf_paper
     lost=$(sed -n 's/^rows\.1\.lost=//p' "$dir/flat") wrong=$(sed -n 's/^rows\.1\.judged_wrong=//p' "$dir/flat")
     [ "$code" -eq 0 ] && [ "$lost" -eq 0 ] && [ "$wrong" -gt 0 ] || bad "bench matrix: rtrs_rf_paper: lost $lost, WRONG $wrong, exit $code"
+}
+# The rays that look for leaks are those of bench error, of every seed.
+play_leak_rays() {
+    leaked() { sed -n "s/^rows\.$1\.\($2\)=//p" "$dir/flat" | awk '{ sum += $1 } END { print sum + 0 }'; }
+    for seed in 1 3; do
+        shared="--scene sphere:n=6 --engine cpu,embree --rounds 1 --threads 1 --seed $seed"
+        run bench error $shared --count 800 --layout rtrs_rf --tri woop --box watertight --json "$dir/json" && awk -f tests/values/flat.awk "$dir/json" >"$dir/flat"
+        want=$(leaked "$(sed -n 's/^rows\.\([0-9]*\)\.engine=embree$/\1/p' "$dir/flat" | head -n 1)" 'edge_leaks\|vertex_leaks')
+        run bench matrix $shared --count 400 --layout rtrs_rf --json "$dir/json" && awk -f tests/values/flat.awk "$dir/json" >"$dir/flat"
+        if grep -q 'engine=embree$' "$dir/flat"; then
+            [ "$(leaked 0 leaks)" -eq "$want" ] && [ "$want" -gt 9 ] || bad "$ran: embree leaks $(leaked 0 leaks) times, not $want as bench error has it"
+        else
+            echo 'SKIP leaks of Embree: it is not installed'
+        fi
+        sed -n 's/^rows\..*\.leaks=/leaks /p' "$dir/flat" | tail -n 1 >>"$dir/of_seeds"
+    done
+    [ "$(sort -u "$dir/of_seeds" | wc -l)" -eq 2 ] || bad 'bench matrix: another seed has the same leaks'
 }
 play_tightness() {
     for count in 1100 2200; do # one group, and two

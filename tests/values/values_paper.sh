@@ -1,6 +1,6 @@
 #!/bin/sh
 # The numbers of `raydiff bench paper` and `bench special` by value, of one frame: bytes by hand, ratios from times.
-# Exit code 77: nothing can draw here. sh tests/values/values_paper.sh RAYDIFF [paper special]
+# Exit code 77: nothing can draw here. sh tests/values/values_paper.sh RAYDIFF [paper special charts]
 set -u
 raydiff=$1
 shift
@@ -31,12 +31,29 @@ play_paper() {
     grep -q '</svg>' "$dir/x.svg" || bad 'paper: no plot'
     grep -q '"left_out": "' "$dir/json" && echo 'SKIP no Vulkan device: the performance table has no line of it'
 }
+# Of two scenes, of which one stands where the paper's second is looked for, each has its rows and its chart.
+play_charts() {
+    whole=$(realpath "$raydiff")
+    mkdir -p "$dir/scenes/fetched"
+    "$raydiff" scene convert sphere:n=3 "$dir/scenes/fetched/utah-teapot.obj" >"$dir/text" 2>"$dir/err" || bad 'no second scene'
+    (cd "$dir" && "$whole" bench paper --size 8x6 --frames 1 --out x --svg x.svg) >"$dir/text" 2>"$dir/err"
+    code=$?
+    [ "$code" -eq 0 ] || bad "bench paper of two scenes: exit $code"
+    [ "$(grep -o '"scene": "[^"]*"' "$dir/x.json" | sort -u | wc -l)" -eq 2 ] || bad 'paper: not the rows of two scenes'
+    if grep -q '"left_out": "' "$dir/x.json"; then
+        skipped=1
+        return
+    fi
+    for chart in default teapot; do
+        grep -q '</svg>' "$dir/x-$chart.svg" && [ -s "$dir/x-$chart.png" ] || bad "paper: no chart of its scene $chart"
+    done
+}
 # Both pipelines draw the same bits, or it ends with 1.
 play_special() { draw special 30; }
 
 for part in ${*:-paper special}; do
     "play_$part"
-    [ $skipped -eq 1 ] || all_seen "bench_$part"
+    [ $skipped -eq 1 ] || [ "$part" = charts ] || all_seen "bench_$part"
 done
 echo "values_paper: $failed failed"
 [ "$failed" -eq 0 ] || exit 1
