@@ -84,6 +84,52 @@ static void it_counts_as_a_second_model_does(void **state)
     }
 }
 
+/* Whichever number is other than the rest has it, that is seen: here by as much as lines and bursts hold. */
+static void what_is_not_conserved_is_seen(void **state)
+{
+    (void)state;
+    const struct traffic_memory_size size = {
+        .cache = {{256, 2, 64}, {1024, 2, 64}}, .units = 1, .row_bytes = 256};
+    struct traffic_memory m = make(&size);
+    struct rng rng = rng_make(3, 7);
+    for (int i = 0; i < 400; i++)
+        traffic_access(&m, 0, TRAFFIC_L1, (enum traffic_array)rng_below(&rng, TRAFFIC_ARRAYS),
+                       rng_below(&rng, 4096), 1 + rng_below(&rng, 99), i % 3 == 0);
+    uint64_t *number[3 * (2 * TRAFFIC_CAUSES + 2) + 2] = {&m.row_hits, &m.row_misses};
+    size_t count = 2;
+    for (int level = 0; level < TRAFFIC_LEVELS; level++) {
+        struct traffic_count *one = &m.count[level];
+        assert_true(one->read > 0 && one->written > 0);
+        number[count++] = &one->read;
+        number[count++] = &one->written;
+        for (int cause = 0; cause < TRAFFIC_CAUSES; cause++) {
+            number[count++] = &one->in[cause];
+            number[count++] = &one->out[cause];
+        }
+    }
+    assert_int_equal(count, ARRAY_COUNT(number));
+    for (int cached = 0; cached < 2; cached++)
+        for (size_t i = 0; i < count; i++) {
+            assert_true(traffic_conserved(&m, cached));
+            *number[i] += 64;
+            assert_false(traffic_conserved(&m, cached));
+            *number[i] -= 64;
+        }
+    /* Sums that hold, of what no line of level 1 brought: only caches tell. */
+    struct traffic_count *second = &m.count[TRAFFIC_L2];
+    uint64_t *const sums[2][2] = {{&second->read, &second->in[TRAFFIC_RAYS]},
+                                  {&second->written, &second->out[TRAFFIC_HITS]}};
+    const uint64_t more[] = {4, 64 * (m.count[TRAFFIC_L1].misses + 1)};
+    for (int way = 0; way < 2; way++)
+        for (size_t i = 0; i < ARRAY_COUNT(more); i++) {
+            *sums[way][0] += more[i], *sums[way][1] += more[i];
+            assert_false(traffic_conserved(&m, true));
+            assert_true(traffic_conserved(&m, false));
+            *sums[way][0] -= more[i], *sums[way][1] -= more[i];
+        }
+    traffic_memory_free(&m);
+}
+
 /* Of an infinite cache DRAM gives each burst once; of smaller ones no fewer. */
 static void larger_caches_read_no_more_and_the_largest_the_working_set(void **state)
 {
@@ -229,6 +275,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_counts_as_a_second_model_does),
+        cmocka_unit_test(what_is_not_conserved_is_seen),
         cmocka_unit_test(larger_caches_read_no_more_and_the_largest_the_working_set),
         cmocka_unit_test(dram_moves_bursts),
         cmocka_unit_test(a_stream_finds_its_rows_open),
