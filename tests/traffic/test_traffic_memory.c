@@ -84,7 +84,7 @@ static void it_counts_as_a_second_model_does(void **state)
     }
 }
 
-/* Whichever number is other than the rest has it, that is seen: here by as much as lines and bursts hold. */
+/* Whichever number is other than the rest has it, that is seen. */
 static void what_is_not_conserved_is_seen(void **state)
 {
     (void)state;
@@ -92,9 +92,11 @@ static void what_is_not_conserved_is_seen(void **state)
         .cache = {{256, 2, 64}, {1024, 2, 64}}, .units = 1, .row_bytes = 256};
     struct traffic_memory m = make(&size);
     struct rng rng = rng_make(3, 7);
-    for (int i = 0; i < 400; i++)
-        traffic_access(&m, 0, TRAFFIC_L1, (enum traffic_array)rng_below(&rng, TRAFFIC_ARRAYS),
-                       rng_below(&rng, 4096), 1 + rng_below(&rng, 99), i % 3 == 0);
+    for (int i = 0; i < 400; i++) {
+        enum traffic_array array = (enum traffic_array)rng_below(&rng, TRAFFIC_ARRAYS);
+        uint32_t offset = rng_below(&rng, 4096);
+        traffic_access(&m, 0, TRAFFIC_L1, array, offset, 1 + (uint32_t)i % 99, i % 3 == 0);
+    }
     uint64_t *number[3 * (2 * TRAFFIC_CAUSES + 2) + 2] = {&m.row_hits, &m.row_misses};
     size_t count = 2;
     for (int level = 0; level < TRAFFIC_LEVELS; level++) {
