@@ -26,5 +26,18 @@ done
 # One of two that are named is enough.
 expect 0 . bench traffic --scene cornell --count 20 --scheduler raycore,packets --packet 3
 expect 2 'packet: not used' bench traffic --scene cornell --count 20 --scheduler raycore,dual --packet 3
+# A treelet that is smaller than a node of one of the layouts is refused, wherever that one stands.
+for layouts in f32 rf16 cwbvh80 f32,rf16 rf16,f32 f32,rf16,cwbvh80 cwbvh80,f32,rf16 rf16,cwbvh80,f32; do
+    for bytes in 8 24 48 79 4096; do
+        least=
+        for layout in $(echo $layouts | tr , ' '); do
+            case $layout in rf16) node=16 ;; f32) node=32 ;; cwbvh80) node=80 ;; esac
+            [ -n "$least" ] || [ $bytes -ge $node ] || least="treelet: $bytes bytes are smaller than a node of layout $layout, $node bytes"
+        done
+        [ -n "$least" ] || [ $bytes -eq 4096 ] || continue # its triangles are in it, too
+        expect $([ -z "$least" ] && echo 0 || echo 2) "$least" bench traffic --scene cornell --count 20 --scheduler treelets \
+            --layout $layouts --treelet $bytes
+    done
+done
 echo "traffic options: $failed failed"
 [ "$failed" -eq 0 ]

@@ -239,6 +239,12 @@ files() {
     ends 2 report --check "$dir/one.json" --out "$dir/r.html"
     ends 3 report soup:n=50 --out "$dir/r.html" --parts check --quick --count 100 --engine "$dies"
     ends 77 report soup:n=50 --out "$dir/r.html" --parts check --quick --count 100 $none
+    # What a report found is no better for a file that it cannot write behind it.
+    if [ -w /dev/full ]; then
+        ends 3 report soup:n=50 --out "$dir/r.html" --parts check --quick --count 100 --engine "$dies" --json /dev/full
+        ends 2 report soup:n=50 --out "$dir/r.html" --parts check --quick --count 100 --engine "$blind" --json /dev/full
+        ends 2 report soup:n=50 --out "$dir/r.html" $few --json /dev/full
+    fi
     ends 0 doctor
     ends 77 doctor --driver no-such-driver
     ends 2 doctor --json "$gone/file"

@@ -141,6 +141,11 @@ play_frames() {
     done
     run bench frames --scene sphere:n=6 --engine cpu --layout f32,rf16,cwbvh80 --frames 1 --size 16x12 --out "$dir/frames" &&
         cp "$dir/frames.json" "$dir/json" && values bench_frames 60 "$dir/other.flat" "$dir/text" "$dir/frames.csv"
+    # The versions are those of every engine that draws, wherever it stands.
+    for engines in cpu,fast fast,cpu fast; do
+        run bench frames --scene sphere:n=3 --engine $engines --layout f32 --frames 1 --size 8x6 --out "$dir/frames"
+        grep -q '"versions": ".*fast: [0-9]* thread' "$dir/frames.json" || bad "$ran: no version of engine fast"
+    done
     # One handler alone: no ratio.
     rm "$dir/other.flat"
     run render sphere:n=6 --benchmark --benchmark-frames 3 --benchmark-turns 1 --benchmark-warm-up 2 -w 16 -h 12 --camera-orbit \

@@ -49,7 +49,10 @@ play_charts() {
     done
 }
 # Both pipelines draw the same bits, or it ends with 1.
-play_special() { draw special 30; }
+play_special() {
+    wide=1 && draw_once special 30 --wide
+    wide=0 && draw_once special 30 --quick # as many frames as are asked for
+}
 
 for part in ${*:-paper special}; do
     "play_$part"

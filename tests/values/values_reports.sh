@@ -160,6 +160,8 @@ for scene in soup:n=60 cornell; do
     grep -qx 2 "$dir/commands" && bad "report $scene: a part is bad input"
     grep '^raydiff ' "$dir/commands" >"$dir/lines"
     [ "$(wc -l <"$dir/lines")" -ge 8 ] || bad "report $scene: $(wc -l <"$dir/lines") commands"
+    [ "$(grep -c '^raydiff bench .* --rounds 1 ' "$dir/lines")" -eq 2 ] && ! grep '^raydiff [cb][a-z]* ' "$dir/lines" | grep -qv ' --count 100 ' ||
+        bad "report $scene: not the count or the rounds that it was given"
     refused=0
     while read -r line; do
         for option in $given; do
@@ -173,6 +175,13 @@ for scene in soup:n=60 cornell; do
         done
     done <"$dir/lines"
     [ "$refused" -ge 10 ] || bad "report $scene: only $refused options are left out"
+done
+
+# A picture of two layouts is of what the second has less what the first has.
+for layouts in f32,rf16 rf16,f32; do
+    run report soup:n=9 --quick --parts pictures --engine cpu --layout $layouts --out "$dir/page.html"
+    [ "$(grep -o '<b>[^<]*, [a-z0-9]* less [a-z0-9]*</b>' "$dir/page.html" | sed 's/.*, //; s/<.*//' | sort -u)" = "${layouts#*,} less ${layouts%,*}" ] ||
+        bad "report of $layouts: titles of their differences"
 done
 
 # A layout that does not hold the scene counts where it was named, in pictures, too.
