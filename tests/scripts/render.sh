@@ -162,6 +162,13 @@ done
 grep -q '^2,[0-9]*,[0-9]*,0,0x1\.[0-9a-f]*p+[0-9],[0-9]*,' "$dir/turn.csv" || bad "--paths has t to the bit"
 expect 0 . render --frames 2 -w 8 -h 8 --out "$dir/n%02d.png" --paths "$dir/n.json"
 [ -s "$dir/n01.png" ] && [ -s "$dir/n02.png" ] || bad "%02d is the number"
+for digits in 1 2 3 4 5 6 7 8 9; do
+    expect 0 . render -w 8 -h 8 --out "$dir/d$digits-%0${digits}d.png"
+    [ -s "$dir/d$digits-$(printf "%0${digits}d" 1).png" ] || bad "a number of $digits digits"
+done
+for place in %0d %00d %010d %1d %-2d %x %%d %d%d % %d-%; do
+    expect 2 "after % stands d or 04d, the picture's number, once" render -w 8 -h 8 --out "$dir/p$place.png"
+done
 python3 -c 'import json, sys; assert len(json.load(open(sys.argv[1]))["segments"][0]) == 8' "$dir/n.json" ||
     bad "--paths FILE.json is JSON of eight columns"
 expect 2 "the scene's camera is fixed; --camera-orbit turns it" render --frames 2 --camera-fixed $small

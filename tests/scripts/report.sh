@@ -174,7 +174,7 @@ done <<'END'
 64 --picture~t=none.png --picture: at most 64 pictures
 16 none.obj at most 16 scenes
 END
-expect 2 'is not TITLE=FILE' report --picture x.png --out "$dir/x.html"
+for picture in x.png =x.png title= = ''; do expect 2 'is not TITLE=FILE' report --picture "$picture" --out "$dir/x.html"; done
 expect 2 'is no JSON of raydiff check' report --check "$dir/d.json" --out "$dir/x.html"
 expect 2 'is no JSON of raydiff doctor' report --doctor "$dir/c.json" --out "$dir/x.html"
 expect 2 'No such file' report --bench "$dir/none.json" --out "$dir/x.html"
