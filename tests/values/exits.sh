@@ -270,6 +270,15 @@ files() {
     ends 1 diff sphere:n=4 --engine "cpu,$blind" $size
     ends 3 diff sphere:n=4 --engine "cpu,$dies" $size
     ends 77 diff sphere:n=4 --engine cpu,vulkan --driver no-such-driver $size
+    # Two names of one engine are refused, also behind another that runs.
+    for engines in brute,cpu cpu,brute vulkan,brute,cpu vulkan,cpu,brute; do
+        "$raydiff" diff sphere:n=4 --engine $engines --handler naive $size >"$dir/text" 2>"$dir/err"
+        case $?,$engines in
+        2,*) grep -q 'brute is selected by two names' "$dir/err" || bad "diff of $engines: not refused as two names" ;;
+        77,vulkan*) echo "SKIP two names behind engine vulkan: $(tail -n 1 "$dir/err")" ;;
+        *) bad "diff of $engines, which are two names of one engine" ;;
+        esac
+    done
     ends 0 bench builders --scene sphere:n=4 --rounds 1
     ends 1 bench error --scene sphere:n=4 --engine "$blind" --count 50 --rounds 1
     ends 0 bench matrix --scene sphere:n=4 --engine "$sees" --count 50 --rounds 1
