@@ -60,6 +60,16 @@ expect 2 "'nan' is not a finite number" check soup --eps nan
 frames="bench frames --engine cpu --layout f32 --frames 1 --size 8x8 --out $dir/frames --seed 3"
 expect 2 '--seed: not used here: it needs a scene or rays that are drawn by chance' $frames
 expect 0 . $frames --scene soup:n=9
+# Of several scenes it may be any; rays through pixels are not drawn, nor is what has a seed of its own.
+fixed='--rays primary --seed 3 --engine cpu --layout f32 --count 50 --repeat 1'
+for scenes in soup:n=99 'soup:n=99 cornell' 'cornell soup:n=99' 'cornell sphere:n=2 soup:n=99'; do
+    expect 0 . check $scenes $fixed
+    expect 0 . scene info $scenes --seed 3
+done
+for scenes in cornell 'cornell sphere:n=2' 'soup:n=9,seed=2 cornell'; do
+    expect 2 '^raydiff check: --seed: not used here: it needs a scene or rays that are drawn by chance' check $scenes $fixed
+    expect 2 '^raydiff scene: --seed: not used here: it needs a scene or rays' scene info $scenes --seed 3
+done
 expect 2 '--threads: not used by benchmark special' bench special --threads 2
 # Lists are no longer than they can be; a word is looked for between commas alone.
 expect 2 "^raydiff bench: --scene: at most 16 scenes " bench builders --scene "$(seq -s';' 17)"

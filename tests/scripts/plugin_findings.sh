@@ -94,6 +94,12 @@ cp "$root/fuzz/samples/layout/mine4.glsl" .
 decoded() { # code, what is said, layout, shader
     expect "$1" . explain --wide sphere:n=8 --rays mixed --count 50 --index 0 --layout "./$3.so" --shader "$4" --json d.json
     grep -qE "^decode    $2" out || bad "explain --shader $4 does not say '$2'"
+    grep -q "\"exit\": $1,\$" d.json || bad "explain --shader $4: the JSON tells another exit code"
+}
+# So, too, where all answers are right and there is no page.
+decoded_alone() { # code, layout, shader
+    expect "$1" 'no answer of cpu is wrong' explain sphere:n=8 --count 50 --layout "./$2.so" --shader "$3" --json none.json
+    grep -q "\"exit\": $1,\$" none.json || bad "explain --shader $3, no answer wrong: the JSON tells another exit code"
 }
 lie() { # file, what of it, what instead, then as decoded
     sed "s/$2/$3/" "$1" >bad.glsl
@@ -112,6 +118,8 @@ if plays decode; then
             'record 334: z hi: C decodes 0x1.4779eep-1 \(0.639602125\), GLSL 0x1.a20bd8p-1 \(0.816496611\)'
         grep -q '^          1 of 335 records ' out || bad "explain does not count the records that differ"
         grep -q '"first": "record 334: z hi: ' d.json || bad "explain --json has no decode"
+        decoded_alone 1 mine bad.glsl
+        decoded_alone 0 mine mine.glsl
         lie mine.glsl 'at < job.item_count' 'both(at < job.item_count, at != 511u)' 'record 334: item slot 3: C decodes 151, GLSL none'
         lie mine.glsl 'leaf(n.b, n.a \& ~NODE_LEAF)' 'leaf(n.b, n.b == 508u ? 3u : 4u)' 'record [0-9]*: items: C decodes [0-9]+, GLSL [0-9]+'
         lie mine.glsl 'return n.b;' 'return n.a == 0u ? n.b : n.b + 1u;' 'record 1: second child: C decodes 85, GLSL 86'

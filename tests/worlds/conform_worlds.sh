@@ -77,5 +77,16 @@ for named in lbvh rtrs,median median,sah_binned,lbvh; do
     cycle "$named" | cmp -s - "$dir/names" || bad "conform --worlds --builder $named: other builders: $(tr '\n' ' ' <"$dir/names")"
 done
 
+# What an option needs is looked for in the engines that are named, else in all, whatever else is named.
+for named in '' '--engine cpu' '--engine cpu,brute'; do
+    for option in '--layout f32' '--builder median' '--box robust'; do
+        expect 0 . conform --worlds --list $named $option
+    done
+done
+for option in '--layout f32' '--builder median' '--box robust'; do
+    expect 2 "^raydiff conform: ${option% *}: not used here: it needs an engine that walks trees" \
+        conform --worlds --list --engine brute $option
+done
+
 echo "conform_worlds: $failed failed"
 [ "$failed" -eq 0 ]
