@@ -111,6 +111,7 @@ plain)
     suite values_show sh tests/values/values_pictures.sh "$build/raydiff" show
     suite values_scenes sh tests/values/values_scenes.sh "$build/raydiff"
     suite values_conform sh tests/values/values_conform.sh "$build/raydiff"
+    suite product sh tests/conform/product.sh "$build/raydiff"
     suite values_selftest sh tests/values/values_selftest.sh "$build/raydiff"
     suite values_findings sh tests/values/values_findings.sh "$build/raydiff"
     suite explains sh tests/values/explains.sh "$build/raydiff"

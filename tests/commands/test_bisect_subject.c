@@ -140,11 +140,50 @@ static void a_file_brings_each_of_its_members(void **state)
     globfree(&found);
 }
 
+/* Compilers that compile alike are the same, however they are named. */
+static void two_compilers_are_not_the_same(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        int is;
+    } named[] = {{"raw", 0},
+                 {"raw:source", 0},
+                 {"raw:none", 1},
+                 {"opt", 2},
+                 {"opt:source", 2},
+                 {"opt:final", 3},
+                 {"size", 4},
+                 {"passes:ccp", 5},
+                 {"passes:ccp:source", 5},
+                 {"passes:ccp:none", 6}};
+    for (size_t i = 0; i < ARRAY_COUNT(named); i++)
+        for (size_t k = 0; k < ARRAY_COUNT(named); k++) {
+            struct bisect_options o = options_made();
+            struct bisect_subject subject = {0};
+            struct reason reason = {""};
+            o.query = QUERY_CLOSEST;
+            o.engine = engine_find("vulkan");
+            o.layout = layout_find("f32");
+            o.bad = named[i].text;
+            o.good = named[k].text;
+            const enum status status = bisect_subject_open(&o, "soup:n=9", &subject, &reason);
+            if (status == STATUS_UNSUPPORTED)
+                skip();
+            assert_int_equal(status, named[i].is == named[k].is ? STATUS_INPUT : STATUS_OK);
+            assert_int_equal(strstr(reason.text, "it is the same compiler") != NULL,
+                             named[i].is == named[k].is);
+            if (!status)
+                bisect_subject_free(&subject);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_name_brings_each_of_its_members),
         cmocka_unit_test(a_file_brings_each_of_its_members),
+        cmocka_unit_test(two_compilers_are_not_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

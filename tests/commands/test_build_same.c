@@ -157,6 +157,29 @@ static void what_differs_is_a_mismatch(void **state)
     }
 }
 
+/* Each library that builds trees of its own has all its builds, and traces all rays in each. */
+static void every_library_has_its_builds(void **state)
+{
+    (void)state;
+    const struct same_job job = {.rounds = 2, .seed = 3};
+    struct same_engine one[SAME_ENGINES_MOST];
+    struct scene scene;
+    struct reason reason;
+    size_t count = 0, at = 0;
+    assert_int_equal(scene_open("soup:n=50", 1, &scene, &reason), STATUS_OK);
+    assert_int_equal(same_engines(&job, &scene, one, &count, &reason), STATUS_OK);
+    for (size_t i = 0; engines[i]; i++) {
+        if (!engines[i]->library || engines[i]->needs_packed)
+            continue;
+        assert_true(at < count && one[at].engine == engines[i]);
+        assert_true(one[at].absent ? one[at].builds == 0 : one[at].builds == 8);
+        assert_true(one[at].rays == one[0].rays && one[at].wrong == 0);
+        at++;
+    }
+    assert_int_equal(at, count);
+    scene_free(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -165,6 +188,7 @@ int main(void)
         cmocka_unit_test(one_build_that_differs_is_seen),
         cmocka_unit_test(a_tree_of_another_size_is_seen),
         cmocka_unit_test(what_differs_is_a_mismatch),
+        cmocka_unit_test(every_library_has_its_builds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,10 +2,14 @@
  * its own name, in the text, the JSON and the files for CI systems. */
 #define _GNU_SOURCE /* mkdtemp, open_memstream */
 #include "cmd/fuzz/cmd_fuzz.h"
+#include "cmd/fuzz/cmd_fuzz_report.h"
 #include "fuzz/play/coverage.h"
+#include "ref/base/text.h"
 
 #include "tests/commands/told.h"
 #include "tests/support/root.h"
+
+#include <sys/stat.h>
 
 #define AGAIN 3
 
@@ -287,12 +291,77 @@ static void the_lines_of_a_campaign(void **state)
     end_campaign(c);
 }
 
+/* What the list of known findings says comes first, then whether a finding shows again, then that a
+ * line of the list has expired. */
+static void the_state_of_a_finding(void **state)
+{
+    (void)state;
+    static const char *const until[] = {NULL, "2001-01-01", "2099-12-31"};
+    for (int turn = 0; turn < 36; turn++) {
+        struct told_campaign *c = campaign_made();
+        struct reason reason = {""};
+        char list[400] = "";
+        const int line[] = {turn % 3, turn / 3 % 3}, flaky[] = {turn / 9 % 2, turn / 18};
+        static const char *const cause[] = {"sentinel", "slot_not_read"};
+        for (size_t i = 0; i < 2; i++) {
+            if (until[line[i]])
+                text_append(list, sizeof list, "cpu.f32.missed.%s until %s because https://x.org\n",
+                            cause[i], until[line[i]]);
+            c->mark[i] = (struct campaign_mark){.played_again = AGAIN, .shown = !flaky[i]};
+        }
+        strcpy(c->command.today, "2030-01-01");
+        if (baseline_add(&c->command.baseline, "l", list, strlen(list), &reason))
+            fail_msg("%s", reason.text);
+        for (size_t i = 0; i < 2; i++) {
+            const char *expected = line[i] == 2 ? "known"
+                                   : flaky[i]   ? "flaky"
+                                   : line[i]    ? "expired"
+                                                : "new";
+            struct finding_words words;
+            fuzz_describe(&c->command, &c->view, i, &words);
+            assert_string_equal(report_state_name(words.state), expected);
+            assert_int_equal(strstr(words.answer.text, "did not recur") != NULL,
+                             strcmp(expected, "flaky") == 0);
+        }
+        end_campaign(c);
+    }
+}
+
+/* A record of the numbers that could not be written is told at the end, whatever is written later:
+ * the first fault, once it was there. */
+static void what_was_not_written_stays_a_fault(void **state)
+{
+    (void)state;
+    for (int plan = 0; plan < 16; plan++) {
+        struct told_campaign *c = campaign_made();
+        char path[200], first[sizeof c->command.failed.text] = "";
+        snprintf(path, sizeof path, "%s/stats.json", findings_folder(c->view.findings)->path);
+        for (int time = 0; time < 4; time++) {
+            const bool is_taken = (plan >> time) % 2 == 1;
+            unlink(path);
+            if (is_taken)
+                assert_int_equal(mkdir(path, 0700), 0);
+            c->command.stats_ns = 0;
+            fuzz_show(&c->command, &c->view);
+            assert_int_equal(c->command.failed_status != STATUS_OK, plan % (2 << time) != 0);
+            if (c->command.failed_status && !first[0])
+                strcpy(first, c->command.failed.text);
+            assert_string_equal(c->command.failed.text, first);
+            if (is_taken)
+                assert_int_equal(rmdir(path), 0);
+        }
+        end_campaign(c);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_json_of_a_campaign),
         cmocka_unit_test(the_text_of_a_campaign),
         cmocka_unit_test(the_lines_of_a_campaign),
+        cmocka_unit_test(the_state_of_a_finding),
+        cmocka_unit_test(what_was_not_written_stays_a_fault),
     };
     return cmocka_run_group_tests(tests, make_root, remove_root);
 }

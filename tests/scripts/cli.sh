@@ -26,6 +26,20 @@ expect 2 .
 expect 2 "unknown command 'chekc' .*; did you mean check\?$" chekc
 expect 2 "unknown option: '--cuont'; did you mean --count?" check soup --cuont 3
 expect 2 "unknown option: '--coun'; did you mean --count?" check soup --coun 3
+# What two letters or more begin is meant, the first of all that they begin.
+"$raydiff" check --help | sed -n 's/^  --\([a-z-]*\).*/\1/p' >"$dir/names"
+[ "$(wc -l <"$dir/names")" -gt 40 ] || bad 'check has few options'
+for length in 2 3 4; do
+    for begun in $(cut -c "-$length" "$dir/names" | sort -u); do
+        grep -qx -- "$begun" "$dir/names" && continue
+        "$raydiff" check soup --$begun 3 2>"$dir/err" >"$dir/out"
+        told=$(sed -n "s/^raydiff check: unknown option: '--$begun'; did you mean --\([a-z-]*\)? (see raydiff check --help)\$/\1/p" "$dir/err")
+        case $told in
+        "$begun"*) grep -qx -- "$told" "$dir/names" || bad "check --$begun: --$told is no option" ;;
+        *) bad "check --$begun: not an option that it begins, but --$told" ;;
+        esac
+    done
+done
 expect 2 "unknown name 'vulcan'.*; did you mean vulkan?" check soup --engine vulcan
 expect 2 "unknown name 'sah_swep'.*; did you mean sah_sweep?" check soup --builder sah_swep
 expect 2 "unknown option: '--frobnicate' .see" check soup --frobnicate

@@ -98,7 +98,8 @@ decoded() { # code, what is said, layout, shader
 }
 # So, too, where all answers are right and there is no page.
 decoded_alone() { # code, layout, shader
-    expect "$1" 'no answer of cpu is wrong' explain sphere:n=8 --count 50 --layout "./$2.so" --shader "$3" --json none.json
+    expect "$1" . explain sphere:n=8 --count 50 --layout "./$2.so" --shader "$3" --json none.json
+    grep -q ': no answer of cpu is wrong$' out || bad "explain --shader $3: an answer is wrong"
     grep -q "\"exit\": $1,\$" none.json || bad "explain --shader $3, no answer wrong: the JSON tells another exit code"
 }
 lie() { # file, what of it, what instead, then as decoded

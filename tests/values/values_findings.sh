@@ -171,8 +171,8 @@ done
 replayed fuzz/corpus/bad-rays.trial 77 skipped --engine cpu,vulkan --driver no-such-driver
 replayed fuzz/corpus/bad-rays.trial 0 played --engine cpu,brute
 
-# A tracer and a blind one. A hit on an edge where the triangle's box ends may be lost by slabs; no word of that
-# if it is answered, nor inside, nor where nothing is hit.
+# A tracer, a blind one, and one that ends. A hit on an edge where the triangle's box ends may be lost by slabs; no word
+# of that if it is answered, nor inside, nor where nothing is hit, nor where there is no answer.
 cat >"$dir/edge.trial" <<'END'
 raydiff trial 1
 expect clean
@@ -192,13 +192,19 @@ rays 3
 0.25 0.25 1 0 0 -1 0 9
 end
 END
-for tracer in sees blind; do
-    sed "$([ $tracer = blind ] && echo 's/size > 0\.0f/size > 1e30f/')" fuzz/samples/sample_tracer.c >"$dir/$tracer.c"
+for tracer in sees blind ends; do
+    case $tracer in
+    sees) change= ;;
+    blind) change='s/size > 0\.0f/size > 1e30f/' ;;
+    ends) change='s/        struct ray \*ray = take/        if (q.rays > 0) return 0;\n&/' ;;
+    esac
+    sed "$change" fuzz/samples/sample_tracer.c >"$dir/$tracer.c"
     cc -O1 -o "$dir/$tracer" "$dir/$tracer.c" || bad "$tracer is not compiled"
     for index in 0 1 2; do
         case $tracer$index in
         blind0) hints=2 code=0 ;;
         blind1) hints=0 code=1 ;;
+        ends*) hints=0 code=3 ;;
         *) hints=0 code=0 ;;
         esac
         try $code explain "$dir/edge.trial" --wide --index $index --engine "pipe:$dir/$tracer"

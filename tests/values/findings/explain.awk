@@ -113,6 +113,11 @@ FNR == 1 { equal("scene", $0, "scene     " v["subject.scene"] ": " triangles " t
     next
 }
 /^verdict   / {
+    if (v["finished"] != "true") {
+        equal("verdict", substr($0, 11), "not finished")
+        equal("exit code", v["exit"], 3)
+        next
+    }
     wrong_one = v["judgement.verdict"] == "wrong"
     text = wrong_one ? "WRONG: " v["judgement.wrong"] : (v["judgement.verdict"] == "right" ? "" : "allowed: ") v["judgement.verdict"]
     if (wrong_one && v["judgement.expected"] != "null") text = text ", triangle " v["judgement.expected"] " was to be found"
