@@ -4,6 +4,7 @@
 #define _GNU_SOURCE /* open_memstream */
 #include "tests/commands/told_check.h"
 
+#include "cmd/common/cmd_compiler.h"
 #include "ref/base/command.h"
 #include "ref/base/rng.h"
 #include "ref/base/text.h"
@@ -13,7 +14,7 @@
 #define TEXT   8000u
 
 struct summed_check {
-    struct engine library, compiled;
+    struct engine library, compiled[2];
     struct row row[ROWS];
     struct check_scene scene;
 };
@@ -21,7 +22,7 @@ struct summed_check {
 static void draw_row(struct rng *rng, struct summed_check *d, struct row *row)
 {
     static const char *const layout[] = {"f32", "f32", "rf16", "half4"};
-    const uint32_t player = rng_below(rng, 4);
+    const uint32_t player = rng_below(rng, 5);
     *row = (struct row){.status = rng_below(rng, 5) ? ROW_OK : ROW_REFUSED,
                         .options = {.builder = builders_all[rng_below(rng, 2)],
                                     .build = {.leaf = 4},
@@ -30,9 +31,9 @@ static void draw_row(struct rng *rng, struct summed_check *d, struct row *row)
                                     .tri = tri_tests[rng_below(rng, 2)],
                                     .query = (enum query)rng_below(rng, 2)},
                         .engine = player == 0   ? &d->library
-                                  : player == 1 ? &d->compiled
-                                  : player == 2 ? engine_find("cpu")
-                                                : engine_find("vulkan"),
+                                  : player == 1 ? engine_find("cpu")
+                                  : player == 2 ? engine_find("vulkan")
+                                                : &d->compiled[player - 3],
                         .layout = player == 0 ? NULL : layout_find(layout[rng_below(rng, 4)]),
                         .rays = 1 + rng_below(rng, 9),
                         .bits = rng_below(rng, 2) == 0,
@@ -46,18 +47,26 @@ static void draw_row(struct rng *rng, struct summed_check *d, struct row *row)
     row->mrays[1] = row->mrays[0] - 1 - rng_below(rng, 8);
     row->mrays[2] = row->mrays[0] + 1 + rng_below(rng, 8);
     row->count[VERDICT_WRONG] = rng_below(rng, 3);
-    row->compiled = (struct engine_compiled){.compiler = "c", .raw = engine_find("vulkan")};
-    row->compiled.words = player == 1 ? 1 + rng_below(rng, 9) : 0;
+    row->moved = rng_below(rng, 9);
+    row->against = engine_find("vulkan");
+    row->compiled = (struct engine_compiled){.compiler = row->engine->name,
+                                             .raw = engine_find("vulkan"),
+                                             .ops = rng_below(rng, 90),
+                                             .kept = rng_below(rng, 90),
+                                             .foreign = rng_below(rng, 9),
+                                             .free = row->engine == &d->compiled[1],
+                                             .words = player > 2 ? 1 + rng_below(rng, 9) : 0};
 }
 
 static void draw(struct rng *rng, struct summed_check *d)
 {
-    *d =
-        (struct summed_check){.library = *engine_find("brute"), .compiled = *engine_find("vulkan")};
+    *d = (struct summed_check){.library = *engine_find("brute"),
+                               .compiled = {*engine_find("vulkan"), *engine_find("vulkan")}};
     d->library.name = "lib";
     d->library.library = true;
     d->library.reference = false;
-    d->compiled.name = "compiled";
+    d->compiled[0].name = "c0";
+    d->compiled[1].name = "c1";
     d->scene = (struct check_scene){.spec = "s",
                                     .tri_count = 50,
                                     .vertex_count = 9,
@@ -161,7 +170,7 @@ static void agreement_of_rows(const struct summed_check *d, char *text)
         for (size_t i = 0; i < d->scene.row_count; i++) {
             const struct row *row = &d->row[i];
             if (row->status != ROW_OK || !row->bits || row->engine == engine_find("cpu") ||
-                (row->engine == &d->compiled) != (built == 1))
+                (row->compiled.words > 0) != (built == 1))
                 continue;
             rows++;
             rays += row->rays;
@@ -223,6 +232,70 @@ static void each_line_is_there_if_its_rows_are(void **state)
     }
 }
 
+/* The sums of one engine with compiled shaders, "" of fewer than two rows; first: its first. */
+static void sum_of(const struct summed_check *d, const struct row *first, char *text)
+{
+    size_t rows = 0, ops = 0, kept = 0, open = 0, equal = 0, other = 0, wrong = 0;
+    for (const struct row *row = first; row < d->row + d->scene.row_count; row++) {
+        if (row->status != ROW_OK || row->engine != first->engine)
+            continue;
+        rows++;
+        ops += row->compiled.ops;
+        kept += row->compiled.kept;
+        open += row->compiled.foreign;
+        equal += row->bits && row->bit_differences == 0;
+        other += row->bits ? row->bit_differences : row->moved;
+        wrong += row->count[VERDICT_WRONG];
+    }
+    if (rows < 2)
+        return;
+    text_append(text, TEXT, "%s vulkan %zu ", first->engine->name, rows);
+    if (first->compiled.free)
+        text_append(text, TEXT, "free, %zu", ops);
+    else
+        text_append(text, TEXT, "%zu of %zu", kept, ops);
+    text_append(text, TEXT, " %zu %zu %zu %zu\n", open, equal, other, wrong);
+}
+
+/* Speeds aside, which stand behind them. */
+static void each_sum_is_that_of_its_rows(void **state)
+{
+    (void)state;
+    const struct screen screen = {.width = 4000, .wide = true};
+    struct rng rng = rng_make(12, 5);
+    size_t sums = 0;
+    for (int turn = 0; turn < 1500; turn++) {
+        struct summed_check d;
+        char expected[TEXT] = "", got[TEXT] = "";
+        draw(&rng, &d);
+        for (size_t i = 0; i < d.scene.row_count; i++) {
+            bool is_first = d.row[i].status == ROW_OK && d.row[i].compiled.words > 0;
+            for (size_t k = 0; k < i && is_first; k++)
+                is_first = d.row[k].status != ROW_OK || d.row[k].engine != d.row[i].engine;
+            if (is_first)
+                sum_of(&d, &d.row[i], expected);
+        }
+        told_begin(&stdout);
+        compilers_print(d.row, d.scene.row_count, "s", NULL, &screen);
+        char *text = told_end();
+        told_squeeze(text);
+        char *line = strstr(text, "all rows of a compiler");
+        for (int k = 0; line && *line; k++) {
+            char *end = strchr(line, '\n'), *at = end;
+            *end = '\0';
+            for (int words = 0; k > 1 && words < 2;) /* the two of speeds */
+                words += *--at == ' ';
+            if (k > 1)
+                text_append(got, TEXT, "%.*s\n", (int)(at - line), line);
+            line = end + 1;
+        }
+        assert_string_equal(got, expected);
+        sums += expected[0] != '\0';
+        free(text);
+    }
+    assert_in_range(sums, 200, 1400);
+}
+
 /* --displacement is used if any scene, whichever, has a row whose formula is unknown; where nothing
  * ran, something else is told. */
 static void what_any_scene_uses_is_used(void **state)
@@ -259,6 +332,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_line_is_there_if_its_rows_are),
+        cmocka_unit_test(each_sum_is_that_of_its_rows),
         cmocka_unit_test(what_any_scene_uses_is_used),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -216,12 +216,36 @@ static void flags_of_the_json(void **state)
     }
 }
 
+/* Where what was prepared anew answers all right, their number is 0; where nothing was, it is null.
+ */
+static void how_many_are_wrong_anew(void **state)
+{
+    (void)state;
+    const struct engine engine = engine_made();
+    const struct match_life life = {.count = 0};
+    for (size_t i = 0; i < 4; i++) {
+        static struct row row;
+        row = row_made(&engine);
+        const struct check_scene scene = scene_made(&row);
+        row.options.life = &life;
+        row.life.again = i >= 2;
+        row.life.wrong_again = i % 2;
+        json_t *json = row_json(&scene, NULL),
+               *told = json_object_get(json_object_get(json, "step"), "wrong_anew");
+        if (row.life.again)
+            assert_int_equal(json_integer_value(told), row.life.wrong_again);
+        assert_true(row.life.again ? json_is_integer(told) : json_is_null(told));
+        json_decref(json);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_json_of_a_row),
         cmocka_unit_test(the_json_of_a_finding),
         cmocka_unit_test(flags_of_the_json),
+        cmocka_unit_test(how_many_are_wrong_anew),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

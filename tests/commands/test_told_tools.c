@@ -147,9 +147,13 @@ static void what_was_built_again(void **state)
          .text = "word y"}};
     const struct same_engine engine = {
         .engine = engine_find("cpu"), .builds = 55, .rays = 56, .other = 57, .wrong = 58};
-    const char *const lines[] = {
-        "verdict builder layout compared differ", "tree 51 52", "f32 53 54",
-        "in 55 builds of its own 57 of 3080 answers have other bits", "and 58 are WRONG"};
+    const char *const lines[] = {"verdict builder layout compared differ",
+                                 "tree 51 52",
+                                 "f32 53 54",
+                                 "median, tree: the first difference node x",
+                                 "median, f32: the first difference word y",
+                                 "in 55 builds of its own 57 of 3080 answers have other bits",
+                                 "and 58 are WRONG"};
     told_begin(&stdout);
     same_print(row, 2, &screen);
     same_print_engines(&engine, 1, &screen);

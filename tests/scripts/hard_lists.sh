@@ -62,6 +62,28 @@ case $? in
 *) bad "conform: a loop that ends early fails: $(head -n 1 "$dir/out")" ;;
 esac
 
+# --quick leaves out no trial of which a defect is known to show.
+lists='--engine cpu --layout f32,rtrs_rf,rtrs_direct --builder median --tri mt,mt_rtrs'
+expect 0 . conform 'hard.63-*' $lists --verbose
+sed -n 's/^KNOWN  *\(hard[^:]*\):.*/\1/p' "$dir/out" | sort >"$dir/known"
+[ "$(wc -l <"$dir/known")" -ge 2 ] || bad 'no trial of hard case 63 shows a known defect'
+expect 0 . conform 'hard.63-*' $lists --quick --list
+sort "$dir/out" | comm -13 - "$dir/known" | grep . && bad 'conform --quick: what shows a defect is left out'
+
+# Verdicts are counted of the answers that are judged, and of those of trials that are excused none.
+expect 0 ' rays more in trials that are waived' conform 'hard.[03][0-9]-*' $lists --box robust
+awk '/^[0-9]+ rays judged: / { for (i = 5; i <= NF; i += 2) sum += $i; exit !(sum > 0 && sum == $1) }' "$dir/out" ||
+    bad "conform: not the verdicts of what is judged: $(grep ' rays judged: ' "$dir/out")"
+
+# What an engine does not finish is a trial that fails, and a part of those that it was to answer.
+sed 's/        struct ray \*ray = take/        if (q.rays > 0) return 0;\n&/' fuzz/samples/sample_tracer.c >"$dir/ends.c"
+cc -O1 -o "$dir/ends" "$dir/ends.c" || bad 'ends.c is not compiled'
+expect 3 . conform 'hard.0[1-4]-*' --engine "pipe:$dir/ends"
+fails=$(grep -c '^FAILED  hard' "$dir/out")
+sed -n "s|^engine pipe:$dir/ends answered \([0-9]*\) of \([0-9]*\), failed \([0-9]*\): .*|\1 \2 \3|p" "$dir/out" >"$dir/told"
+awk -v fails="$fails" '{ told = $2 - $1 == $3 && $3 == fails } END { exit !(told && fails > 4) }' "$dir/told" ||
+    bad "conform: of $fails trials that are not finished it is told '$(cat "$dir/told")'"
+
 for option in '--count 5' '--brute 7' --all '--store compact'; do
     expect 2 "^raydiff conform: ${option%% *}: not used by the hard cases" conform --hard $option
 done

@@ -178,6 +178,15 @@ findings() {
     ends 0 merge --to "$dir/merged" "$f"
     ends 2 merge --to "$dir/merged2" "$gone"
     ends 0 min "$f"
+    for one in $(ls "$f" | grep '\.missed\.'); do # one of several shows no more, wherever it stands: its ray meets nothing
+        rm -rf "$dir/less"
+        cp -r "$f" "$dir/less"
+        for of in "$dir/less/$one"/*.trial; do
+            printf '%s\n' 'raydiff trial 1' "expect $one" 'builder median leaf 4 eps 0.02' 'box robust' 'tri mt' 'query closest' \
+                'vertices 3' '0 0 0' '1 0 0' '0 1 0' 'triangles 1' '0 1 2' 'rays 1' '7 7 7 0 0 1 0 9' end >"$of"
+        done
+        ends 1 min "$dir/less"
+    done
     sed 's/^expect cpu\.[^.]*/expect cpu.f32/' "$trial" >"$dir/cured.trial"
     ends 1 min "$dir/cured.trial" --out "$dir/cured.out" # shows no more
     ends 2 min "$gone"
