@@ -190,6 +190,33 @@ static void the_text_of_a_leaking_world(void **state)
     told_text(printed(&scene, false), lines, ARRAY_COUNT(lines));
 }
 
+/* What is only told from a list stands nowhere, in no sum, where the engine makes none. */
+static void what_needs_lists_is_not_told_without(void **state)
+{
+    (void)state;
+    for (int lists = 0; lists < 2; lists++) {
+        struct leak_row row = row_made();
+        const struct leak_scene scene = scene_made(&row);
+        const char *name;
+        json_t *sum;
+        size_t sums = 0;
+        row.leaks.lists = lists == 1;
+        json_t *root = written(&scene), *told = json_array_get(json_object_get(root, "rows"), 0),
+               *of = json_deep_copy(json_object_get(told, "aims"));
+        json_object_set(of, "total", json_object_get(told, "total"));
+        json_object_foreach(of, name, sum)
+        {
+            assert_true(json_is_integer(json_object_get(sum, "rays")));
+            assert_true(json_is_integer(json_object_get(sum, "misses")));
+            assert_int_equal(json_object_size(sum), lists ? 8 : 2);
+            sums++;
+        }
+        assert_int_equal(sums, LEAK_AIMS + 1);
+        json_decref(of);
+        json_decref(root);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -197,6 +224,7 @@ int main(void)
         cmocka_unit_test(the_table_of_leaks),
         cmocka_unit_test(the_wide_table_of_leaks),
         cmocka_unit_test(the_text_of_a_leaking_world),
+        cmocka_unit_test(what_needs_lists_is_not_told_without),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
