@@ -45,8 +45,9 @@ struct bisect_subject {
 };
 
 /* Reads the subject: a scene or world, the name of a trial of raydiff conform, or a finding's file.
- * Names and files decide members, and may bring the compiler. Errors: STATUS_INPUT; those of
- * compiled_make, finding_file_read, scene_open. */
+ * Names and files decide members, and may bring the compiler. The caller frees it with
+ * bisect_subject_free, after an error, too. Errors: STATUS_INPUT; those of compiled_make,
+ * finding_file_read, scene_open. */
 enum status bisect_subject_open(struct bisect_options *options, const char *text,
                                 struct bisect_subject *out, struct reason *reason) MUST_USE;
 void bisect_subject_free(struct bisect_subject *subject);
