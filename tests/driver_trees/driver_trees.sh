@@ -128,6 +128,20 @@ END
     for way in fast_build compact clone update update_into serialise u16:stride20 scaled; do
         expect 0 . tree sphere:n=4 --from "rayquery:$way" --driver mesa25
     done
+    # What a driver that is not known builds cannot be read: nothing is wrong with the scene.
+    if cc -D_GNU_SOURCE -shared -fPIC -O1 -I. -o "$dir/libforeign.so" tests/driver_trees/foreign_layer.c 2>"$dir/err"; then
+        cat >"$dir/foreign.json" <<END
+{"file_format_version": "1.1.0", "layer": {"name": "VK_LAYER_RAYDIFF_foreign", "type": "GLOBAL",
+ "library_path": "$dir/libforeign.so", "api_version": "1.3.0", "implementation_version": "1", "description": "foreign"}}
+END
+        export VK_LAYER_PATH="$dir" VK_INSTANCE_LAYERS=VK_LAYER_RAYDIFF_foreign
+        expect 77 'of the driver with the UUID 6e6f6e65206f66207468657365000000; lavapipe 25.0.x is read' \
+            tree sphere:n=2 --from rayquery --driver mesa25 --save "$dir/foreign.as"
+        unset VK_LAYER_PATH VK_INSTANCE_LAYERS
+        [ ! -e "$dir/foreign.as" ] || expect 2 'of the driver with the UUID 6e6f6e65206f' tree "$dir/foreign.as"
+    else
+        echo "SKIP a driver that is not known: $(head -n 1 "$dir/err")"
+    fi
 else
     echo "SKIPPED: mesa25 builds nothing here: $(head -n 1 "$dir/err")"
 fi

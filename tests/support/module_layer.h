@@ -1,6 +1,7 @@
 /* A Vulkan layer that looks at each shader module before the driver does. A file that includes this
- * is one once it defines make_module, which hands the module on by next_module; all other calls go
- * to the driver. It uses nothing of raydiff. */
+ * is one once it defines make_module, which hands the module on by next_module. Calls that its
+ * macro LAYER_OWN(name) returns are its own, too; all others go to the driver. It uses nothing of
+ * raydiff. */
 #ifndef MODULE_LAYER_H
 #define MODULE_LAYER_H
 
@@ -9,6 +10,10 @@
 
 #include <stdlib.h>
 #include <string.h>
+
+#ifndef LAYER_OWN
+#define LAYER_OWN(name) NULL
+#endif
 
 static PFN_vkGetInstanceProcAddr next_instance;
 static PFN_vkGetDeviceProcAddr next_device;
@@ -63,7 +68,8 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL vkGetDeviceProcAddr(VkDevice device, co
         return (PFN_vkVoidFunction)make_module;
     if (strcmp(name, "vkGetDeviceProcAddr") == 0)
         return (PFN_vkVoidFunction)vkGetDeviceProcAddr;
-    return next_device(device, name);
+    const PFN_vkVoidFunction own = LAYER_OWN(name);
+    return own ? own : next_device(device, name);
 }
 
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL vkGetInstanceProcAddr(VkInstance instance,
