@@ -21,7 +21,7 @@ cut -d . -f 1-6 "$dir/all" | sort -u | wc -l | grep -qx $product || bad 'conform
 
 # Its cases together take no longer than all of it, and this, in JUnit and as text, no longer than the command.
 begun=$(date +%s)
-expect 0 . conform 'closest.cpu.f32.median.*.mt.sphere.*.1' --count 200 --junit "$dir/xml"
+expect 0 . conform 'closest.cpu.f32.median.*.mt.cornell.*.1' --count 200 --junit "$dir/xml"
 took=$(($(date +%s) - begun + 1))
 told=$(sed -n 's/^[0-9]* trials in \([0-9.]*\) s.*/\1/p' "$dir/out")
 awk -v took="$took" -v told="${told:-9999}" '

@@ -85,7 +85,7 @@ expect 0 . web sphere:n=4 sphere:n=4 cornell --layout f32 --out "$web/scenes"
 grep -q '<p>right</p>' "$web/scenes/sphere-n-4.html" || bad 'an answer that is right has no page'
 perl tests/web/numbers.pl "$web/scenes/sphere-n-4.html" >"$dir/out" 2>&1 || bad 'numbers of a scene'
 # The ray that is shown is among the 256 of a page, wherever it stands in its set.
-for index in 255 256 257 300; do
+for index in 255 256 300; do
     expect 0 . web sphere:n=4 --index $index --layout rf16 --out "$web/later$index"
     perl tests/web/numbers.pl "$web/later$index/sphere-n-4.html" >"$dir/out" 2>&1 || bad "numbers of ray $index"
     grep -q "^\"first\":$((index - 255)),\$" "$web/later$index/sphere-n-4.html" || bad "ray $index is not the last of its page"
