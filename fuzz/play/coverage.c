@@ -82,7 +82,8 @@ static bool is_out(const struct ray *ray, uint32_t most_org, uint32_t most_dir)
 {
     const uint32_t one = 0x3F800000u, binade = 1u << 23;
     bool in = most_org < one + 40 * binade && most_dir < one + 40 * binade &&
-              most_dir >= one - 40 * binade && ray->tmin >= 0 && ray->tmin <= ray->tmax;
+              most_dir >= one - 40 * binade && ray->tmin >= 0 && ray->tmin <= ray->tmax &&
+              float_is_finite(ray->tmin);
     for (int k = 0; k < 3; k++) {
         uint32_t size = size_bits(ray->dir[k]);
         in = in && (size == 0 || size > most_dir - 59 * binade);

@@ -40,16 +40,16 @@ struct powers {
     int positions[3], t;
 };
 
-/* t times 2^by loses no bit. An end that becomes infinite is one. */
+/* t times 2^by loses no bit. */
 static bool is_exact(float t, int by)
 {
-    float scaled = ldexpf(t, by);
-    return isinf(scaled) || ldexpf(scaled, -by) == t;
+    return ldexpf(ldexpf(t, by), -by) == t;
 }
 
+/* A tmax that becomes infinite is an end, too; a tmin that does leaves no ray. */
 static bool keeps_range(const struct ray *ray, int t)
 {
-    return is_exact(ray->tmin, t) && is_exact(ray->tmax, t);
+    return is_exact(ray->tmin, t) && (isinf(ldexpf(ray->tmax, t)) || is_exact(ray->tmax, t));
 }
 
 static float largest_position(const struct fuzz_trial *trial, const struct ray *ray, int axis)

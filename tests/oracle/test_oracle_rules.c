@@ -1,6 +1,7 @@
 /* What the oracle refuses, relies on and promises beside the arithmetic. */
 #include "ref/base/float_mode.h"
 #include "ref/oracle/internal.h"
+#include "ref/oracle/oracle_world.h"
 #include "tests/exact/exact_gmp.h"
 #include "tests/exact/oracle_batch.h"
 
@@ -177,11 +178,20 @@ static void the_environment_is_checked_and_made_right(void **state)
                           set = (saved & ~(unsigned long)FLOAT_MODES) | modes[m];
             float_mode_set(set);
             enum status environment = oracle_environment(&reason);
+            struct oracle *none;
+            enum status made = oracle_make(oracle_scene(batch.oracle), &none, &reason);
+            struct oracle *no_world;
+            const struct world empty = {0};
+            enum status world = oracle_make_world(&empty, &no_world, &reason);
             enum status closest = oracle_closest(batch.oracle, ORACLE_TREE, ORACLE_CLOSED,
                                                  batch.ray, BATCH, 1, got, NULL, &reason);
             unsigned long after = float_mode();
             float_mode_set(saved);
             assert_int_equal(environment, STATUS_UNSUPPORTED);
+            assert_int_equal(made, STATUS_UNSUPPORTED);
+            assert_int_equal(world, STATUS_UNSUPPORTED);
+            assert_null(none);
+            assert_null(no_world);
             assert_int_equal(closest, STATUS_OK);
             assert_int_equal(after & FLOAT_MODES, set & FLOAT_MODES);
             for (int i = 0; i < BATCH; i++) {
