@@ -173,6 +173,35 @@ static void must_be_the_union(const char *merged, const char *from)
     findings_close(findings);
 }
 
+/* Of one signature the lines are in the order of their trials, and of a trial in that of the rays;
+ * those of no ray are last. */
+static void must_be_in_order(const char *merged)
+{
+    char *text = NULL, *path = join_path(in_root(merged), "findings.jsonl"), *rest = NULL;
+    size_t size = 0, same = 0;
+    assert_int_equal(file_read(path, &text, &size, &reason), STATUS_OK);
+    const char *last[KINDS] = {NULL};
+    for (char *line = strtok_r(text, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest))
+        for (size_t kind = 0; kind < KINDS; kind++) {
+            char key[FUZZ_SIGNATURE_MOST + 20];
+            snprintf(key, sizeof key, "\"signature\":\"%s\"", names[kind]);
+            if (!strstr(line, key) || !strstr(line, "\"index\":\""))
+                continue;
+            uint64_t at[2], ray[2];
+            for (int k = 0; k < 2 && last[kind]; k++) {
+                const char *of = k ? line : last[kind], *has = strstr(of, "\"ray\":");
+                at[k] = strtoull(strstr(of, "\"index\":\"") + 9, NULL, 10);
+                ray[k] = has ? strtoull(has + 6, NULL, 10) : UINT64_MAX;
+            }
+            assert_true(!last[kind] || at[0] < at[1] || (at[0] == at[1] && ray[0] < ray[1]));
+            same += last[kind] && at[0] == at[1];
+            last[kind] = line;
+        }
+    assert_true(same > 10);
+    free(text);
+    free(path);
+}
+
 static void merging_is_a_union(void **state)
 {
     (void)state;
@@ -180,6 +209,7 @@ static void merging_is_a_union(void **state)
         fill(&finders[f]);
     merge_named("all", "f0 f1 f2 f3");
     must_be_the_union("all", "f0 f1 f2 f3");
+    must_be_in_order("all");
     /* Any order. */
     static const char *const order[] = {"f3 f2 f1 f0", "f1 f3 f0 f2"};
     for (size_t k = 0; k < ARRAY_COUNT(order); k++) {
@@ -278,6 +308,22 @@ static void what_has_no_line_is_counted_through_every_merge(void **state)
     must_have_the_lowest("two-1-0", all);
 }
 
+/* A name may end in any number of slashes, and a folder be named with some. */
+static void slashes_at_the_end_change_nothing(void **state)
+{
+    (void)state;
+    static const char *const ends[] = {"", "/", "//", "/////"};
+    char to[30], from[80];
+    for (size_t i = 0; i < ARRAY_COUNT(ends); i++) {
+        const size_t other = (i + 1) % ARRAY_COUNT(ends);
+        snprintf(to, sizeof to, "slashes%zu%s", i, ends[i]);
+        snprintf(from, sizeof from, "f0%s f1%s f2", ends[i], ends[other]);
+        merge_named(to, from);
+        to[strlen("slashes0")] = '\0';
+        must_be_same("slashes0", to);
+    }
+}
+
 /* Lines that folders share count once each, those that the merge has no line for as well. */
 static void what_is_shared_counts_once_beyond_the_lines(void **state)
 {
@@ -324,6 +370,7 @@ int main(void)
         cmocka_unit_test(what_found_nothing_changes_nothing),
         cmocka_unit_test(what_has_no_line_is_counted_through_every_merge),
         cmocka_unit_test(what_is_shared_counts_once_beyond_the_lines),
+        cmocka_unit_test(slashes_at_the_end_change_nothing),
     };
     return cmocka_run_group_tests_name("fuzz_merge_laws", tests, make_root, remove_root);
 }

@@ -1,0 +1,76 @@
+/* Rays of a world are aimed at what is placed in it: to the bit as at the scene of the placed
+ * triangles, under the same draw. */
+#include "fuzz/gen/gen.h"
+#include "fuzz/gen/mutate_inner.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <cmocka.h> /* last: it has a macro `fail` */
+
+#define TRIANGLES 12u
+#define RAYS      40u
+
+static struct reason reason;
+
+/* Of small whole numbers, so that none is rounded where it is placed. */
+static struct fuzz_trial whole_numbers(uint64_t index)
+{
+    struct fuzz_trial trial;
+    struct rng rng = rng_make(4, index);
+    assert_int_equal(fuzz_trial_make(3 * TRIANGLES, TRIANGLES, RAYS, &trial, &reason), STATUS_OK);
+    for (uint32_t i = 0; i < 9 * TRIANGLES; i++)
+        trial.scene.vertex[i] = (float)((int)rng_below(&rng, 17) - 8);
+    for (uint32_t i = 0; i < 3 * TRIANGLES; i++)
+        trial.scene.index[i] = i;
+    for (uint32_t i = 0; i < RAYS; i++)
+        trial.ray[i] = (struct ray){{(float)i, 0, 0}, 0, {0, 0, 1}, 100};
+    return trial;
+}
+
+/* Places the world's mesh once, an axis scaled and all moved; in the other trial its vertices. */
+static void place(uint64_t index, struct fuzz_trial *world, struct fuzz_trial *scene)
+{
+    struct rng rng = rng_make(5, index);
+    assert_int_equal(trial_world_make(TRIANGLES, 1, 1, RAYS, &world->world, &reason), STATUS_OK);
+    for (int k = 0; k < 3; k++) {
+        float *m = world->world.instance[0].m[k];
+        m[k] = (float)(1 + rng_below(&rng, 3));
+        m[3] = (float)((int)rng_below(&rng, 8001) - 4000);
+        for (size_t i = (size_t)k; i < 9 * TRIANGLES; i += 3)
+            scene->scene.vertex[i] = m[k] * scene->scene.vertex[i] + m[3];
+    }
+}
+
+static void rays_are_aimed_at_what_is_placed(void **state)
+{
+    (void)state;
+    size_t edited = 0, different = 0;
+    for (uint64_t index = 0; index < 200; index++) {
+        struct fuzz_trial world = whole_numbers(index), scene = whole_numbers(index),
+                          unmoved = whole_numbers(index);
+        struct fuzz_trial *const all[] = {&world, &scene, &unmoved};
+        place(index, &world, &scene);
+        for (size_t i = 0; i < ARRAY_COUNT(all); i++) {
+            struct rng rng = rng_make(6, index);
+            bool changed = false;
+            assert_int_equal(edit_aim(&rng, all[i], &changed), STATUS_OK);
+            assert_true(changed);
+        }
+        assert_memory_equal(world.ray, scene.ray, RAYS * sizeof *world.ray);
+        for (uint32_t i = 0; i < RAYS; i++)
+            edited += world.ray[i].org[0] != (float)i || world.ray[i].dir[0] != 0;
+        different += memcmp(world.ray, unmoved.ray, RAYS * sizeof *world.ray) != 0;
+        for (size_t i = 0; i < ARRAY_COUNT(all); i++)
+            fuzz_trial_free(all[i]);
+    }
+    assert_true(edited > 200 && different > 150);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(rays_are_aimed_at_what_is_placed)};
+    return cmocka_run_group_tests_name("aim_placed", tests, NULL, NULL);
+}
