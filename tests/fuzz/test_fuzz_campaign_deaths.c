@@ -186,6 +186,29 @@ static void what_is_not_wrong_again_is_flaky(void **state)
     check_flaky(PLAN_MISS_ONCE, in_root("wrong_once"), "fragile.f32.missed.not_repeatable");
 }
 
+static bool knows_what_is_wrong(void *user, const struct findings_entry *entry)
+{
+    (void)user;
+    return entry->signature.kind != FUZZ_KIND_CRASH;
+}
+
+/* Neither what is flaky nor what is known is one of the findings after which a campaign ends. */
+static void what_is_flaky_does_not_end_it(void **state)
+{
+    (void)state;
+    struct campaign_options options = options_of_deaths(in_root("not_enough"), 200);
+    options.until = 1;
+    options.is_known = knows_what_is_wrong;
+    atomic_store(deaths, 0);
+    plan = PLAN_ONCE;
+    assert_run(&options);
+    plan = PLAN_LIVE;
+    assert_int_equal(atomic_load(deaths), 1);
+    assert_int_equal(last.trials, 200);
+    assert_int_equal(last_news, 0);
+    assert_int_equal(last_flaky, 1);
+}
+
 /* Alone and beside others; the trials that it was at are played as if nothing had been. */
 static void a_stopped_worker_is_replaced(void **state)
 {
@@ -342,6 +365,7 @@ int main(void)
         cmocka_unit_test(too_much_memory_is_one),
         cmocka_unit_test(what_does_not_die_again_is_flaky),
         cmocka_unit_test(what_is_not_wrong_again_is_flaky),
+        cmocka_unit_test(what_is_flaky_does_not_end_it),
         cmocka_unit_test(a_stopped_worker_is_replaced),
         cmocka_unit_test(what_stops_every_worker_ends_the_campaign),
         cmocka_unit_test(waiting_for_a_processor_is_no_hang),

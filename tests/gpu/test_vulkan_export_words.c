@@ -165,6 +165,32 @@ static void a_file_is_run_by_its_name(void **state)
     finding_file_free(&file);
 }
 
+/* What each exit code means: of a crash that it shows by one, of nothing else. */
+static void exit_codes_are_told_by_the_kind_of_finding(void **state)
+{
+    (void)state;
+    static const char *const engine[] = {"vulkan", "rayquery", "embree", "embree_robust"};
+    for (size_t e = 0; e < ARRAY_COUNT(engine); e++) {
+        struct finding_file file = generated_file(4, 2, QUERY_CLOSEST);
+        struct export_case the = make_case(&file, engine[e], e ? NULL : "f32");
+        for (int k = 0; k < 2 * FUZZ_KIND_COUNT; k++) {
+            const bool crash = k == 2 * FUZZ_KIND_CRASH + 1;
+            char wanted[300], is[600];
+            file.has_signature = k % 2;
+            file.signature.kind = (enum fuzz_kind)(k / 2);
+            snprintf(wanted, sizeof wanted,
+                     "0 every answer is right (fixed), 1 the bug shows%s, 2 it cannot run here.",
+                     crash ? " (or the program crashes)" : "");
+            char *comment = comment_of(&the);
+            paragraph(comment, "// ", "Exit code", is);
+            assert_string_equal(is, wanted);
+            free(comment);
+        }
+        export_case_free(&the);
+        finding_file_free(&file);
+    }
+}
+
 /* The text names query and engine, of one ray and of several, for the nearest hit and any. */
 static void the_question_is_told(void **state)
 {
@@ -295,6 +321,7 @@ int main(void)
         cmocka_unit_test(no_text_ends_a_comment),
         cmocka_unit_test(lines_break_between_words),
         cmocka_unit_test(a_file_is_run_by_its_name),
+        cmocka_unit_test(exit_codes_are_told_by_the_kind_of_finding),
         cmocka_unit_test(the_question_is_told),
         cmocka_unit_test(bits_that_matter_are_told),
         cmocka_unit_test(embree_needs_a_ray_that_it_survives),

@@ -1,5 +1,6 @@
 /* Signatures of findings: what they hold, their texts, and the folders that they name. */
 #include "fuzz/play/signature.h"
+#include "ref/engine.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -159,9 +160,44 @@ static void long_names_are_of_no_signature(void **state)
     }
 }
 
+/* Every engine is found by its signature, those from outside by what is left of their names; the
+ * first of several that have the same; and none by what is no engine's. */
+static void each_engine_is_found_by_its_signature(void **state)
+{
+    (void)state;
+    static struct engine outside[] = {
+        {.name = "/opt/a b/tracer.so"}, {.name = "./tracer2.so"},
+        {.name = "inside:../x/y.so"},   {.name = "pipe:python3 /a/one.py --fast"},
+        {.name = "shader:/p/q.comp"},   {.name = "/elsewhere/tracer.so"}};
+    static const char *const none[] = {"tracer.s", "tracer3.so", "python3", "cp", "cpu2"};
+    const struct engine *added;
+    size_t count = 0;
+    for (size_t i = 0; i < ARRAY_COUNT(outside); i++)
+        assert_int_equal(engine_add(&outside[i], &added, &reason), STATUS_OK);
+    for (; engines[count]; count++) {
+        struct fuzz_signature of, other;
+        size_t first = 0;
+        fuzz_signature_set_engine(&of, engines[count]->name);
+        for (;; first++) {
+            fuzz_signature_set_engine(&other, engines[first]->name);
+            if (strcmp(of.engine, other.engine) == 0)
+                break;
+        }
+        assert_ptr_equal(fuzz_signature_engine(&of), engines[first]);
+        assert_true(first == count || strcmp(engines[count]->name, "/elsewhere/tracer.so") == 0);
+    }
+    assert_true(count > ARRAY_COUNT(outside) + 5);
+    for (size_t i = 0; i < ARRAY_COUNT(none); i++) {
+        struct fuzz_signature of;
+        fuzz_signature_set_engine(&of, none[i]);
+        assert_null(fuzz_signature_engine(&of));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_engine_is_found_by_its_signature),
         cmocka_unit_test(signature_prints_and_parses_every_kind_and_cause),
         cmocka_unit_test(signatures_differ_in_every_field),
         cmocka_unit_test(signatures_hold_whole_names),
