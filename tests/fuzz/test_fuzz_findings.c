@@ -276,17 +276,19 @@ static void a_line_that_does_not_fit_is_taken_back(void **state)
     pid_t child = fork();
     assert_true(child >= 0);
     if (child == 0) {
-        char path[500];
+        const char *path = in_root("full/findings.jsonl");
         struct stat before, after;
         struct findings *findings;
         struct findings_news news;
-        snprintf(path, sizeof path, "%s/findings.jsonl", folder);
-        if (findings_open(folder, &findings, &reason) || stat(path, &before) != 0)
+        bool added = findings_open(folder, &findings, &reason) == STATUS_OK;
+        for (uint64_t i = 300; i < 305 && added; i++) /* lines of this run stay, too */
+            added = add(findings, i, &news) == STATUS_OK;
+        if (!added || stat(path, &before) != 0)
             _exit(1);
         struct rlimit most = {(rlim_t)before.st_size + 50, RLIM_INFINITY};
         signal(SIGXFSZ, SIG_IGN);
         setrlimit(RLIMIT_FSIZE, &most);
-        for (uint64_t i = 300; i < 310; i++)
+        for (uint64_t i = 305; i < 315; i++)
             if (add(findings, i, &news) != STATUS_INPUT || !strstr(reason.text, "cannot write"))
                 _exit(2);
         if (stat(path, &after) != 0 || after.st_size != before.st_size)

@@ -191,6 +191,53 @@ static void exit_codes_are_told_by_the_kind_of_finding(void **state)
     }
 }
 
+static char *program_of(const struct export_case *the)
+{
+    static char *out;
+    size_t size = 0;
+    FILE *stream = open_memstream(&out, &size);
+    assert_non_null(stream);
+    export_write_c(the, stream);
+    assert_int_equal(fclose(stream), 0);
+    return out;
+}
+
+/* A program has the code that its engine, its query and what is known of its formula ask for, and
+ * no other. */
+static void a_program_has_the_code_that_it_needs(void **state)
+{
+    (void)state;
+    static const char *const engine[] = {"vulkan", "vulkan_brute", "rayquery", "embree",
+                                         "embree_robust"};
+    size_t referred = 0, followed = 0;
+    for (size_t e = 0; e < ARRAY_COUNT(engine); e++)
+        for (int any = 0; any < 2; any++) {
+            const bool embree = e > 2;
+            struct finding_file file = generated_file(5, 2, any ? QUERY_ANY : QUERY_CLOSEST);
+            struct export_case the = make_case(&file, engine[e], e ? NULL : "f32");
+            char *program = program_of(&the);
+            const struct {
+                const char *code;
+                bool is;
+            } part[] = {{"static int is_there(", the.model.formula == TWIN_UNKNOWN},
+                        {"memcpy(&reference, references[i]", the.reference != NULL},
+                        {"vkCreateAccelerationStructureKHR", e == 2},
+                        {"vkCmdDispatch(", !embree},
+                        {"rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);", e == 4},
+                        {"rtcOccluded1(", embree && any},
+                        {"rtcIntersect1(", embree && !any}};
+            for (size_t i = 0; i < ARRAY_COUNT(part); i++)
+                if ((strstr(program, part[i].code) != NULL) != part[i].is)
+                    fail_msg("%s, %s: %s", engine[e], any ? "any" : "closest", part[i].code);
+            followed += the.model.formula == TWIN_UNKNOWN;
+            referred += the.reference != NULL;
+            free(program);
+            export_case_free(&the);
+            finding_file_free(&file);
+        }
+    assert_true(followed > 0 && referred > 0);
+}
+
 /* The text names query and engine, of one ray and of several, for the nearest hit and any. */
 static void the_question_is_told(void **state)
 {
@@ -322,6 +369,7 @@ int main(void)
         cmocka_unit_test(lines_break_between_words),
         cmocka_unit_test(a_file_is_run_by_its_name),
         cmocka_unit_test(exit_codes_are_told_by_the_kind_of_finding),
+        cmocka_unit_test(a_program_has_the_code_that_it_needs),
         cmocka_unit_test(the_question_is_told),
         cmocka_unit_test(bits_that_matter_are_told),
         cmocka_unit_test(embree_needs_a_ray_that_it_survives),

@@ -1,6 +1,7 @@
 /* Rays of a world are aimed at what is placed in it: to the bit as at the scene of the placed
  * triangles, under the same draw. */
 #include "fuzz/gen/gen.h"
+#include "fuzz/gen/gen_world.h"
 #include "fuzz/gen/mutate_inner.h"
 
 #include <setjmp.h>
@@ -69,8 +70,40 @@ static void rays_are_aimed_at_what_is_placed(void **state)
     assert_true(edited > 200 && different > 150);
 }
 
+/* The box of a mesh is that of its corners, however few triangles it has and whichever others the
+ * scene has. */
+static void a_mesh_has_the_box_of_its_corners(void **state)
+{
+    (void)state;
+    for (uint64_t index = 0; index < 60; index++) {
+        const uint32_t split[2] = {(uint32_t)index % TRIANGLES,
+                                   TRIANGLES - (uint32_t)index % TRIANGLES};
+        struct fuzz_trial trial = whole_numbers(index);
+        uint32_t first = 0;
+        assert_int_equal(trial_world_make(TRIANGLES, 2, 1, RAYS, &trial.world, &reason), STATUS_OK);
+        for (uint32_t m = 0; m < 2; m++) {
+            trial.world.geometry[m].mesh = m;
+            trial.world.geometry[m].count = split[m];
+        }
+        for (uint32_t m = 0; m < 2; m++) {
+            const struct box is = gen_mesh_box(&trial, m);
+            struct box wanted = {{-1, -1, -1}, {1, 1, 1}};
+            for (uint32_t i = 9 * first; i < 9 * (first + split[m]); i++) {
+                const float x = trial.scene.vertex[i];
+                float *lo = &wanted.lo[i % 3], *hi = &wanted.hi[i % 3];
+                *lo = i < 9 * first + 3 || x < *lo ? x : *lo;
+                *hi = i < 9 * first + 3 || x > *hi ? x : *hi;
+            }
+            assert_memory_equal(&is, &wanted, sizeof is);
+            first += split[m];
+        }
+        fuzz_trial_free(&trial);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(rays_are_aimed_at_what_is_placed)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(rays_are_aimed_at_what_is_placed),
+                                       cmocka_unit_test(a_mesh_has_the_box_of_its_corners)};
     return cmocka_run_group_tests_name("aim_placed", tests, NULL, NULL);
 }

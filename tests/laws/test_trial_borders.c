@@ -72,6 +72,47 @@ static void counts_have_a_border(void **state)
     }
 }
 
+/* Each number of what a trial has by itself, and how far a world's instances are from the identity
+ * as the sum of what each is. */
+static void each_count_has_its_own_border(void **state)
+{
+    (void)state;
+    static const uint32_t most[3] = {3 * FUZZ_TRIANGLES_MOST, FUZZ_TRIANGLES_MOST, FUZZ_RAYS_MOST};
+    for (int which = 0; which < 3; which++)
+        for (uint32_t more = 0; more < 2; more++) {
+            uint32_t count[3] = {3, 1, 1};
+            struct fuzz_trial trial;
+            count[which] = most[which] + more;
+            assert_int_equal(fuzz_trial_make(count[0], count[1], count[2], &trial, &reason),
+                             more ? STATUS_LIMIT : STATUS_OK);
+            assert_int_equal(trial.ray_count, more ? 0 : count[2]);
+            fuzz_trial_free(&trial);
+        }
+}
+
+static void places_are_the_sum_of_the_instances(void **state)
+{
+    (void)state;
+    struct rng rng = rng_make(6, 1);
+    uint32_t kinds = 0;
+    for (uint32_t turn = 0; turn < 50; turn++) {
+        struct fuzz_trial trial = placed(1, 1 + turn % 7);
+        uint32_t sum = 0;
+        for (uint32_t i = 0; i < trial.world.instance_count; i++) {
+            float(*m)[4] = trial.world.instance[i].m;
+            const uint32_t kind = rng_below(&rng, 4);
+            m[0][3] = kind > 0 ? 2 : 0;
+            m[1][1] = kind > 1 ? 3 : 1;
+            m[1][2] = kind > 2 ? 0.5f : 0;
+            sum += trial_world_place(&trial.world.instance[i]);
+            kinds |= 1u << trial_world_place(&trial.world.instance[i]);
+        }
+        assert_int_equal(trial_world_places(&trial.world), sum);
+        fuzz_trial_free(&trial);
+    }
+    assert_true((kinds & (kinds - 1)) != 0); /* of more than one kind */
+}
+
 static void exponents_are_libms(void **state)
 {
     (void)state;
@@ -112,6 +153,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(placed_triangles_have_a_border),
         cmocka_unit_test(counts_have_a_border),
+        cmocka_unit_test(each_count_has_its_own_border),
+        cmocka_unit_test(places_are_the_sum_of_the_instances),
         cmocka_unit_test(exponents_are_libms),
         cmocka_unit_test(scaling_is_libms),
     };

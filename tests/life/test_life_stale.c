@@ -180,6 +180,60 @@ static void only_what_is_right_anew_is_stale(void **state)
     assert_int_equal(cause_after(&engine, &away, BROKEN, HONEST), CAUSE_STALE);
 }
 
+/* Planted: misses everything once, when it has been asked so often. */
+static int until_miss;
+
+static enum status once_trace(void *self, const struct ray *ray, size_t count, struct hit *hit,
+                              struct trace_report *report, struct reason *reason)
+{
+    enum status status = brute->trace(self, ray, count, hit, report, reason);
+    for (size_t i = 0; i < count && until_miss == 1; i++)
+        hit[i] = (struct hit){.prim = ABI_NO_PRIM};
+    until_miss -= until_miss > 0;
+    return status;
+}
+
+/* What is right when it is asked again is not repeatable, in trials with steps, too: that it is
+ * right when it is prepared anew tells nothing. */
+static void what_is_wrong_once_is_not_stale(void **state)
+{
+    (void)state;
+    static const char *const steps[] = {"", "refit:jitter:2", "rebuild:mirror,refit:one:3"};
+    static const struct engine_options options = {.device = -1, .threads = 1};
+    static struct fuzz_result result;
+    struct engine once = engine_of("once", false, false);
+    const struct engine *const engine = &once;
+    const struct layout *none = NULL;
+    struct fuzz_field field;
+    struct fuzz_player *player;
+    struct reason reason = {""};
+    size_t found = 0, after_steps = 0;
+    once.trace = once_trace;
+    if (fuzz_field_make(&engine, 1, &none, 1, &options, &field, &reason) ||
+        fuzz_player_open(&field, &player, &reason))
+        fail_msg("%s", reason.text);
+    for (uint32_t i = 0; i < 36; i++) {
+        struct fuzz_trial trial;
+        trial_make(9, i, 8, 30, 60, &trial);
+        if (steps[i % 3][0] && steps_parse(steps[i % 3], trial.step, &trial.step_count, &reason))
+            fail_msg("%s", reason.text);
+        until_miss = 1 + (int)(i / 3 % 6); /* after which step: as the player goes */
+        if (fuzz_play(player, &trial, 1, &result, NULL, NULL, &reason))
+            fail_msg("%s", reason.text);
+        until_miss = 0;
+        for (size_t k = 0; k < result.finding_count; k++, found++) {
+            if (fuzz_explain(player, &trial, &result.finding[k], &reason))
+                fail_msg("%s", reason.text);
+            assert_int_equal(result.finding[k].signature.cause, CAUSE_NOT_REPEATABLE);
+            after_steps += result.finding[k].step > 0;
+        }
+        fuzz_trial_free(&trial);
+    }
+    fuzz_player_close(player);
+    if (found < 8 || after_steps < 4)
+        fail_msg("%zu, %zu after steps", found, after_steps);
+}
+
 static int close_pool(void **state)
 {
     (void)state;
@@ -193,6 +247,7 @@ int main(void)
         cmocka_unit_test(a_finding_that_needs_steps_is_stale),
         cmocka_unit_test(one_that_needs_none_is_not),
         cmocka_unit_test(only_what_is_right_anew_is_stale),
+        cmocka_unit_test(what_is_wrong_once_is_not_stale),
         cmocka_unit_test(a_row_says_what_is_wrong_when_prepared_anew),
     };
     brute = engine_find("brute");

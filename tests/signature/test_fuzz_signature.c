@@ -160,6 +160,24 @@ static void long_names_are_of_no_signature(void **state)
     }
 }
 
+/* Of a word its folders are left out, but never all of it: one that ends in a slash keeps its last
+ * name. */
+static void a_word_keeps_its_last_name(void **state)
+{
+    (void)state;
+    static const char *const word[][2] = {{"/opt/a/b", "b"}, {"/opt/a/b/", "b_"}, {"b/", "b_"},
+                                          {"/", "_"},        {"x", "x"},          {"a//b", "b"}};
+    for (size_t i = 0; i < ARRAY_COUNT(word); i++)
+        for (size_t k = 0; k < ARRAY_COUNT(word); k++) {
+            struct fuzz_signature signature;
+            char name[60], wanted[60];
+            snprintf(name, sizeof name, "pipe:%s  %s", word[i][0], word[k][0]);
+            snprintf(wanted, sizeof wanted, "pipe:%s_%s", word[i][1], word[k][1]);
+            fuzz_signature_set_engine(&signature, name);
+            assert_string_equal(signature.engine, wanted);
+        }
+}
+
 /* Every engine is found by its signature, those from outside by what is left of their names; the
  * first of several that have the same; and none by what is no engine's. */
 static void each_engine_is_found_by_its_signature(void **state)
@@ -197,6 +215,7 @@ static void each_engine_is_found_by_its_signature(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_word_keeps_its_last_name),
         cmocka_unit_test(each_engine_is_found_by_its_signature),
         cmocka_unit_test(signature_prints_and_parses_every_kind_and_cause),
         cmocka_unit_test(signatures_differ_in_every_field),

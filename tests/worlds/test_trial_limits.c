@@ -119,9 +119,30 @@ static void the_text_is_read(void **state)
     assert_string_equal(read_with("share ", 128), "");
 }
 
+/* A world whose file says nothing of a filter has the one that is told here. */
+static void no_filter_is_the_first_one(void **state)
+{
+    (void)state;
+    static struct reason reason;
+    const char *line = strstr(text, "filter "), *next = strstr(text, "vertices ");
+    struct finding_file said, unsaid;
+    char bytes[sizeof text];
+    snprintf(bytes, sizeof bytes, "%.*s%s", (int)(line - text), text, next);
+    if (finding_file_parse("f", text, strlen(text), &said, &reason) ||
+        finding_file_parse("f", bytes, strlen(bytes), &unsaid, &reason))
+        fail_msg("%s", reason.text);
+    const struct filter_rule *a = &said.trial.world.filter, *b = &unsaid.trial.world.filter;
+    assert_int_equal(a->kind, b->kind);
+    assert_int_equal(a->seed, b->seed);
+    assert_int_equal(a->share, b->share);
+    finding_file_free(&said);
+    finding_file_free(&unsaid);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_filter_is_the_first_one),
         cmocka_unit_test(the_text_is_read),
         cmocka_unit_test(a_number_is_read_to_its_limit),
         cmocka_unit_test(as_many_are_read_as_there_may_be),
