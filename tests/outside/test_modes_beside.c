@@ -13,7 +13,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#define RAYS 1200
+#define RAYS 18000 /* more than are judged in one go */
 
 static struct ray ray[RAYS];
 static struct scene scene;
