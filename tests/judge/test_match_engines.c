@@ -186,6 +186,20 @@ static void an_any_hit_that_contradicts_the_closest_hit_is_wrong(void **state)
     pack(f, "f32"); /* forgets the closest hits */
     match_run(&f->match, &inexact, &f->row);
     assert_int_equal(f->row.differences, 0);
+    /* By another box test it contradicts nothing, unless the engine has its own; nor does another
+     * engine. */
+    for (int packed = 0; packed < 2; packed++) {
+        struct engine other = inexact;
+        inexact.needs_packed = packed;
+        for (size_t box = 0; box < 4; box++) { /* the third and fourth: by another engine */
+            match_set(&f->match, box_tests[0], QUERY_CLOSEST);
+            match_run(&f->match, &inexact, &f->row);
+            f->match.closest.hit[9].prim = f->match.answer[9].prim == ABI_NO_PRIM ? 7 : ABI_NO_PRIM;
+            match_set(&f->match, box_tests[box % 2], QUERY_ANY);
+            match_run(&f->match, box < 2 ? &inexact : &other, &f->row);
+            assert_int_equal(f->row.wrong[WRONG_ANY_DISAGREES], box == 0 || (box == 1 && !packed));
+        }
+    }
     done(f);
 }
 
