@@ -52,6 +52,7 @@ static void choose(const struct cluster *list, uint32_t count, uint32_t *chosen)
 {
     for (uint32_t i = 0; i < count; i++) {
         int64_t least = INT64_MAX;
+        chosen[i] = i; /* itself is compared, too, before it is left out */
         uint32_t from = i > RADIUS ? i - RADIUS : 0;
         for (uint32_t j = from; j < count && j <= i + RADIUS; j++) {
             int64_t area = j == i ? INT64_MAX : common_area(&list[i], &list[j]);
