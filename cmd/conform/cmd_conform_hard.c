@@ -66,16 +66,26 @@ static enum status suite_make(struct hard_suite *suite, struct reason *reason)
 struct hard_counting {
     struct waivers *waivers;
     bool core; /* count core members only */
+    bool more; /* whether there are waivers of which more names may say something else */
 };
 
 static void count_name(void *user, const struct hard_case *hard, const struct hard_member *member)
 {
-    const struct hard_counting *counting = user;
+    struct hard_counting *counting = user;
     char name[HARD_NAME_MOST];
-    if (counting->core && !member->tri->core)
+    if (!counting->more || (counting->core && !member->tri->core))
         return;
     hard_name_print(hard, member, name);
-    waivers_count(counting->waivers, name);
+    counting->more = waivers_count(counting->waivers, name);
+}
+
+/* Counts the names that the suite would have as a whole, for the waivers of those that ran. */
+static void count_names(struct waivers *waivers, bool core)
+{
+    const struct hard_tables everything = hard_tables_all();
+    struct hard_counting counting = {waivers, core, waivers_count(waivers, NULL)};
+    for (size_t i = 0; counting.more && hard_case_at(i); i++)
+        hard_each_member(hard_case_at(i), &everything, count_name, &counting);
 }
 
 /* State of a run. */
@@ -293,15 +303,13 @@ static int play(const struct conform_options *o, const struct list named[TABLE_C
         status = waivers_shipped_read(&report.waivers, &reason);
     if (status)
         return exit_with_reason("conform", status, &reason);
-    const struct hard_tables everything = hard_tables_all();
-    struct hard_counting counting = {&report.waivers, o->pattern == NULL};
-    for (size_t i = 0; !complete && hard_case_at(i); i++)
-        hard_each_member(hard_case_at(i), &everything, count_name, &counting);
     report.quiet = true;
     struct hard_run run = {
         .options = o, .stage = hard_stage_make(&o->engines), .report = &report, .matrix = &matrix};
     status = run_suite(&run, suite, &reason);
     hard_stage_free(&run.stage);
+    if (!complete)
+        count_names(&report.waivers, o->pattern == NULL);
     if (status == STATUS_OK)
         status = write_documents(o, &matrix, &reason);
     int code = conform_report_close(&report);

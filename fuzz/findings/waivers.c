@@ -250,10 +250,22 @@ void waivers_free(struct waivers *waivers)
     *waivers = (struct waivers){0};
 }
 
-void waivers_count(struct waivers *waivers, const char *name)
+/* True if waiver_judge() depends on whether there are names that were not noted. */
+static bool is_open(const struct waiver *waiver)
 {
-    for (size_t i = 0; i < waivers->count; i++)
-        waivers->waiver[i].exist += fnmatch(waivers->waiver[i].pattern, name, 0) == 0;
+    return waiver->failed == 0 && waiver->ran > 0 && waiver->exist <= waiver->named;
+}
+
+bool waivers_count(struct waivers *waivers, const char *name)
+{
+    bool more = false;
+    for (size_t i = 0; i < waivers->count; i++) {
+        struct waiver *waiver = &waivers->waiver[i];
+        if (name && is_open(waiver))
+            waiver->exist += fnmatch(waiver->pattern, name, 0) == 0;
+        more |= is_open(waiver);
+    }
+    return more;
 }
 
 bool waivers_name_version(const struct waivers *waivers, const char *name)

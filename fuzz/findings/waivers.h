@@ -14,7 +14,7 @@ struct waiver {
     char *reason;
     char *link;
     size_t line;
-    size_t exist;  /* names of the whole suite that it matches; 0: not counted */
+    size_t exist;  /* names of the whole suite that it matches, as far as waivers_count() did */
     size_t named;  /* names that it matches, played or not */
     size_t ran;    /* of them, those that were played */
     size_t failed; /* of them, those that failed */
@@ -53,8 +53,11 @@ bool waiver_is_about(const struct waiver *waiver, const char *name, const char *
 
 enum waiver_event { WAIVER_SKIPPED, WAIVER_PASSED, WAIVER_FAILED };
 
-/* Counts a name of the whole suite, of which a pattern may choose some to be noted. */
-void waivers_count(struct waivers *waivers, const char *name);
+/* Counts a name of the whole suite, of which a pattern chose some, which are noted. It is matched
+ * with those waivers alone of which the count may still change what waiver_judge() says of a suite
+ * that is not complete. Returns true if there are such after that; with `name` NULL nothing is
+ * counted. */
+bool waivers_count(struct waivers *waivers, const char *name);
 
 /* True if a waiver that matches `name` is about one version. */
 bool waivers_name_version(const struct waivers *waivers, const char *name);
