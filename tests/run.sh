@@ -57,8 +57,9 @@ if [ "$mode" = tsan ]; then
     export TSAN_OPTIONS="ignore_noninstrumented_modules=1 suppressions=$(pwd)/tests/tsan.supp"
     suite tsan_sees_a_race sh tests/house/race.sh "$logs"
 fi
-# Leaks inside drivers are not ours; ours are.
-[ "$mode" = sanitize ] && export LSAN_OPTIONS="suppressions=$(pwd)/tests/lsan.supp"
+# Leaks inside drivers are not ours; ours are. What asks for more memory than there can be gets none, as without it.
+[ "$mode" = sanitize ] && export LSAN_OPTIONS="suppressions=$(pwd)/tests/lsan.supp" \
+    ASAN_OPTIONS="allocator_may_return_null=1:${ASAN_OPTIONS-}"
 
 # Without a graphics card the drivers of cards are not loaded: each start of Vulkan would read them all.
 if [ -z "${VK_DRIVER_FILES-}${VK_ICD_FILENAMES-}" ] && ! ls /dev/dri /dev/nvidia0 /dev/kfd /dev/dxg >/dev/null 2>&1; then

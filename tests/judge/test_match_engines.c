@@ -158,7 +158,7 @@ static void an_answer_that_changes_is_wrong(void **state)
 static void an_any_hit_that_contradicts_the_closest_hit_is_wrong(void **state)
 {
     (void)state;
-    static struct engine inexact;
+    static struct engine inexact, other;
     struct fixture *f = begin();
     inexact = made_up;
     inexact.model = cpu_rays_model;
@@ -189,7 +189,7 @@ static void an_any_hit_that_contradicts_the_closest_hit_is_wrong(void **state)
     /* By another box test it contradicts nothing, unless the engine has its own; nor does another
      * engine. */
     for (int packed = 0; packed < 2; packed++) {
-        struct engine other = inexact;
+        other = inexact;
         inexact.needs_packed = packed;
         for (size_t box = 0; box < 4; box++) { /* the third and fourth: by another engine */
             match_set(&f->match, box_tests[0], QUERY_CLOSEST);
