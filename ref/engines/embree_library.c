@@ -4,11 +4,11 @@
 
 #if HAVE_EMBREE
 
+#include "ref/base/symbols.h"
 #include "ref/engines/embree_library.h"
 
 #include <dlfcn.h>
 #include <pthread.h>
-#include <string.h>
 
 struct embree_functions rtc;
 
@@ -28,26 +28,21 @@ static void *open_library(void)
 /* It is never closed: its threads and memory would outlive it. */
 static void load(void)
 {
-    static const struct {
-        const char *name;
-        size_t place;
-    } functions[] = {
+    static const struct symbol functions[] = {
 #define EMBREE_ENTRY(name) {"rtc" #name, offsetof(struct embree_functions, name)},
         EMBREE_FUNCTIONS(EMBREE_ENTRY)
 #undef EMBREE_ENTRY
     };
     struct embree_functions found;
     void *library = open_library();
-    if (!library)
+    if (!library) {
         loaded = fail(&why, STATUS_UNSUPPORTED, "Embree: no library: %s", dlerror());
-    for (size_t i = 0; i < ARRAY_COUNT(functions) && !loaded; i++) {
-        void *function = dlsym(library, functions[i].name);
-        if (!function)
-            loaded = fail(&why, STATUS_UNSUPPORTED, "Embree: %s has no %s", EMBREE_LIBRARY,
-                          functions[i].name);
-        memcpy((char *)&found + functions[i].place, &function, sizeof function);
+        return;
     }
-    if (!loaded)
+    const char *lacks = symbols_find(library, functions, ARRAY_COUNT(functions), &found);
+    if (lacks)
+        loaded = fail(&why, STATUS_UNSUPPORTED, "Embree: %s has no %s", EMBREE_LIBRARY, lacks);
+    else
         rtc = found;
 }
 

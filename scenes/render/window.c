@@ -1,5 +1,6 @@
 #include "scenes/render/window.h"
 
+#include "ref/base/symbols.h"
 #include "scenes/render/turning.h"
 
 #include "have_sdl2.h"
@@ -9,7 +10,6 @@
 #include <SDL2/SDL.h>
 #include <dlfcn.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* All SDL functions used, without the prefix SDL_, to be looked up in the library. */
 #define SDL_FUNCTIONS(X)                                                                           \
@@ -52,22 +52,14 @@ static enum status sdl_load(struct sdl *sdl, struct reason *reason)
     if (!handle)
         return fail(reason, STATUS_UNSUPPORTED, "no window: %s cannot be opened (libsdl2-2.0-0)",
                     library);
-    static const struct {
-        const char *name;
-        size_t place;
-    } functions[] = {
+    static const struct symbol functions[] = {
 #define SDL_ENTRY(name) {"SDL_" #name, offsetof(struct sdl, name)},
         SDL_FUNCTIONS(SDL_ENTRY)
 #undef SDL_ENTRY
     };
-    for (size_t i = 0; i < ARRAY_COUNT(functions); i++) {
-        void *function = dlsym(handle, functions[i].name);
-        if (!function)
-            return fail(reason, STATUS_UNSUPPORTED, "no window: %s has no %s", library,
-                        functions[i].name);
-        memcpy((char *)sdl + functions[i].place, &function, sizeof function);
-    }
-    return STATUS_OK;
+    const char *lacks = symbols_find(handle, functions, ARRAY_COUNT(functions), sdl);
+    return lacks ? fail(reason, STATUS_UNSUPPORTED, "no window: %s has no %s", library, lacks)
+                 : STATUS_OK;
 }
 
 /* Without a display SDL would open an invisible window or use the console. */

@@ -300,8 +300,8 @@ static void dispatches_do_not_race(void **state)
     device_close(tree);
 }
 
-/* How many messages the layer of validation is said to have told; 0: its own. The program is linked
- * so that this is called (tests/tests.mk). */
+/* How many messages the layer of validation claims to have; 0: those that it has. The program is
+ * linked so that this is called (tests/tests.mk). */
 static uint32_t told;
 
 uint32_t __real_vk_messages(const struct vk *vk, struct reason *reason);

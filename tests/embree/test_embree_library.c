@@ -17,6 +17,7 @@
 #define dlerror()     "it is not there"
 static void *stand_in_open(const char *path, int flags);
 static void *stand_in_find(void *library, const char *name);
+#include "ref/base/symbols.c"
 #include "ref/engines/embree_library.c"
 #undef dlopen
 #undef dlsym

@@ -103,7 +103,7 @@ refuse() {
     shift 2
     cp "$dir/err" "$dir/said"
     expect 2 . construct -- "$@"
-    cmp -s "$dir/err" "$dir/said" || bad "construct -- $*: not what is said without the --"
+    cmp -s "$dir/err" "$dir/said" || bad "construct -- $*: another message than without the --"
 }
 refuse '--out is missing' construct $sphere $seen
 refuse '--model is missing' construct $out $seen
