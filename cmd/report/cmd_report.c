@@ -164,7 +164,9 @@ static const struct option_set set = {
     .group = {GROUP(rows),
               {.row = given_rows,
                .title = "results that exist, each as often as you like but --doctor:"},
-              {.row = passed_rows, .title = "and handed on to the commands that take it:"},
+              {.row = passed_rows,
+               .title = "and handed on to the commands that take it, but --layout and --engine\n"
+                        "to bench layouts, which compares its own choice of them:"},
               GROUP_AT(engine_rows, engines),
               GROUP_AT(outside_rows, engines)},
     .codes = "the worst of its parts, which stand in it with their reasons: 0 all agree, 1 a "
