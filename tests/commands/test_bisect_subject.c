@@ -4,6 +4,7 @@
 #include "cmd/bisect/cmd_bisect.h"
 
 #include "cmd/conform/cmd_trial.h"
+#include "scenes/move.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,6 +13,7 @@
 #include <cmocka.h>
 #include <glob.h>
 #include <string.h>
+#include <unistd.h>
 
 /* As the command begins, with members that no case names. */
 static struct bisect_options options_made(void)
@@ -132,12 +134,58 @@ static void a_file_brings_each_of_its_members(void **state)
         assert_memory_equal(subject.ray, file.trial.ray, subject.ray_count * sizeof *subject.ray);
         assert_int_equal(subject.scene.tri_count, file.trial.scene.tri_count);
         assert_int_equal(subject.is_world != NULL, file.trial.world.is);
+        assert_int_equal(subject.moved, file.trial.move > 0);
+        if (file.trial.world.is)
+            assert_memory_equal(subject.mode, file.trial.world.mode,
+                                subject.ray_count * sizeof *subject.mode);
         bisect_subject_free(&subject);
         finding_file_free(&file);
         opened++;
     }
     assert_in_range(opened, 10, 1000);
     globfree(&found);
+}
+
+/* The tree is built of a scene at rest, as fuzz has it: moved by the file's distance and seed. */
+static void a_scene_at_rest_is_that_of_the_file(void **state)
+{
+    (void)state;
+    static const struct {
+        float move;
+        uint64_t seed;
+    } moves[] = {{0.0f, 5}, {0x1p-3f, 7}, {0x1p-3f, 8}, {2.0f, 7}, {0x1p-9f, 1ull << 40}};
+    char path[] = "/tmp/raydiff-test-bisect-XXXXXX.trial";
+    const int made = mkstemps(path, 6);
+    assert_true(made >= 0);
+    close(made);
+    for (size_t i = 0; i < ARRAY_COUNT(moves); i++) {
+        struct reason reason;
+        struct finding_file file;
+        struct bisect_subject subject;
+        struct bisect_options o = options_made();
+        const enum status status =
+            finding_file_read("fuzz/corpus/eighth-slot.trial", &file, &reason);
+        assert_int_equal(status, STATUS_OK);
+        file.trial.move = moves[i].move;
+        file.trial.move_seed = moves[i].seed;
+        assert_int_equal(finding_file_write(&file, path, &reason), STATUS_OK);
+        if (!opens(&o, path, &subject))
+            skip();
+        struct scene *rest = &file.trial.scene;
+        const size_t bytes = 3 * sizeof(float) * rest->vertex_count;
+        assert_memory_equal(subject.scene.vertex, rest->vertex, bytes);
+        assert_int_equal(subject.moved, moves[i].move > 0);
+        scene_move(rest, moves[i].move, moves[i].seed);
+        if (subject.moved) {
+            assert_memory_equal(subject.rest.vertex, rest->vertex, bytes);
+            assert_memory_not_equal(subject.scene.vertex, rest->vertex, bytes);
+            assert_int_equal(subject.rest.vertex_count, rest->vertex_count);
+            assert_int_equal(subject.rest.tri_count, rest->tri_count);
+        }
+        bisect_subject_free(&subject);
+        finding_file_free(&file);
+    }
+    unlink(path);
 }
 
 /* Compilers that compile alike are the same, however they are named. */
@@ -182,6 +230,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_name_brings_each_of_its_members),
         cmocka_unit_test(a_file_brings_each_of_its_members),
+        cmocka_unit_test(a_scene_at_rest_is_that_of_the_file),
         cmocka_unit_test(two_compilers_are_not_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
