@@ -168,4 +168,26 @@ static inline enum status frame_play(struct picture *p, bool brute, enum frame_p
     return status;
 }
 
+/* Two jobs, one after the other, of an engine that draws. */
+static inline enum status engine_frame_play(const struct engine *engine, struct picture *p,
+                                            struct reason *reason)
+{
+    const struct engine_options options = {.device = -1};
+    void *self = NULL;
+    *reason = (struct reason){""};
+    enum status status = engine_open(engine, &options, &self, reason);
+    picture_settle(p);
+    p->job.plan = FRAME_AUTO;
+    for (int i = 0; i < 2 && !status; i++) {
+        status = engine->renderer->prepare(self, &p->job, reason);
+        if (!status)
+            status = engine->renderer->draw(self, &p->view, &p->frame, &p->report, reason);
+    }
+    engine->close(self);
+    return status;
+}
+
+/* Those of engine_names that it takes. */
+static const char *const frame_names[] = {"vulkan", "vulkan_brute"};
+
 #endif

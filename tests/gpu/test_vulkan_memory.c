@@ -18,6 +18,8 @@ struct memory_play {
 
 static enum status play(const struct memory_play *play, struct reason *reason)
 {
+    if (play->engine && play->picture)
+        return engine_frame_play(play->engine, play->picture, reason);
     if (play->world)
         return world_play(play->engine, play->stage, reason);
     return play->engine ? engine_play(play->engine, play->stage, reason)
@@ -30,7 +32,7 @@ static void fail_each(const struct memory_play *what)
     for (long n = 0; n < 1000; n++) {
         struct reason reason = {""};
         fake_reset();
-        fake.run = what->engine ? all_done : all_drawn;
+        fake.run = what->picture ? all_drawn : all_done;
         atomic_store(&held, 0);
         fail_after(n);
         enum status status = play(what, &reason);
@@ -81,11 +83,24 @@ static void pictures_on_a_device(void **state)
     picture_free(&p);
 }
 
+static void pictures_of_engines(void **state)
+{
+    (void)state;
+    struct picture p = frame_picture(false);
+    assert_int_equal(setenv("RAYDIFF_VULKAN_LIBRARY", "", 1), 0);
+    for (size_t i = 0; i < ARRAY_COUNT(frame_names); i++)
+        fail_each(&(struct memory_play){
+            .name = frame_names[i], .engine = engine_find(frame_names[i]), .picture = &p});
+    assert_int_equal(unsetenv("RAYDIFF_VULKAN_LIBRARY"), 0);
+    picture_free(&p);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(engines_on_a_device),
         cmocka_unit_test(pictures_on_a_device),
+        cmocka_unit_test(pictures_of_engines),
     };
     fake_memory(__real_calloc, __real_free);
     assert_int_equal(unsetenv("RAYDIFF_VALIDATE"), 0); /* the layer is for drivers */
