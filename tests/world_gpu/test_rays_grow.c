@@ -1,0 +1,93 @@
+/* Rays in any number after any other, as hits and as lists: each dispatch
+ * has buffers that hold what it is told to read and to write. The device is that of
+ * tests/gpu/fake_vulkan.h. */
+#define _DEFAULT_SOURCE /* setenv */
+#include "tests/gpu/fake_engines.h"
+
+#include "ref/base/rng.h"
+
+#define CALLS     60
+#define RAYS_MOST 700u
+#define CAPACITY  4u
+
+static bool lists; /* what is traced now */
+static size_t dispatched;
+
+static void holds(const struct fake_dispatch *dispatch, uint32_t binding, uint64_t bytes,
+                  const char *what)
+{
+    if (dispatch->part[binding].bytes < bytes)
+        fail_msg("%s: %llu bytes of %llu", what, (unsigned long long)dispatch->part[binding].bytes,
+                 (unsigned long long)bytes);
+}
+
+static void holds_all(const struct fake_dispatch *dispatch)
+{
+    struct push push;
+    memcpy(&push, dispatch->push, sizeof push);
+    const uint64_t rays = push.ray_count;
+    assert_in_range(rays, 1, RAYS_MOST);
+    assert_true(lists || push.capacity == 1);
+    holds(dispatch, ABI_BIND_RAYS, rays * sizeof(struct ray), "rays");
+    holds(dispatch, ABI_BIND_HITS, rays * push.capacity * sizeof(struct hit), "hits");
+    holds(dispatch, ABI_BIND_FLAGS, rays * sizeof(uint32_t), "flags");
+    if (lists)
+        holds(dispatch, ABI_BIND_FOUND, rays * sizeof(uint32_t), "counts of lists");
+    dispatched++;
+    all_done(dispatch);
+}
+
+/* Prepares at times, always for another query; then as many rays as may be. */
+static void trace_by_turns(const struct engine *engine, const struct fake_stage *s)
+{
+    static struct ray ray[RAYS_MOST];
+    static struct hit hit[RAYS_MOST * CAPACITY];
+    static uint32_t count[RAYS_MOST];
+    const struct engine_options options = {.device = -1};
+    struct rng rng = rng_make(9, 0);
+    struct reason reason = {""};
+    struct trace_report report;
+    struct job job = {.scene = &s->scene,
+                      .packed = engine->needs_packed ? &s->packed : NULL,
+                      .box = box_test_find("robust"),
+                      .tri = tri_test_find("mt")};
+    void *self;
+    fake_reset();
+    fake.run = holds_all;
+    for (uint32_t i = 0; i < RAYS_MOST; i++)
+        ray[i] = s->ray[i % RAYS];
+    gpu_must(engine_open(engine, &options, &self, &reason), &reason);
+    for (int i = 0; i < CALLS; i++) {
+        const uint32_t rays = 1 + rng_below(&rng, 1u << rng_below(&rng, 10)) % RAYS_MOST;
+        if (i % 6 == 0) {
+            lists = engine->trace_all && i % 12;
+            job.query = lists ? QUERY_ALL : i % 24 ? QUERY_ANY : QUERY_CLOSEST;
+            gpu_must(engine->prepare(self, &job, &reason), &reason);
+        }
+        dispatched = 0;
+        gpu_must(lists ? engine->trace_all(self, ray, rays, 1 + rng_below(&rng, CAPACITY), hit,
+                                           count, &reason)
+                       : engine->trace(self, ray, rays, hit, &report, &reason),
+                 &reason);
+        assert_true(dispatched > 0);
+    }
+    engine->close(self);
+    must_be_clean(engine->name);
+}
+
+static void buffers_hold_what_is_traced(void **state)
+{
+    (void)state;
+    struct fake_stage s = stage_make();
+    assert_int_equal(setenv("RAYDIFF_VULKAN_LIBRARY", "", 1), 0);
+    for (size_t i = 0; i < ARRAY_COUNT(engine_names); i++)
+        trace_by_turns(engine_find(engine_names[i]), &s);
+    assert_int_equal(unsetenv("RAYDIFF_VULKAN_LIBRARY"), 0);
+    stage_free(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(buffers_hold_what_is_traced)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
