@@ -109,8 +109,8 @@ $(B)/tests/test_builders_compare: TEST_LIBS += -Wl,--wrap=wide_compare
 WRAPPED_TESTS := $(MEMORY_TESTS) $(B)/tests/test_judge_many $(B)/tests/test_builders_compare
 
 # A Vulkan within the program, which the loader of the library finds in it.
-FAKE_VULKAN_TESTS := $(addprefix $(B)/tests/,test_card test_gather test_rays_grow test_ways test_freed test_unlike_devices \
-        $(addprefix test_vulkan_,faults answers refusals frame_faults memory parts world_parts))
+FAKE_VULKAN_TESTS := $(addprefix $(B)/tests/test_,card gather rays_grow world_words ways freed unlike_devices) \
+    $(addprefix $(B)/tests/test_vulkan_,faults answers refusals frame_faults memory parts world_parts)
 $(FAKE_VULKAN_TESTS): $(addprefix $(B)/obj/tests/gpu/,fake_vulkan.o fake_vulkan_device.o fake_vulkan_command.o \
         fake_vulkan_sets.o)
 $(FAKE_VULKAN_TESTS): TEST_LIBS += -rdynamic

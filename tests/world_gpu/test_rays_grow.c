@@ -1,5 +1,5 @@
-/* Rays in any number after any other, as hits and as lists: each dispatch
- * has buffers that hold what it is told to read and to write. The device is that of
+/* Rays in any number after any other, as hits and as lists: each dispatch has buffers that hold
+ * what it is told to read and to write, and the pipeline of its query. The device is that of
  * tests/gpu/fake_vulkan.h. */
 #define _DEFAULT_SOURCE /* setenv */
 #include "tests/gpu/fake_engines.h"
@@ -10,7 +10,8 @@
 #define RAYS_MOST 700u
 #define CAPACITY  4u
 
-static bool lists; /* what is traced now */
+static struct job job; /* what is traced now */
+static bool lists;
 static size_t dispatched;
 
 static void holds(const struct fake_dispatch *dispatch, uint32_t binding, uint64_t bytes,
@@ -33,6 +34,8 @@ static void holds_all(const struct fake_dispatch *dispatch)
     holds(dispatch, ABI_BIND_FLAGS, rays * sizeof(uint32_t), "flags");
     if (lists)
         holds(dispatch, ABI_BIND_FOUND, rays * sizeof(uint32_t), "counts of lists");
+    /* The pipeline is that of the query, whatever was prepared before. */
+    assert_int_equal(dispatch->constant[ABI_SPEC_QUERY], job.query);
     dispatched++;
     all_done(dispatch);
 }
@@ -47,11 +50,11 @@ static void trace_by_turns(const struct engine *engine, const struct fake_stage 
     struct rng rng = rng_make(9, 0);
     struct reason reason = {""};
     struct trace_report report;
-    struct job job = {.scene = &s->scene,
-                      .packed = engine->needs_packed ? &s->packed : NULL,
-                      .box = box_test_find("robust"),
-                      .tri = tri_test_find("mt")};
     void *self;
+    job = (struct job){.scene = &s->scene,
+                       .packed = engine->needs_packed ? &s->packed : NULL,
+                       .box = box_test_find("robust"),
+                       .tri = tri_test_find("mt")};
     fake_reset();
     fake.run = holds_all;
     for (uint32_t i = 0; i < RAYS_MOST; i++)
