@@ -31,6 +31,15 @@ expect 0 '1 passed, 0 failed' conform 'closest.shader:./trace.comp.-.-.-.mt.soup
 expect 77 'traces scenes, not worlds' check mixed --engine shader:trace.comp --count 50
 expect 1 'cannot list all hits' check soup --query all --engine shader:trace.comp --count 50
 
+# --- what the device holds: three words for each vertex and each triangle, and as much for the rays of any scene
+for scene in sphere:n=2 sphere:n=7 soup:n=500; do
+    expect 0 . check "$scene" --engine shader:trace.comp --count 40 --repeat 1 --json j.json
+    awk -f "$root/tests/values/flat.awk" j.json | awk -F= '
+        { v[$1] = $2 }
+        END { print v["rows.0.memory_bytes"] - 12 * (v["scenes.0.vertices"] + v["scenes.0.triangles"]) }'
+done | sort -u >rays
+[ "$(cat rays)" -ge $((40 * 48)) ] 2>/dev/null || bad "a scene is not told with what it takes: $(tr '\n' ' ' <rays)"
+
 # --- a bug is found, and shrunk
 changed bug.comp 's/u + v <= 1.0/u <= 1.0 \&\& v <= 1.0/'
 expect 1 'WRONG  *-  *shader:bug.comp' check sphere:n=4 --engine shader:bug.comp --count 500 --repeat 1

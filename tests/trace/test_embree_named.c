@@ -1,5 +1,6 @@
 /* How modes of Embree are called, and what a device says of its ISA. */
 #include <stdio.h>
+#include <string.h>
 
 #include "ref/engines/embree_isa.h"
 #include "ref/engines/embree_named.h"
@@ -78,6 +79,45 @@ static void names_have_words_in_any_order(void **state)
 
 #if HAVE_EMBREE
 
+static size_t engine_count(void)
+{
+    size_t count = 0;
+    while (engines[count])
+        count++;
+    return count;
+}
+
+/* However often and in whatever order its words stand, a mode is one engine. */
+static void a_mode_is_one_engine(void **state)
+{
+    (void)state;
+    static const char *const spelt[][3] = {
+        {"embree:low:compact", "embree:compact:low", "embree:low:compact"},
+        {"embree:4:robust", "embree:robust:4", "embree:4:robust"},
+        {"embree:refit:high:8", "embree:8:high:refit", "embree:high:refit:8"},
+        {"embree:robust", "embree:robust:1", "embree:1:robust"},
+        {"embree:1", "embree:medium", "embree:1:medium"}};
+    const struct engine *first[ARRAY_COUNT(spelt)];
+    const size_t before = engine_count();
+    size_t added = 0;
+    for (size_t turn = 0; turn < 3; turn++)
+        for (size_t k = 0; k < 3; k++)
+            for (size_t i = 0; i < ARRAY_COUNT(spelt); i++) {
+                struct reason reason = {""};
+                const struct engine *engine;
+                if (embree_named(spelt[i][k], &engine, &reason))
+                    fail_msg("%s: %s", spelt[i][k], reason.text);
+                if (turn + k == 0) {
+                    first[i] = engine;
+                    added += strchr(engine->name, ':') != NULL;
+                }
+                assert_ptr_equal(engine, first[i]);
+                assert_ptr_equal(engine_find(engine->name), engine);
+            }
+    assert_int_equal(added, 3);
+    assert_int_equal(engine_count(), before + added);
+}
+
 /* --- ISAs ------------------------------------------------------------------------------------- */
 
 /* Both of "Targets" count, and only whole words of these lines. */
@@ -127,6 +167,7 @@ int main(void)
         cmocka_unit_test(names_are_of_one_mode),
         cmocka_unit_test(names_have_words_in_any_order),
 #if HAVE_EMBREE
+        cmocka_unit_test(a_mode_is_one_engine),
         cmocka_unit_test(what_a_device_says_is_the_best_of_both),
 #endif
         cmocka_unit_test(without_embree_no_mode_can_run),
