@@ -62,11 +62,54 @@ static void a_level_without_a_box_is_refused(void **state)
     world_free(&world);
 }
 
+/* Whether bytes are taken for what a driver serialised, by their head alone. */
+static bool is_taken(const struct lvp_file *of)
+{
+    struct tree_dump dump;
+    struct reason reason = {""};
+    if (!lvp_read(of, of->size, &dump, &reason)) {
+        tree_dump_free(&dump);
+        return true;
+    }
+    return !strstr(reason.text, "t: no tree of a known format");
+}
+
+/* The sizes and the handles that a head tells have room in the file, to the byte. */
+static void what_has_no_room_in_a_file_is_no_structure(void **state)
+{
+    (void)state;
+    struct world world = lvp_world("placed-turned:count=5");
+    for (int of_radv = 0; of_radv < 2; of_radv++) {
+        struct tree_dump dump = dump_of(&world, of_radv);
+        const struct lvp_file whole = of_radv ? radv.raw : file;
+        const uint64_t size = whole.size, most = (lvp_get(&whole, 32) - 56) / 8;
+        const struct {
+            size_t at;
+            uint64_t value;
+            bool taken;
+        } tries[] = {{32, size, true},        {32, size + 1, false},
+                     {32, UINT64_MAX, false}, {32, 55, false},
+                     {40, 0, false},          {40, 1, true},
+                     {48, most, true},        {48, most + 1, false},
+                     {48, 1ull << 61, false}, {48, UINT64_MAX / 8, false},
+                     {48, UINT64_MAX, false}, {32, 1ull << 32, false}};
+        for (size_t i = 0; i < ARRAY_COUNT(tries); i++) {
+            struct lvp_file changed = whole;
+            lvp_put_long(&changed, tries[i].at, tries[i].value);
+            if (is_taken(&changed) != tries[i].taken)
+                fail_msg("%llu at %zu", (unsigned long long)tries[i].value, tries[i].at);
+        }
+        tree_dump_free(&dump);
+    }
+    world_free(&world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(instances_of_one_side_alone_are_differences),
         cmocka_unit_test(a_level_without_a_box_is_refused),
+        cmocka_unit_test(what_has_no_room_in_a_file_is_no_structure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

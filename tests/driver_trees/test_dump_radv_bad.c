@@ -198,6 +198,55 @@ static void pointers_are_those_of_the_handles(void **state)
     world_free(&world);
 }
 
+/* By its own number, wherever it is in the file and in the tree. */
+static void an_instance_is_named_by_its_number(void **state)
+{
+    (void)state;
+    struct world world = lvp_two_meshes();
+    for (uint32_t bad = 0; bad < world.instance_count; bad++) {
+        const uint32_t number = 7 * (world.instance_count - bad);
+        char text[80];
+        rdv_write(&file, &world, false);
+        for (uint32_t i = 0; i < world.instance_count; i++)
+            lvp_put(&file.raw, rdv_leaf(&file, 0, i, 64), 7 * (world.instance_count - i));
+        const struct rdv_file whole = file;
+        struct tree_dump dump = rdv_read_ok(&file);
+        tree_dump_free(&dump);
+        lvp_put(&file.raw, 56 + 8 * (size_t)bad, 0x77);
+        snprintf(text, sizeof text, "instance %u has the handle 0x", number);
+        tree_must_refuse(&file.raw, text);
+        file = whole;
+        const size_t at = rdv_leaf(&file, 0, bad, 68);
+        const uint32_t nodes = lvp_get(&file.raw, at) + 64;
+        lvp_put(&file.raw, at, nodes);
+        lvp_put_long(&file.raw, rdv_leaf(&file, 0, bad, 0),
+                     (rdv_address(world.instance[bad].mesh) + nodes) >> 3 & 0x1FFFFFFFFFFFu);
+        snprintf(text, sizeof text, "instance %u has nodes at %u, ", number, nodes);
+        tree_must_refuse(&file.raw, text);
+    }
+    world_free(&world);
+}
+
+/* A box of two slots over the end of another node, whichever of them is met first. */
+static void nodes_do_not_overlap(void **state)
+{
+    (void)state;
+    struct world world = lvp_world("sphere:n=2");
+    for (uint32_t leaf = 1; leaf < world.mesh[0].scene->tri_count; leaf++)
+        for (size_t first = 0; first < 2; first++) {
+            char text[120];
+            rdv_write_mesh(&file, &world, false);
+            const uint32_t id[] = {rdv_leaf_id(&file, 0, leaf),
+                                   (rdv_leaf_id(&file, 0, leaf - 1) & ~7u) | 5};
+            lvp_put(&file.raw, file.node[0], id[first]);
+            lvp_put(&file.raw, file.node[0] + 4, id[1 - first]);
+            snprintf(text, sizeof text, "box at offset 0: child 1 is 0x%08x, within another node",
+                     id[1 - first]);
+            tree_must_refuse(&file.raw, text);
+        }
+    world_free(&world);
+}
+
 static void write_two_meshes(void)
 {
     struct world world = lvp_two_meshes();
@@ -277,6 +326,8 @@ int main(void)
         cmocka_unit_test(heads_that_are_wrong_are_refused),
         cmocka_unit_test(other_drivers_and_versions_are_refused_with_both),
         cmocka_unit_test(pointers_are_those_of_the_handles),
+        cmocka_unit_test(an_instance_is_named_by_its_number),
+        cmocka_unit_test(nodes_do_not_overlap),
         cmocka_unit_test(structures_below_are_those_of_the_handles),
         cmocka_unit_test(handles_of_inactive_instances_may_be_anything),
         cmocka_unit_test(sizes_of_nothing_are_the_least_float),
