@@ -125,6 +125,33 @@ static void every_load_becomes_a_fetch(void **state)
     assert_true(played > 30);
 }
 
+/* Of buffers whose elements are floats, which only probes have: a word of a fetch is the float's
+ * bits, in the result of the load. */
+static void words_that_are_floats_are_their_bits(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"probe_free", "probe_card", "probe_ops"};
+    for (size_t i = 0; i < ARRAY_COUNT(names); i++) {
+        const struct shader *shader = shader_find(names[i]);
+        uint32_t *word, words, wanted, none;
+        size_t count;
+        struct reason reason;
+        assert_non_null(shader);
+        if (spirv_texels(shader->word, shader->word_count, 1, &word, &count, &words, &reason))
+            fail_msg("%s: %s", shader->name, reason.text);
+        const uint32_t loads = reads(shader->word, shader->word_count, 1, &wanted);
+        assert_true(loads > 0);
+        assert_int_equal(wanted, 1);
+        assert_int_equal(words, wanted);
+        assert_int_equal(how_many(word, count, OP_IMAGE_FETCH), loads);
+        assert_int_equal(how_many(word, count, OP_BITCAST),
+                         how_many(shader->word, shader->word_count, OP_BITCAST) + loads);
+        assert_int_equal(reads(word, count, 1, &none), 0);
+        validate(shader->name, word, count);
+        free(word);
+    }
+}
+
 /* Loads that name an alignment: that of what is loaded, a quad or one word, and no more. */
 static uint32_t aligned_loads(const char *name, const uint32_t *word, size_t count)
 {
@@ -328,6 +355,7 @@ int main(void)
         cmocka_unit_test(every_load_goes_by_an_address),
         cmocka_unit_test(what_is_written_is_refused),
         cmocka_unit_test(components_are_those_asked_for),
+        cmocka_unit_test(words_that_are_floats_are_their_bits),
         cmocka_unit_test(words_and_quads_of_one_binding_are_refused_as_texels_alone),
         cmocka_unit_test(broken_modules_are_refused),
         cmocka_unit_test(names_have_the_modules_that_they_say),
