@@ -188,6 +188,54 @@ static void the_commands_own_end_is_told(void **state)
     assert_int_equal(kill(family->member[0], 0), -1);
 }
 
+/* Exit code: what of us a command has, 0 if nothing. */
+static void look_at_signals(const void *user)
+{
+    sigset_t blocked;
+    (void)user;
+    sigprocmask(SIG_SETMASK, NULL, &blocked);
+    for (int number = 1; number < NSIG; number++) {
+        struct sigaction is;
+        if (sigismember(&blocked, number) == 1)
+            _exit(1);
+        if (number < 32 && sigaction(number, NULL, &is) == 0 && is.sa_handler != SIG_DFL)
+            _exit(2);
+    }
+    _exit(getpgrp() == getpid() ? 0 : 3);
+}
+
+static void handled(int number)
+{
+    (void)number;
+}
+
+/* Whatever we block, ignore or handle, a command begins as from a shell. */
+static void a_command_begins_with_no_signal_blocked_or_taken(void **state)
+{
+    (void)state;
+    static const int taken[] = {SIGHUP, SIGINT, SIGPIPE, SIGTERM, SIGUSR1, SIGCHLD, SIGSYS};
+    void (*const how[])(int) = {SIG_DFL, SIG_IGN, handled};
+    sigset_t all, before;
+    sigfillset(&all);
+    for (size_t i = 0; i < 6; i++) {
+        struct guardian guardian;
+        struct reason reason = {""};
+        int status = 0;
+        for (size_t k = 0; k < sizeof taken / sizeof *taken; k++)
+            if (taken[k] != SIGCHLD || how[i / 2] != SIG_IGN) /* or none can be waited for */
+                signal(taken[k], how[i / 2]);
+        sigprocmask(i % 2 ? SIG_BLOCK : SIG_UNBLOCK, &all, &before);
+        assert_int_equal(guardian_start(look_at_signals, NULL, &guardian, &reason), STATUS_OK);
+        assert_true(guardian_ended(&guardian, LIMIT_MS, &status));
+        guardian_stop(&guardian);
+        sigprocmask(SIG_SETMASK, &before, NULL);
+        for (size_t k = 0; k < sizeof taken / sizeof *taken; k++)
+            signal(taken[k], SIG_DFL);
+        assert_true(WIFEXITED(status));
+        assert_int_equal(WEXITSTATUS(status), 0);
+    }
+}
+
 static void a_command_that_goes_on_is_not_said_to_have_ended(void **state)
 {
     struct family *family = *state;
@@ -216,6 +264,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(all_end_when_it_is_stopped, set_up, tear_down),
         cmocka_unit_test_setup_teardown(all_end_when_we_are_killed, set_up, tear_down),
+        cmocka_unit_test(a_command_begins_with_no_signal_blocked_or_taken),
         cmocka_unit_test(what_cannot_be_started_is_told),
         cmocka_unit_test_setup_teardown(the_commands_own_end_is_told, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_command_that_goes_on_is_not_said_to_have_ended, set_up,
