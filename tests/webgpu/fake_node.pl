@@ -1,6 +1,7 @@
 #!/usr/bin/perl
 # Stands for Node in tests/webgpu/webgpu.sh: answers as gpu/webgpu/peer.js does, or in the wrong way that $FAKE_NODE
 # names. Its hits are what $FAKE_WORDS says, five words a ray; with $FAKE_AT that of one ray alone, all others miss.
+# It writes what it is told to $FAKE_TOLD.
 use strict;
 use warnings;
 my $way = $ENV{FAKE_NODE} // 'well';
@@ -16,6 +17,16 @@ sub take {
 sub answer {
     my ($version, $refused, $count, $body) = @_;
     print pack('a4 V7', $way eq 'magic' ? 'RDRX' : 'RDRA', $version, $refused, $count, 0, 2, 0, 0), $body;
+}
+
+# What stands behind the path of Dawn, and the driver's file in both variables of the loader.
+if (defined $ENV{FAKE_TOLD}) {
+    my @told = @ARGV;
+    shift @told while @told && $told[0] ne '--';
+    my ($file, $older) = map { $ENV{$_} || '-' } qw(VK_DRIVER_FILES VK_ICD_FILENAMES);
+    open my $to, '>', $ENV{FAKE_TOLD} or die;
+    print $to join(' ', @told[2 .. $#told]), " of $file", $file eq $older ? '' : " and $older", "\n";
+    close $to;
 }
 
 exit 9 if $way eq 'ends';

@@ -61,6 +61,30 @@ soup='soup:n=9 --count 9 --repeat 1'
 # It answers, and what it answers is judged: it misses everything.
 FAKE_NODE=noisy expect 1 . check sphere:n=4 --count 200 --repeat 1 --engine webgpu --layout f32
 has 'misses everything' '^WRONG   f32 +webgpu +[1-9]' '^ +missed +[0-9]+|missed [0-9]+'
+# What the device holds: the tree, and nine floats for each triangle.
+for scene in sphere:n=4 soup:n=37; do
+    for layout in f32 rf16 cwbvh80; do
+        FAKE_NODE=noisy expect 1 . check $scene --count 50 --repeat 1 --engine webgpu --layout $layout --json "$dir/held.json"
+        awk -f tests/values/flat.awk "$dir/held.json" | awk -F= '
+            { v[$1] = $2 }
+            END {
+                exit !(v["scenes.0.triangles"] > 0 && v["rows.0.memory_bytes"] == \
+                    v["rows.0.node_bytes"] + v["rows.0.item_bytes"] + 36 * v["scenes.0.triangles"])
+            }' || bad "$scene, $layout: not the bytes of the tree and of the triangles"
+    done
+done
+# What Node is told of the driver: a card, any device, or one of that name; a file by the loader's variables alone.
+: >"$dir/some.json"
+told() { # option, what is told
+    FAKE_TOLD=$dir/told FAKE_NODE=refuses VK_DRIVER_FILES='' VK_ICD_FILENAMES='' \
+        expect 77 . check $soup --engine webgpu --layout f32 ${1:+--driver "$1"}
+    [ "$(cat "$dir/told")" = "$2" ] || bad "--driver '$1': node is told $(cat "$dir/told"), not $2"
+}
+told '' 'any of -'
+told hardware 'hardware of -'
+told lava 'any adapter=lava of -'
+told 'a part' 'any adapter=a part of -'
+told "$dir/some.json" "any of $dir/some.json"
 FAKE_NODE=refuses expect 0 . doctor # the other way it waits for a card, for a minute
 grep -A2 '^webgpu  *SKIPPED' "$dir/out" | grep -q 'no device for me; it said: a line of the driver' || bad 'doctor: no reason'
 expect 0 . list engines
