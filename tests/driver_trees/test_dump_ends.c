@@ -78,10 +78,11 @@ static bool is_taken(const struct lvp_file *of)
 static void what_has_no_room_in_a_file_is_no_structure(void **state)
 {
     (void)state;
+    static struct lvp_file whole, changed;
     struct world world = lvp_world("placed-turned:count=5");
     for (int of_radv = 0; of_radv < 2; of_radv++) {
         struct tree_dump dump = dump_of(&world, of_radv);
-        const struct lvp_file whole = of_radv ? radv.raw : file;
+        whole = of_radv ? radv.raw : file;
         const uint64_t size = whole.size, most = (lvp_get(&whole, 32) - 56) / 8;
         const struct {
             size_t at;
@@ -94,7 +95,7 @@ static void what_has_no_room_in_a_file_is_no_structure(void **state)
                      {48, 1ull << 61, false}, {48, UINT64_MAX / 8, false},
                      {48, UINT64_MAX, false}, {32, 1ull << 32, false}};
         for (size_t i = 0; i < ARRAY_COUNT(tries); i++) {
-            struct lvp_file changed = whole;
+            changed = whole;
             lvp_put_long(&changed, tries[i].at, tries[i].value);
             if (is_taken(&changed) != tries[i].taken)
                 fail_msg("%llu at %zu", (unsigned long long)tries[i].value, tries[i].at);

@@ -201,6 +201,7 @@ static void pointers_are_those_of_the_handles(void **state)
 /* By its own number, wherever it is in the file and in the tree. */
 static void an_instance_is_named_by_its_number(void **state)
 {
+    static struct rdv_file whole;
     (void)state;
     struct world world = lvp_two_meshes();
     for (uint32_t bad = 0; bad < world.instance_count; bad++) {
@@ -209,7 +210,7 @@ static void an_instance_is_named_by_its_number(void **state)
         rdv_write(&file, &world, false);
         for (uint32_t i = 0; i < world.instance_count; i++)
             lvp_put(&file.raw, rdv_leaf(&file, 0, i, 64), 7 * (world.instance_count - i));
-        const struct rdv_file whole = file;
+        whole = file;
         struct tree_dump dump = rdv_read_ok(&file);
         tree_dump_free(&dump);
         lvp_put(&file.raw, 56 + 8 * (size_t)bad, 0x77);
