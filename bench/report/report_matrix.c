@@ -92,15 +92,17 @@ static void plan_row(struct matrix_plan *plan, const json_t *row)
     plan->stores = plan->stores || (store[0] && strcmp(store, plan->store) != 0);
 }
 
-/* Stores the row in its cell. The first row for a cell wins. */
+/* Stores the row in its cell, if it has one. The first row for a cell wins. */
 static void fill_cell(struct matrix_plan *plan, const json_t *row)
 {
     size_t g = group_of(plan, row);
     const struct group *group = &plan->group[g];
     struct cells *cells = &plan->cells[line_of(plan, row) * plan->group_count + g];
     size_t b = box_of(group, row);
-    const json_t **cell = is_plain(row) ? &cells->plain : &cells->box[b < BOXES_MOST ? b : 0];
-    if (!*cell)
+    const json_t **cell = is_plain(row)          ? &cells->plain
+                          : b < group->box_count ? &cells->box[b]
+                                                 : NULL;
+    if (cell && !*cell)
         *cell = row;
 }
 

@@ -119,7 +119,6 @@ static enum status play_segment(struct streaming *s, uint32_t segment, uint32_t 
     enum status status = STATUS_OK;
     if (q->count == 0)
         return STATUS_OK;
-    s->run->walker->unit = pool;
     load_segment(s, segment, pool);
     if (segment > 0)
         move_queue(s, segment, q->count);

@@ -190,7 +190,8 @@ static void attend(struct runner *runner, struct child *child, const struct line
     if (got == CHILD_LATE)
         snprintf(run->said, sizeof run->said, "it took longer than %u s\n", runner->seconds);
     else
-        snprintf(run->said, sizeof run->said, "it %s\n", fate.text);
+        snprintf(run->said, sizeof run->said, "it %s%s\n",
+                 fate.signal && !fate.forced ? "was " : "", fate.text);
 }
 
 enum status runner_run(struct runner *runner, command_fn *command, const struct line *line,
