@@ -148,6 +148,7 @@ plain)
     suite lives sh tests/life/lives.sh "$build/raydiff"
     alone fair sh tests/bench/fair.sh "$build/raydiff" quick
     suite diff sh tests/scripts/diff.sh "$build"
+    suite diffs sh tests/diffs/diffs.sh "$build/raydiff"
     pairs window sh tests/scripts/window.sh "$build"
     suite construct sh tests/scripts/construct.sh "$build/raydiff"
     suite world_files sh tests/worlds/world_files.sh "$build/raydiff"

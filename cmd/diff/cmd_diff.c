@@ -19,10 +19,12 @@ static bool ends_in_png(const char *text)
 /* True if an argument is a picture, and not an option's value. */
 static bool is_of_pictures(int argc, char **argv)
 {
-    for (int i = 1; i < argc; i++)
-        if (ends_in_png(argv[i]) && argv[i][0] != '-' &&
-            (argv[i - 1][0] != '-' || strcmp(argv[i - 1], "--") == 0))
+    bool behind = false; /* "--", behind which nothing is an option */
+    for (int i = 1; i < argc; i++) {
+        if (ends_in_png(argv[i]) && (behind || (argv[i][0] != '-' && argv[i - 1][0] != '-')))
             return true;
+        behind = behind || strcmp(argv[i], "--") == 0;
+    }
     return false;
 }
 

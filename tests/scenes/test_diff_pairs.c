@@ -133,11 +133,35 @@ static void what_is_published_is_excused(void **state)
     side[0].published = side[1].published = false;
 }
 
+/* Sides agree if every pixel asked for is explained by no fault, and, where the same bits are
+ * demanded, no path is apart and no value exceeds the bound, if there is one. */
+static void a_pair_agrees_without_a_fault(void **state)
+{
+    (void)state;
+    for (unsigned look = 0; look < 16; look++)
+        for (int why = -1; why < WHY_COUNT; why++) /* -1: no pixel was asked for */
+            for (size_t unexplained = 0; unexplained < 3; unexplained++) {
+                const bool same = look & 1, bounded = look & 2, apart = look & 4, over = look & 8;
+                static struct pair pair;
+                pair = (struct pair){.same_bits = same, .bounded = bounded};
+                pair.diff.paths_apart = apart;
+                pair.diff.excess = over;
+                pair.asked = (size_t)(3 * (why >= 0)) + unexplained;
+                if (why >= 0)
+                    pair.why[why] = 3;
+                const bool fault =
+                    why == WHY_RENDERER || why == WHY_WRONG || why == WHY_UNEXPLAINED;
+                const bool bits = same && (apart || (bounded && over));
+                assert_int_equal(pair_agrees(&pair), !fault && !bits && unexplained == 0);
+            }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_are_the_sum_of_each),
         cmocka_unit_test(what_is_published_is_excused),
+        cmocka_unit_test(a_pair_agrees_without_a_fault),
     };
     return cmocka_run_group_tests(tests, begin, end);
 }
