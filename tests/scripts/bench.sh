@@ -194,6 +194,15 @@ expect 0 . bench fast --scene "$dir/square.obj" --rounds 1 --count 100 --engine 
     bad "bench fast --engine: $(cut -d , -f 4 "$dir/f.csv" | sort | uniq -c | tr '\n' ';')"
 expect 2 'runs on a GPU' bench fast --scene "$dir/square.obj" --engine vulkan
 expect 2 'tests every triangle' bench fast --scene "$dir/square.obj" --engine cpu,brute
+# What there is one of is refused in every list of two, and one of each is taken.
+only="--engine cpu --layout f32 --frames 1 --size 8x6 --out $dir/one"
+for one in --box=robust,watertight --box=watertight,robust --tri=mt,woop --tri=woop,mt "--scene=$dir/square.obj;sphere:n=2"; do
+    expect 2 '^raydiff bench: frames: one scene, one box test and one triangle test' bench frames $only $one
+    expect 0 . bench frames $only "${one%%[,;]*}"
+done
+for one in --layout=rf16,f32 --layout=f32,rf16; do
+    expect 2 '^raydiff bench: special: one layout, and its own scenes' bench special $one
+done
 # What both engines hit is as much by either: what one hits and what it misses.
 wall=$dir/wall.obj
 "$raydiff" scene convert grid:n=4,height=0 "$wall" >"$dir/out" 2>"$dir/err" || bad "no wall"

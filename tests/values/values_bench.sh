@@ -49,9 +49,9 @@ play_layouts() {
 # Members as published lose hits and make triangles up; mt leaks on a closed mesh.
 play_error() {
     members='--engine cpu,embree_robust --layout f32,rtrs_rf,rf16 --tri mt,woop --threads 1'
-    other check sphere:n=6 soup:n=150,size=0.5 --layout f32,rf16,rtrs_rf --engine cpu --rays edges --count 400 --repeat 1 --brute 0 \
+    other check sphere:n=6 soup:n=150,size=0.5 --layout f32,rf16,rtrs_rf --engine cpu --rays edges --count 401 --repeat 1 --brute 0 \
         --threads 1
-    bench error 1200 1 --scene 'sphere:n=6;soup:n=150,size=0.5' --count 400 $members
+    bench error 1200 1 --scene 'sphere:n=6;soup:n=150,size=0.5' --count 401 $members
     rm "$dir/other.flat"
     bench error 200 2 --scene 'soup:n=150,size=0.5' --count 300 $members --box rtrs,robust
     # Nothing is hit: exit code 1, also in the JSON.
@@ -150,6 +150,15 @@ play_frames() {
     rm "$dir/other.flat"
     run render sphere:n=6 --benchmark --benchmark-frames 3 --benchmark-turns 1 --benchmark-warm-up 2 -w 16 -h 12 --camera-orbit \
         --benchmark-out "$dir/frames" && cp "$dir/frames.json" "$dir/json" && values bench_frames 50 "$dir/text" "$dir/frames.csv"
+    # Frames of an engine that draws on its own, where it is not told to trace rays; of others the rays alone.
+    for engine in embree vulkan 'vulkan --waves'; do
+        [ "$engine" = embree ] || "$raydiff" render sphere:n=6 --engine ${engine%% *} -w 8 -h 6 --out "$dir/one.png" >"$dir/text" 2>&1 || continue
+        run render sphere:n=6 --benchmark --benchmark-frames 2 --benchmark-turns 1 -w 16 -h 12 --benchmark-out "$dir/frames" \
+            --engine $engine && cp "$dir/frames.json" "$dir/json" &&
+            values bench_frames 40 waves="$(case $engine in *waves) echo 1 ;; *) echo 0 ;; esac)" "$dir/text" "$dir/frames.csv"
+    done
+    run bench frames --scene sphere:n=3 --engine cpu,vulkan,brute --layout f32 --frames 2 --size 8x6 --out "$dir/frames" --wide &&
+        cp "$dir/frames.json" "$dir/json" && values bench_frames 60 wide=1 "$dir/text" "$dir/frames.csv"
 }
 play_fast() { for rounds in 1 2; do bench fast 200 "$rounds" --scene sphere:n=6 --count 200; done; }
 play_worlds() {

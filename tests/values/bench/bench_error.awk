@@ -43,6 +43,11 @@ function laws(p, name,  q, nodes, f32, c, k, sum) {
     truth(name "more wrong triangles than hits", v[p ".wrong_id"] + v[p ".phantom"] <= v[p ".hits"] + 0)
     truth(name "more named and WRONG than answers",
           v[p ".named"] + v[p ".wrong"] <= v[p ".count"] + v[p ".edge_rays"] + v[p ".vertex_rays"])
+    # From inside a closed mesh at its edges and at its vertices, for each two rays one of each kind.
+    if (v[p ".edge_rays"] + v[p ".vertex_rays"] > 0) {
+        equal(name "rays at edges", v[p ".edge_rays"], int((v[p ".count"] + 1) / 2))
+        equal(name "rays at vertices", v[p ".vertex_rays"], v[p ".edge_rays"])
+    }
     truth(name "more leaks than rays", v[p ".edge_leaks"] <= v[p ".edge_rays"] && v[p ".vertex_leaks"] <= v[p ".vertex_rays"])
     equal(name "judged", v[p ".judged"], v[p ".layout"] ~ /^rtrs/ || v[p ".box"] == "rtrs" ? "false" : "true")
     if (v[p ".judged"] == "true") equal(name "WRONG", v[p ".wrong"], 0)

@@ -13,7 +13,11 @@ function median(value, n) {
     return n % 2 ? value[(n + 1) / 2] : (value[n / 2] + value[n / 2 + 1]) / 2
 }
 # Of the samples: sum, least, most, median; the ratio to the first handler, frame by frame.
-function laws(h, name,  i, n, sum, one, ratio, c) {
+function laws(h, name,  i, n, sum, one, ratio, c, engine) {
+    engine = v[h ".handler"]
+    sub(/.*\(/, "", engine)
+    sub(/[ )].*/, "", engine)
+    equal(name "what is timed", v[h ".clock"] ~ /, rays alone$/, waves || engine !~ /^vulkan(_brute)?$/)
     n = v[h ".samples_ms.count"]
     equal(name "samples", n, v["frames"])
     for (i = 1; i <= n; i++) {
@@ -38,6 +42,7 @@ function laws(h, name,  i, n, sum, one, ratio, c) {
 }
 FILENAME ~ /csv$/ {
     gsub(/"host clock, rays alone"/, "host clock; rays alone")
+    gsub(/"GPU timestamps, rays alone"/, "GPU timestamps; rays alone")
     if (FNR == 1) next
     split($0, field, ",")
     frame = (FNR - 2) % v["frames"]
