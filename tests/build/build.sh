@@ -35,6 +35,13 @@ done
 expect 0 . build sphere:n=12 --builder gpu_lbvh30 --rounds 1 --json "$dir/rows.json"
 [ "$(grep -c 'gpu_.* all ' "$dir/out")" -eq 1 ] || bad 'one builder was named'
 
+# A scene that cannot be read ends it with 2, wherever it stands; the others are told.
+for of in "$dir/none.obj sphere:n=3" "sphere:n=3 $dir/none.obj" "sphere:n=2 $dir/none.obj sphere:n=3"; do
+    expect 2 'none.obj: No such file' build $of --builder gpu_lbvh30 --rounds 1 --layout tiny8 --json "$dir/rows.json"
+    has "of $of those that can be read" '^sphere:n=3: 72 triangles'
+    grep -q '"exit": 2,' "$dir/rows.json" || bad "build $of: its JSON has another exit code"
+done
+
 # Layouts: those that were named, all that a device encodes, and why not. A bound beyond 2^100 is refused on both sides.
 for layouts in tiny8:1 tiny8,cwbvh80:2 'tiny8*:3' all:4 every:4; do
     expect 0 . build sphere:n=3 --builder gpu_lbvh63 --rounds 1 --layout "${layouts%:*}"

@@ -8,7 +8,16 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include <math.h>
+#include <stdlib.h>
+
 #define EACH 3u
+
+static int by_size(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
 
 static void any_difference_is_a_mismatch(void **state)
 {
@@ -36,10 +45,35 @@ static void any_difference_is_a_mismatch(void **state)
         }
 }
 
+/* Of what is measured in rounds each number is told by its median, and so is the ratio of the two
+ * sides, which is made round by round; a round that took no time has none. */
+static void a_part_is_told_by_the_medians_of_its_rounds(void **state)
+{
+    (void)state;
+    for (uint32_t rounds = 1; rounds <= BUILD_ROUNDS_MOST && rounds < 10; rounds++) {
+        double device[10], c[10], ratio[10];
+        for (uint32_t r = 0; r < rounds; r++) { /* the ratios are in another order than the sides */
+            device[r] = 1e6 * (3 + (r * 7 + 2) % 11);
+            c[r] = r == 4 ? 0 : 1e6 * (1 + (r * 5 + 1) % 13);
+            ratio[r] = r == 4 ? 0 : device[r] / c[r];
+        }
+        const struct build_part part = build_part_of(device, c, rounds);
+        const double told[] = {part.device_ms, part.c_ms, part.ratio};
+        double *const rows[] = {device, c, ratio};
+        for (int k = 0; k < 3; k++) {
+            qsort(rows[k], rounds, sizeof(double), by_size);
+            double median = 0.5 * (rows[k][(rounds - 1) / 2] + rows[k][rounds / 2]);
+            assert_true(fabs(told[k] - (k < 2 ? 1e-6 : 1) * median) < 1e-9 * median);
+        }
+        assert_true(part.ratio_least == ratio[0] && part.ratio_most == ratio[rounds - 1]);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_difference_is_a_mismatch),
+        cmocka_unit_test(a_part_is_told_by_the_medians_of_its_rounds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -250,6 +250,22 @@ static void shade_pow_error_covers_the_worst_pow(void **state)
     assert_true(tightest > 0.9);
 }
 
+/* A ray has the range of its job, whatever the look, from where its path stands. */
+static void shade_ray_has_the_range_of_its_job(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 40; i++) {
+        const float k = (float)i;
+        const struct frame_job job = {
+            .look = i % 2 ? rtrs : repaired, .tmin = 0.25f * k, .tmax = ldexpf(1.5f, 3 * i)};
+        const struct shade_path path = {.org = {k, k + 1, k + 2}, .dir = {k + 3, k + 4, -k}};
+        const struct ray ray = shade_ray(&job, &path);
+        assert_true(ray.tmin == job.tmin && ray.tmax == job.tmax);
+        assert_true(ray.org[0] == k && ray.org[1] == k + 1 && ray.org[2] == k + 2);
+        assert_true(ray.dir[0] == k + 3 && ray.dir[1] == k + 4 && ray.dir[2] == -k);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -260,6 +276,7 @@ int main(void)
         cmocka_unit_test(shade_eye_gives_light),
         cmocka_unit_test(shade_mirror_shows_the_wall),
         cmocka_unit_test(shade_weights_of_reflections_multiply),
+        cmocka_unit_test(shade_ray_has_the_range_of_its_job),
         cmocka_unit_test(shade_pixel_clamps_and_rounds),
         cmocka_unit_test(shade_pow_error_covers_the_worst_pow),
     };

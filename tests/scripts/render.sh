@@ -86,6 +86,19 @@ expect 2 "'kd' is not naive, bvh, bvh-rf or blank" render --handler kd $small
 expect 2 "naive tests every triangle and needs engine cpu or vulkan, not embree" render --handler naive --engine embree $small
 expect 2 "'new' is not repaired or rtrs" render --profile new $small
 expect 2 'rf16: .*; --layout auto takes one that fits' render soup:n=70000 --handler bvh-rf $small
+# A blank scene holds no triangles: a tree of the scene is none of it, and the picture is that without one.
+for bvh in '' "--bvh $dir/scene.bvh.json"; do
+    expect 0 . render "$dir/scene.json" --handler blank $bvh $small --paths "$dir/blank$(echo "$bvh" | wc -w).csv"
+done
+cmp -s "$dir/blank0.csv" "$dir/blank2.csv" || bad "a tree beside --handler blank: other paths"
+# How an engine draws is asked of one that does: not of one that traces rays alone, nor where all are to.
+for how in '--plan steps' '--plan whole' --general; do
+    for engine in cpu embree brute 'vulkan --waves' 'vulkan_brute --waves'; do
+        expect 2 "^raydiff render: ${how%% *}: not used by engines that do not draw on their own" render sphere --engine $engine $how $small
+        case $engine in vulkan*) ;; *) continue ;; esac
+        expect 77 . render sphere --engine ${engine% --waves} --driver no-such-driver $how $small
+    done
+done
 expect 2 'goes without --builder' render "$dir/scene.json" --bvh "$dir/scene.bvh.json" --builder median $small
 
 # Light: at the eye where a repaired scene has none; published pictures stay black, and say so.
