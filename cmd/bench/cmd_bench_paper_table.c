@@ -217,8 +217,10 @@ static void say_scene(const struct paper_table *table)
         else if (has(table, words[i].from) && has(table, words[i].to)) {
             struct spread ratio = ratio_of(table, words[i].from, words[i].to);
             double saved = 100.0 * (1.0 - 1.0 / ratio.median);
-            printf("  %s%.1f %% %s (%.2f, %.2f-%.2f)\n", words[i].text, fabs(saved),
-                   saved >= 0 ? "less" : "more", ratio.median, ratio.least, ratio.most);
+            const int digits = ratio.most < 99.995 ? 2 : 0; /* the line has 80 columns at most */
+            printf("  %s%.1f %% %s (%.*f, %.*f-%.*f)\n", words[i].text, fabs(saved),
+                   saved >= 0 ? "less" : "more", digits, ratio.median, digits, ratio.least, digits,
+                   ratio.most);
         }
     }
 }

@@ -50,6 +50,7 @@ function line(p, name,  format) {
     says(name, "cpu", v[p ".cpu_paths_apart"] == "null" ? "-" : v[p ".cpu_paths_apart"] "/" v[p ".cpu_pixels_apart"])
     says(name, "wrong", v[p ".pixels_wrong"])
     truth(name "what tells it apart", ("verdict" in cell) && ("wrong" in cell) && ("ratio" in cell) && ("of" in cell))
+    if (v[p ".line"] == "blank") equal(name "wrong pixels, of which it has none", v[p ".pixels_wrong"], 0)
     truth(name "pixels", v[p ".pixels_wrong"] <= v[p ".pixels"] && (v[p ".cpu_pixels_apart"] == "null" || v[p ".cpu_pixels_apart"] <= v[p ".pixels"]))
     if (v[p ".layout"] == "f32") equal(name "bytes of nodes and items", v[p ".bytes"], 32 * v[p ".nodes"] + 4 * triangles)
     if (v[p ".layout"] ~ /^(rf16|rtrs_rf)$/ && v[p ".line"] != "blank") equal(name "bytes of records", v[p ".bytes"], 16 * (3 * (v[p ".nodes"] + 1) / 2 - 1))
@@ -68,7 +69,7 @@ function saved(from, to,  x, text) {
     sub(/.*: +/, "", text)
     split(text, word, /[ ,()]+/)
     if (rounds != 1) return
-    same(from " to " to, word[4], "%.2f", x)
+    same(from " to " to, word[4], x < 99.995 ? "%.2f" : "%.0f", x)
     same(from " to " to " saves", word[1], "%.1f", x >= 1 ? 100 * (1 - 1 / x) : 100 * (1 / x - 1))
     equal(from " to " to, word[3], x >= 1 ? "less" : "more")
     sayings++
