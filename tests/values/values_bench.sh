@@ -213,13 +213,6 @@ play_traffic() {
                 --json "$dir/json" --csv "$dir/csv" && rows traffic 0 && values bench_traffic 900 "$dir/text"
         done
     done
-    # Of a depth the same is told in every list that it stands in, wherever it stands, and alone.
-    of_depths() { run bench traffic --scene sphere:n=4 --count 100 --layout f32 --depths "$1" --csv "$dir/csv" && sed 1d "$dir/csv"; }
-    of_depths 1,2,4 | sort >"$dir/of_all"
-    [ "$(wc -l <"$dir/of_all")" -ge 18 ] || bad "bench traffic --depths 1,2,4: $(wc -l <"$dir/of_all") rows"
-    for depths in 4,2,1 2,4,1 '4 2 1' '1,4 2'; do
-        for list in $depths; do of_depths "$list"; done | sort | cmp -s - "$dir/of_all" || bad "bench traffic --depths $depths: other rows than of 1,2,4"
-    done
     run bench traffic --scene soup:n=300,size=0.5 --count 300 --scheduler dual,raycore --store gathered --json "$dir/json" --csv "$dir/csv" &&
         rows traffic 0 && values bench_traffic 40 "$dir/text"
     run bench traffic --scene soup:n=300,size=0.5 --count 200 --scheduler packets,depth_first,sorted --layout f32,rf16 \
