@@ -194,6 +194,13 @@ expect 0 . bench fast --scene "$dir/square.obj" --rounds 1 --count 100 --engine 
     bad "bench fast --engine: $(cut -d , -f 4 "$dir/f.csv" | sort | uniq -c | tr '\n' ';')"
 expect 2 'runs on a GPU' bench fast --scene "$dir/square.obj" --engine vulkan
 expect 2 'tests every triangle' bench fast --scene "$dir/square.obj" --engine cpu,brute
+# What is left out of a scene is told once of it, not of each set of its rays.
+for list in sphere:n=2 'sphere:n=2;sphere:n=3'; do
+    expect 0 . bench layouts --scene "$list" --count 10 --rounds 1 --driver no-such-driver
+    scenes=$(echo "$list" | tr ';' '\n' | wc -l)
+    grep ' left out: ' "$dir/out" | sort | uniq -c | awk -v scenes="$scenes" '$1 != scenes { bad = 1 } END { exit bad || NR < 3 }' ||
+        bad "bench layouts of $scenes scenes: $(grep ' left out: ' "$dir/out" | sort | uniq -c | head -n 3)"
+done
 # What there is one of is refused in every list of two, and one of each is taken.
 only="--engine cpu --layout f32 --frames 1 --size 8x6 --out $dir/one"
 for one in --box=robust,watertight --box=watertight,robust --tri=mt,woop --tri=woop,mt "--scene=$dir/square.obj;sphere:n=2"; do

@@ -176,11 +176,22 @@ play_matrix() {
     bench matrix 150 1 --scene sphere:n=32 --count 400 --threads 1 --engine cpu,fast --layout f32,rf16
     bench matrix 80 1 --scene soup:n=100 --count 100 --threads 1 --engine embree_robust
     play_leak_rays
+    play_sample
     # Members as published are not judged; one of them loses nothing here and yet takes a wrong triangle.
     "$raydiff" scene convert sphere:n=5 "$dir/closed.obj" >"$dir/text" && sed '$d' "$dir/closed.obj" >"$dir/open.obj"
     bench matrix 100 1 --scene "$dir/open.obj" --count 200 --threads 1 --engine cpu --layout rtrs_rf_paper
     lost=$(sed -n 's/^rows\.1\.lost=//p' "$dir/flat") wrong=$(sed -n 's/^rows\.1\.judged_wrong=//p' "$dir/flat")
     [ "$code" -eq 0 ] && [ "$lost" -eq 0 ] && [ "$wrong" -gt 0 ] || bad "bench matrix: rtrs_rf_paper: lost $lost, WRONG $wrong, exit $code"
+}
+# Errors are of so many rays of each kind, evenly spread over all: of many rays nearly as many are wrong.
+play_sample() {
+    for count in 4095 4096 4097 40000; do
+        run bench matrix --scene sphere:n=6 --engine cpu --layout rtrs_rf --rounds 1 --threads 1 --count $count --json "$dir/json" &&
+            awk -f tests/values/flat.awk "$dir/json" | awk -F= -v count=$count '/^rows\..*\.(lost|wrong)=/ { wrong += $2 } /\.asked=/ { asked = $2 }
+                END { print count, asked, wrong }'
+    done >"$dir/of_counts"
+    awk 'NR == 1 { wrong = $3 } $2 != ($1 < 4096 ? 2 * $1 : 8192) || $3 < 0.9 * wrong || $3 > 1.1 * wrong { bad = 1 }
+        END { exit bad || NR != 4 || wrong < 900 }' "$dir/of_counts" || bad "bench matrix: rays, asked, wrong: $(echo $(cat "$dir/of_counts"))"
 }
 # The rays that look for leaks are those of bench error, of every seed.
 play_leak_rays() {
