@@ -12,6 +12,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 #include <glob.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
