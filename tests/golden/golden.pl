@@ -8,16 +8,19 @@ use File::Temp 'tempdir';
 use IO::Handle;
 use POSIX ();
 use Time::HiRes 'time';
-BEGIN { require './tests/golden/pairs.pl'; require './tests/golden/normal.pl'; require './tests/golden/covered.pl' }
+BEGIN { require './tests/golden/pairs.pl'; require './tests/golden/drawn.pl'; require './tests/golden/edits.pl';
+        require './tests/golden/normal.pl'; require './tests/golden/covered.pl' }
 
 my ($program, @words) = @ARGV;
 $program = abs_path($program) // die "golden: $program is not there\n";
-my %word = (write => 0, case => undef, list => 0, times => 0, twice => 0, first => 0, only => '');
+my %word = (write => 0, case => undef, list => 0, times => 0, twice => 0, first => 0, only => '', drawn => 0);
 while (defined(my $word = shift @words)) {
     $word =~ s/^--// && exists $word{$word} or die "golden: what is '$word'? see the head of tests/golden/golden.sh\n";
     $word{$word} = $word =~ /^(case|only)$/ ? shift @words : 1;
 }
 my $home = 'tests/golden';
+our $LONG = $word{drawn}; # of normal.pl
+my $records = "$home/" . ($word{drawn} ? 'drawn' : 'record');
 my $work = tempdir('raydiff-golden-XXXXXX', TMPDIR => 1, CLEANUP => 0);
 my $owner = $$;
 END { remove_tree($work) if $work && $$ == $owner }
@@ -93,10 +96,14 @@ my (%shared, %from);
 for my $file ("$home/words.txt", sort glob("$home/tables/*.txt")) {
     my $first = @cases;
     for my $table (read_tables($file, \%shared)) {
-        if ($table->{limits}) {
+        if ($word{drawn} && !$table->{edits}) {
+            push @cases, map { [$_->[0], @$_] } drawn_cases($table, 4) if $table->{axes};
+        } elsif ($table->{limits}) {
             my ($command) = $table->{limits} =~ /^raydiff (\S+)/;
             $help{$command} //= `'$program' $command --help`;
             push @cases, limits_cases($table->{limits}, $help{$command});
+        } elsif ($table->{edits}) {
+            push @cases, edits_cases($work, $table->{edits}, $table->{run}, $word{drawn} ? 600 : 40);
         } elsif ($table->{chain}) {
             push @cases, ["chain $table->{chain}", @{$table->{steps}}];
         } else {
@@ -159,8 +166,9 @@ sub key { my ($n) = @_; return substr md5_base64(join "\n", @{$cases[$n]}), 0, 5
 # A file's name in the record.
 sub mark { my ($name) = @_; return $name =~ /^(?:out|err)$/ ? $name : substr md5_base64($name), 0, 3 }
 
-sub recorded { # a line of the record
+sub recorded { # a line of the record; of a drawn case it is short
     my ($n, @streams) = @_;
+    return key($n) . ' ' . substr md5_base64(map {; "$_->[0]\n", map { "$_\n" } @{$_->[1]} } @streams), 0, 4 if $word{drawn};
     return join ' ', key($n), map { mark($_->[0]) . ':' . hashes(@$_) } grep { @{$_->[1]} } @streams;
 }
 
@@ -168,7 +176,7 @@ if ($word{list}) {
     print "$number{$_->[0]} $_->[0]\n" for @cases;
     exit 0;
 }
-my @missing = uncovered($program, map { my ($name, @run) = @$_; $name =~ /^limits/ ? () : @run } @cases);
+my @missing = $word{drawn} ? () : uncovered($program, map { my ($name, @run) = @$_; $name =~ /^limits/ ? () : @run } @cases);
 if (@missing) {
     print "no case of tests/golden/tables has $_\n" for @missing;
     exit 1 if !$word{write};
@@ -186,7 +194,7 @@ if (defined $word{case}) {
 }
 
 my %was;
-for my $file (glob "$home/record/*.txt") {
+for my $file (glob "$records/*.txt") {
     /^(\S+)/ and $was{$1} = $_ for split /\n/, slurp($file);
 }
 
@@ -255,9 +263,9 @@ if ($word{twice}) {
 if ($word{write}) {
     my %text;
     $text{record_of($_)} .= ($line->{$_} // die "golden: case $cases[$_][0] was not played\n") . "\n" for @$chosen;
-    unlink glob "$home/record/*.txt";
+    unlink glob "$records/*.txt";
     for (keys %text) {
-        open my $out, '>', "$home/record/$_.txt" or die;
+        open my $out, '>', "$records/$_.txt" or die;
         print $out $text{$_};
         close $out or die;
     }
@@ -270,6 +278,13 @@ my ($failed, $shown) = (0, 0);
 sub differ {
     my ($n) = @_;
     print "case ", $n + 1, ": $cases[$n][0]\n";
+    if ($word{drawn}) {
+        for (play($n)) {
+            my ($name, $lines) = @$_;
+            print "  $name:\n", map { '    ' . substr($_, 0, 160) . "\n" } @$lines[0 .. (@$lines < 12 ? $#$lines : 11)];
+        }
+        return;
+    }
     my (undef, @old) = split / /, $was{key($n)};
     my %old = map { /^(.*):([^:]*)$/ } @old;
     my @lines;

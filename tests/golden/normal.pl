@@ -5,6 +5,8 @@ use Compress::Zlib ();
 use Digest::MD5 'md5_hex';
 use MIME::Base64 'decode_base64';
 
+# Whether cases may take so long that a log has more checkpoints on a slower machine.
+our $LONG;
 # Fields of JSON and columns of CSV that docs/schemas and tests/values tell as times or speeds, or as what follows
 # from them, and the version.
 our $TIMED = qr/; speeds cannot|f32's speed|times its|its speed|times the|refitted in| packed in|Mray/;
@@ -126,7 +128,10 @@ sub without_times {
     my ($name, $text) = @_;
     $text =~ s/raydiff(": "| )\d+\.\d+\.\d+/raydiff$1VERSION/g;
     my (@lines, @next, $columns, $speeds, $shares, @timed);
-    $text =~ s/^raydiff fuzz: \d+ s, .*\n//mg; # tells every ten seconds how far it is
+    $text =~ s/^raydiff [a-z]+: \d+ s[,:] .*\n//mg; # tells every ten seconds how far it is, and keeps that in a log
+    my ($log, $checkpoints) = ($name =~ /findings\.jsonl$/, scalar(() = $text =~ /^\{"checkpoint"/mg));
+    my $at = 0;
+    $text =~ s/^(\{"checkpoint".*\n)/++$at > 1 && $at < $checkpoints ? '' : $1/mge if $log && $LONG;
     $text =~ s{(<th>(?:processor|system)</th>\n<td class="wrap">)[^\n]*}{$1#}g;
     $text =~ s{(^```\n|<pre>)brute: .*?(?=^```|</pre>)}{$1#}gms; # the machine
     my @head = $name =~ /\.csv$/ && $text =~ /^(.*)\n/ ? split(/,/, $1) : ();

@@ -68,6 +68,7 @@ sub read_tables {
         elsif (/^also (.*)/) { push @{$tables[-1]{also}}, $1 }
         elsif (/^(wrong|each) (.*)/) { push @{$tables[-1]{wrong}}, [map { s/^ +| +$//gr } split /\|/, $2, -1] }
         elsif (/^limits (.*)/) { push @tables, {limits => $1} }
+        elsif (/^edits (\S+) (.*)/) { push @tables, {edits => $1, run => $2} }
         elsif (/^chain (.*)/) { push @tables, {chain => $1, steps => []} }
         elsif (/^step (.*)/) { push @{$tables[-1]{steps}}, $1 }
         else { die "$file: what is this? $_\n" }
