@@ -193,12 +193,71 @@ static void nothing_is_left_where_a_copy_fails(void **state)
     }
 }
 
+/* The heap of the memory that is chosen, and of no other, to the byte. */
+static void what_no_heap_holds_is_refused(void **state)
+{
+    (void)state;
+    const struct vk_options options = fake_options();
+    for (uint32_t heap = 0; heap < 3; heap++)
+        for (uint64_t size = 4096 - 32; size <= 4096 + 32; size += 16) {
+            struct fake_device *device = &fake.device[0];
+            struct reason reason = {""};
+            struct vk_buffer *buffer;
+            char text[96];
+            fake_reset();
+            device->memory.memoryHeapCount = 3;
+            for (uint32_t h = 0; h < 3; h++)
+                device->memory.memoryHeaps[h].size = h == heap ? size : h < heap ? 1u << 30 : 64;
+            device->memory.memoryTypes[0].heapIndex = heap;
+            struct vk *vk = must_open(&options);
+            const enum status status = vk_buffer_make(vk, 4096, &buffer, &reason);
+            assert_int_equal(status, size < 4096 ? STATUS_LIMIT : STATUS_OK);
+            (void)snprintf(text, sizeof text, "4096 bytes do not fit in a heap of %u bytes",
+                           (unsigned)size);
+            assert_int_equal(strstr(reason.text, text) != NULL, size < 4096);
+            vk_buffer_free(vk, buffer);
+            must_close(vk);
+        }
+}
+
+/* Each way to build has a feature and an entry point; without one of them no device is opened. */
+static void ways_to_build_need_what_is_theirs(void **state)
+{
+    (void)state;
+    static const char *const feature[] = {"accelerationStructureIndirectBuild",
+                                          "accelerationStructureHostCommands"};
+    static const char *const entry[] = {"vkCmdBuildAccelerationStructuresIndirectKHR",
+                                        "vkBuildAccelerationStructuresKHR"};
+    for (unsigned asked = 0; asked < 4; asked++)
+        for (unsigned has = 0; has < 4; has++) {
+            struct vk_options options = with_lives();
+            struct reason reason = {""};
+            struct vk *vk;
+            const unsigned lacks = asked & ~has;
+            const char *const why = lacks   ? feature[lacks & 1 ? 0 : 1]
+                                    : asked ? entry[asked & 1 ? 0 : 1]
+                                            : NULL;
+            options.ray_more.indirect = asked & 1;
+            options.ray_more.host = asked & 2;
+            fake_reset();
+            fake.device[0].has_indirect = has & 1;
+            fake.device[0].has_host = has & 2;
+            assert_int_equal(vk_open(&options, &vk, &reason), why ? STATUS_UNSUPPORTED : STATUS_OK);
+            if (why && !strstr(reason.text, why))
+                fail_msg("'%s' is not '%s'", reason.text, why);
+            assert_int_equal(vk_close(vk, NULL), 0);
+            must_be_clean("a way to build");
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_device_has_nothing_of_the_others),
         cmocka_unit_test(what_a_device_serialised_is_told_by_its_name),
         cmocka_unit_test(nothing_is_left_where_a_copy_fails),
+        cmocka_unit_test(what_no_heap_holds_is_refused),
+        cmocka_unit_test(ways_to_build_need_what_is_theirs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

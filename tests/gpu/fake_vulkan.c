@@ -242,8 +242,13 @@ static void vkGetPhysicalDeviceFeatures2(VkPhysicalDevice which, VkPhysicalDevic
             ((VkPhysicalDeviceBufferDeviceAddressFeatures *)s)->bufferDeviceAddress =
                 device->has_address;
         else if (s->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR)
-            ((VkPhysicalDeviceAccelerationStructureFeaturesKHR *)s)->accelerationStructure =
-                device->has_accel;
+            *(VkPhysicalDeviceAccelerationStructureFeaturesKHR *)s =
+                (VkPhysicalDeviceAccelerationStructureFeaturesKHR){
+                    .sType = s->sType,
+                    .pNext = s->pNext,
+                    .accelerationStructure = device->has_accel,
+                    .accelerationStructureIndirectBuild = device->has_indirect,
+                    .accelerationStructureHostCommands = device->has_host};
         else if (s->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR)
             ((VkPhysicalDeviceRayQueryFeaturesKHR *)s)->rayQuery = device->has_query;
         else

@@ -28,6 +28,7 @@ struct fake_device {
     const char *extension[6];
     uint32_t extension_count;
     bool has_address, has_accel, has_query;
+    bool has_indirect, has_host; /* builds; but it lacks their entry points */
     uint32_t scratch_alignment;
     uint64_t most_triangles, most_geometries, most_instances;
     VkPhysicalDeviceMemoryProperties memory;

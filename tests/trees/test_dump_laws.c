@@ -101,9 +101,37 @@ static void numbers_of_items_tell_how_many_triangles_there_are(void **state)
     }
 }
 
+/* However many bounds of a node are no numbers: it is one fault, told with the first of them. */
+static void bounds_that_are_no_numbers_are_one_fault(void **state)
+{
+    (void)state;
+    struct dumped d = dumped_make(built_soup(64, 7), "median", 2);
+    for (uint32_t node = 0; node < d.dump.node_count; node += 9) {
+        const struct box whole = d.dump.node[node].box;
+        for (unsigned sides = 1; sides < 64; sides++) {
+            struct box *box = &d.dump.node[node].box;
+            unsigned first = 6;
+            for (unsigned side = 6; side-- > 0;)
+                if (sides >> side & 1) {
+                    *(side < 3 ? &box->lo[side] : &box->hi[side - 3]) = NAN;
+                    first = side;
+                }
+            struct dump_report report = dump_found(&d.dump, &d.scene);
+            assert_int_equal(report.faults, 1);
+            const struct dump_fault fault = dump_fault_of(&report, DUMP_NAN);
+            assert_int_equal(fault.node, node);
+            assert_int_equal(fault.side, first);
+            free(report.fault);
+            *box = whole;
+        }
+    }
+    dumped_free(&d);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bounds_that_are_no_numbers_are_one_fault),
         cmocka_unit_test(nodes_that_nothing_leads_to_measure_nothing),
         cmocka_unit_test(the_neighbour_of_the_last_number_is_none),
         cmocka_unit_test(numbers_of_items_tell_how_many_triangles_there_are),

@@ -89,8 +89,58 @@ static void buffers_hold_what_is_traced(void **state)
     stage_free(&s);
 }
 
+/* A job that could not be prepared, whichever call of the device failed, is not traced, and neither
+ * is the one before it; the next one is. */
+static void what_was_not_prepared_is_not_traced(void **state)
+{
+    (void)state;
+    struct fake_stage s = stage_make();
+    assert_int_equal(setenv("RAYDIFF_VULKAN_LIBRARY", "", 1), 0);
+    for (size_t i = 0; i < ARRAY_COUNT(engine_names); i++) {
+        const struct engine *engine = engine_find(engine_names[i]);
+        const struct engine_options options = {.device = -1};
+        bool failed = true;
+        for (uint32_t at = 1; failed; at++) {
+            struct reason reason = {""};
+            struct trace_report report;
+            struct hit hit[RAYS];
+            void *self;
+            lists = false;
+            job = (struct job){.scene = &s.scene,
+                               .packed = engine->needs_packed ? &s.packed : NULL,
+                               .box = box_test_find("robust"),
+                               .tri = tri_test_find("mt"),
+                               .query = QUERY_CLOSEST};
+            fake_reset();
+            fake.run = holds_all;
+            gpu_must(engine_open(engine, &options, &self, &reason), &reason);
+            gpu_must(engine->prepare(self, &job, &reason), &reason);
+            job.query = QUERY_ANY;
+            fake.fail_at = fake.calls + at;
+            fake.result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+            const enum status status = engine->prepare(self, &job, &reason);
+            failed = fake.failed != NULL;
+            assert_int_equal(status != STATUS_OK, failed);
+            fake.fail_at = 0;
+            dispatched = 0;
+            assert_int_equal(engine->trace(self, s.ray, RAYS, hit, &report, &reason),
+                             failed ? STATUS_DEVICE : STATUS_OK);
+            assert_int_equal(dispatched > 0, !failed);
+            gpu_must(engine->prepare(self, &job, &reason), &reason);
+            gpu_must(engine->trace(self, s.ray, RAYS, hit, &report, &reason), &reason);
+            engine->close(self);
+            must_be_clean(engine->name);
+        }
+    }
+    assert_int_equal(unsetenv("RAYDIFF_VULKAN_LIBRARY"), 0);
+    stage_free(&s);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(buffers_hold_what_is_traced)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(buffers_hold_what_is_traced),
+        cmocka_unit_test(what_was_not_prepared_is_not_traced),
+    };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

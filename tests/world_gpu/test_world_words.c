@@ -5,6 +5,7 @@
 #include "ref/base/rng.h"
 #include "tests/gpu/fake_work.h"
 #include "tests/two_level/two_level_fixture.h"
+#include "tests/two_level/braid_stand.h"
 #include "tests/two_level/world_stand.h"
 
 #define WORLDS 40
@@ -135,9 +136,13 @@ static void trees_refer_to_what_is_theirs(void **state)
                                         ABI_BIND_WORLD};
     static const char *const names[] = {"f32", "rf16", "half4"};
     struct vk_buffer *buffer[WORLD_BINDINGS] = {NULL}; /* kept from world to world */
+    size_t parts = 0;
     for (uint64_t seed = 0; seed < WORLDS; seed++) {
         struct world world = world_drawn(seed);
-        struct packed_world packed = stand_world(&world, names[seed % 3]);
+        /* Of half of them instances are opened, so that entries are parts. */
+        struct packed_world packed = seed % 2 ? stand_world(&world, names[seed % 3])
+                                              : braid_world(&world, "median", names[seed % 3], 60);
+        parts += packed.entry_count > world.instance_count;
         const struct world_job job = {.world = &world, .packed = &packed};
         struct reason reason = {""};
         struct world_push push;
@@ -156,6 +161,7 @@ static void trees_refer_to_what_is_theirs(void **state)
         packed_world_free(&packed);
         world_free(&world);
     }
+    assert_true(parts > WORLDS / 4);
     for (size_t b = 0; b < WORLD_BINDINGS; b++)
         vk_buffer_free(vk, buffer[b]);
 }
