@@ -39,6 +39,10 @@ enum lie {
     LIE_EXIT,     /* pack() ends the process */
     LIE_MEMORY,   /* pack() takes what it can get */
     LIE_START,    /* dies when it is opened */
+    LIE_FEWER,    /* pack() says one record less than it was given */
+    LIE_ITEMS,    /* one item more */
+    LIE_WORDS,    /* that its records are elsewhere */
+    LIE_PLACES,   /* that its items are elsewhere */
     LIES
 };
 
@@ -75,6 +79,10 @@ static void lie_of_bytes(struct raydiff_packed *packed)
         packed->item[0] = 1u << 30;
     if (LIE == LIE_ROOT)
         packed->root = packed->records;
+    packed->records -= LIE == LIE_FEWER;
+    packed->items += LIE == LIE_ITEMS;
+    packed->word += LIE == LIE_WORDS;
+    packed->item += LIE == LIE_PLACES;
     if (LIE == LIE_SIZE)
         packed->records *= 4;
 }
