@@ -69,5 +69,9 @@ expect 2 'double.comp: it needs 1 capabilities beyond Shader' check sphere --eng
 changed typo.comp 's/float det/floot det/'
 expect 2 "typo.comp:[0-9]+: 'floot'" check sphere --engine shader:typo.comp
 expect 2 'none.comp: No such file' check sphere --engine shader:none.comp
+# The longest name, and one that is longer by one.
+name=$(printf '%0152d' 0)
+expect 2 'No such file' check sphere --engine "shader:$name"
+expect 2 "is longer than 159 characters" check sphere --engine "shader:0$name"
 [ "$failed" -eq 0 ] && echo 'tracers that are one shader: as they should be'
 exit "$failed"

@@ -1,7 +1,7 @@
 #!/usr/bin/perl
 # Stands for Node in tests/webgpu/webgpu.sh: answers as gpu/webgpu/peer.js does, or in the wrong way that $FAKE_NODE
 # names. Its hits are what $FAKE_WORDS says, five words a ray; with $FAKE_AT that of one ray alone, all others miss.
-# It writes what it is told to $FAKE_TOLD.
+# It writes what it is told to $FAKE_TOLD, and a sum of each program that it is given behind what is in $FAKE_GIVEN.
 use strict;
 use warnings;
 my $way = $ENV{FAKE_NODE} // 'well';
@@ -40,7 +40,14 @@ for (;;) {
         $way eq 'refuses' ? answer(1, 1, 16, 'no device for me') : answer(1, 0, 0, '');
         next;
     }
-    take(4 * $words) if !$same;
+    if (!$same) {
+        my $program = take(4 * $words);
+        if (defined $ENV{FAKE_GIVEN}) {
+            open my $to, '>>', $ENV{FAKE_GIVEN} or die;
+            print $to unpack('%32V*', $program), "\n";
+            close $to;
+        }
+    }
     if (!$records) {
         $way eq 'refuses a tree' ? answer(3, 1, 9, 'too large') : answer(3, 0, 0, '');
         next;

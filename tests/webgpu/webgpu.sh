@@ -73,6 +73,12 @@ for scene in sphere:n=4 soup:n=37; do
             }' || bad "$scene, $layout: not the bytes of the tree and of the triangles"
     done
 done
+# Each row's program is given once, whatever was given before, and no two are the same.
+FAKE_GIVEN=$dir/given FAKE_NODE=noisy expect 1 . check sphere:n=4 soup:n=37 --count 50 --repeat 1 --engine webgpu \
+    --layout f32,rf16 --tri mt,woop --query closest,any
+[ "$(grep -cE '^(WRONG|agrees|vacuous) .* webgpu ' "$dir/out")" -eq 16 ] || bad 'not 16 rows of webgpu'
+[ "$(wc -l <"$dir/given")" -eq 16 ] && [ "$(sort -u "$dir/given" | wc -l)" -eq 16 ] ||
+    bad "not 16 programs are given, but $(sort "$dir/given" | uniq -c | awk '{ print $1 }' | paste -sd+)"
 # What Node is told of the driver: a card, any device, or one of that name; a file by the loader's variables alone.
 : >"$dir/some.json"
 told() { # option, what is told
