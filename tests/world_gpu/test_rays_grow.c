@@ -12,6 +12,7 @@
 
 static struct job job; /* what is traced now */
 static bool lists;
+static uint32_t workgroup; /* that was asked for; 0: none */
 static size_t dispatched;
 
 static void holds(const struct fake_dispatch *dispatch, uint32_t binding, uint64_t bytes,
@@ -36,6 +37,10 @@ static void holds_all(const struct fake_dispatch *dispatch)
         holds(dispatch, ABI_BIND_FOUND, rays * sizeof(uint32_t), "counts of lists");
     /* The pipeline is that of the query, whatever was prepared before. */
     assert_int_equal(dispatch->constant[ABI_SPEC_QUERY], job.query);
+    /* So are the workgroups, as many as hold the rays. */
+    const uint32_t size = workgroup ? workgroup : ABI_WORKGROUP;
+    assert_int_equal(dispatch->constant[ABI_SPEC_WORKGROUP], size);
+    assert_int_equal(dispatch->groups, (rays + size - 1) / size);
     dispatched++;
     all_done(dispatch);
 }
@@ -46,7 +51,7 @@ static void trace_by_turns(const struct engine *engine, const struct fake_stage 
     static struct ray ray[RAYS_MOST];
     static struct hit hit[RAYS_MOST * CAPACITY];
     static uint32_t count[RAYS_MOST];
-    const struct engine_options options = {.device = -1};
+    const struct engine_options options = {.device = -1, .workgroup = workgroup};
     struct rng rng = rng_make(9, 0);
     struct reason reason = {""};
     struct trace_report report;
@@ -83,8 +88,13 @@ static void buffers_hold_what_is_traced(void **state)
     (void)state;
     struct fake_stage s = stage_make();
     assert_int_equal(setenv("RAYDIFF_VULKAN_LIBRARY", "", 1), 0);
+    static const uint32_t asked[] = {0, 1, 17, 64, 100};
     for (size_t i = 0; i < ARRAY_COUNT(engine_names); i++)
-        trace_by_turns(engine_find(engine_names[i]), &s);
+        for (size_t k = 0; k < ARRAY_COUNT(asked); k++) {
+            workgroup = asked[k];
+            trace_by_turns(engine_find(engine_names[i]), &s);
+        }
+    workgroup = 0;
     assert_int_equal(unsetenv("RAYDIFF_VULKAN_LIBRARY"), 0);
     stage_free(&s);
 }
