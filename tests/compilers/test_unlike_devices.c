@@ -106,11 +106,20 @@ static enum status save_and_load(struct vk *vk, enum vk_accel_copy copy, struct 
         status = vk_accel_make_world(vk, &world, &accel, reason);
     if (!status)
         status = vk_accel_save(vk, accel, &bytes, reason);
+    const uint64_t saved = fake.accel_address; /* of the mesh's structure */
     if (!status)
         status = vk_accel_load(vk, bytes, &again, reason);
     for (uint32_t level = 0; level < 2 && !status; level++) {
-        uint64_t count, handle;
-        assert_non_null(vk_accel_bytes_level(bytes, level, &count, &handle));
+        uint64_t count, handle, each;
+        const uint8_t *byte = vk_accel_bytes_level(bytes, level, &count, &handle);
+        assert_non_null(byte);
+        /* Each handle of the top one is that of the structure that was loaded. */
+        for (uint64_t i = 0; level == 0 && fake.serial_handle == 0 && i < fake.serial_handles;
+             i++) {
+            memcpy(&each, byte + 56 + 8 * i, sizeof each);
+            assert_true(each != 0 && each != saved);
+            assert_memory_equal(&each, byte + 56, sizeof each);
+        }
         assert_int_equal(count, fake.serial_bytes);
         assert_int_equal(handle != 0, level == 1);
     }

@@ -140,6 +140,44 @@ static void every_dispatch_reads_its_own_parts(void **state)
     }
 }
 
+/* Of sets of one size after those of another: the table of addresses has room for all of them. */
+static void sets_of_any_size_come_after_any_other(void **state)
+{
+    (void)state;
+    static const uint32_t sizes[] = {1, MOST, 2, 1, 40, 3, MOST};
+    static const uint32_t push[BINDINGS] = {0, 16, 32};
+    for (size_t k = 0; k < ARRAY_COUNT(all_ways); k++) {
+        struct ways w;
+        struct reason reason = {""};
+        fake_reset();
+        now = all_ways[k];
+        must_open_ways(&w, now);
+        for (size_t s = 0; s < ARRAY_COUNT(sizes); s++) {
+            struct vk_work work[40];
+            struct vk_sets *sets = NULL;
+            for (uint32_t i = 0; i < sizes[s]; i++) {
+                work[i] = (struct vk_work){.pipeline = w.quads, .push = push, .groups = 1};
+                for (uint32_t b = 0; b < BINDINGS; b++) {
+                    work[i].part[b].offset = push[b];
+                    work[i].part[b].bytes = 16;
+                }
+            }
+            const uint32_t before = fake.dispatches;
+            gpu_must(vk_sets_make(w.vk, BINDINGS, now, false, sizes[s], &sets, &reason), &reason);
+            gpu_must(vk_dispatch_many(w.vk, sets, w.buffer, work, sizes[s], &reason), &reason);
+            for (uint32_t i = 0; i < sizes[s]; i++) {
+                struct fake_dispatch *did = &fake.log[(before + i) % FAKE_LOG];
+                memcpy(did->push, push, sizeof push);
+                look(did);
+                for (uint32_t b = 0; b < BINDINGS; b++)
+                    assert_true(did->part[b].bytes > 0);
+            }
+            vk_sets_free(w.vk, sets);
+        }
+        close_ways(&w);
+    }
+}
+
 /* Of whole buffers, again and again: nothing is left of earlier dispatches. */
 static void whole_buffers_are_bound_and_views_end(void **state)
 {
@@ -268,6 +306,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_dispatch_reads_its_own_parts),
+        cmocka_unit_test(sets_of_any_size_come_after_any_other),
         cmocka_unit_test(whole_buffers_are_bound_and_views_end),
         cmocka_unit_test(texel_buffers_have_a_most),
         cmocka_unit_test(buffers_of_texels_end_with_a_whole_element),
