@@ -107,6 +107,35 @@ static void what_no_answer_can_be_is_said_in_one_line(void **state)
     }
 }
 
+/* A ray is told by its number among all, whichever of the requests of 2^18 rays it is in. */
+static void a_ray_is_told_by_its_number_among_all(void **state)
+{
+    (void)state;
+    enum { EACH = 1 << 18, ALL = EACH + 20 };
+    const struct engine *engine = peer_engine("instance");
+    const struct engine_options options = {.peer_ms = 20000, .peer_mb = UINT32_MAX};
+    const struct world_job job = job_of(QUERY_CLOSEST);
+    struct ray *many = calloc(ALL, sizeof *many);
+    struct hit *hit = calloc(ALL, sizeof *hit);
+    uint32_t *tag = calloc(ALL, sizeof *tag);
+    struct trace_report report;
+    struct reason reason = {""};
+    void *self;
+    assert_true(many && hit && tag);
+    for (size_t i = 0; i < ALL; i++)
+        many[i] = ray[i % RAYS];
+    assert_int_equal(engine_open(engine, &options, &self, &reason), STATUS_OK);
+    assert_int_equal(engine->worlds->prepare_world(self, &job, &reason), STATUS_OK);
+    assert_int_equal(engine->worlds->trace_world(self, many, NULL, ALL, hit, tag, &report, &reason),
+                     STATUS_DEVICE);
+    if (!strstr(reason.text, "its answer to ray 262154 names instance 32 of 32"))
+        fail_msg("%s", reason.text);
+    engine->close(self);
+    free(many);
+    free(hit);
+    free(tag);
+}
+
 static void lists_are_not_in_the_protocol(void **state)
 {
     (void)state;
@@ -254,6 +283,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_peer_has_the_world_to_the_bit),
         cmocka_unit_test(rays_without_modes_meet_everything),
         cmocka_unit_test(what_no_answer_can_be_is_said_in_one_line),
+        cmocka_unit_test(a_ray_is_told_by_its_number_among_all),
         cmocka_unit_test(lists_are_not_in_the_protocol),
         cmocka_unit_test(a_peer_of_scenes_is_left_as_it_was),
         cmocka_unit_test(a_formula_of_a_world_is_unknown),
