@@ -110,6 +110,18 @@ bytes() { sed -n 's/^ *"node_bytes": \([0-9]*\),$/\1/p' "$1" | head -n 1; }
 expect 2 '^raydiff check: --braid: sphere:n=2 is a scene' check sphere:n=2 --engine cpu --count 100 --braid 2
 expect 2 '^raydiff explain: --braid: sphere:n=2 is a scene' explain sphere:n=2 --count 100 --braid 2
 
+# Each row once, of a scene and of a world: an engine of trees has one for each of their members, brute one for each
+# triangle test, those with a test of their own one.
+for scene in sphere:n=6 placed-turned; do
+    "$raydiff" leaks $scene --engine cpu,brute,embree,embree_robust --tri mt,woop --builder median,sah_binned \
+        --box robust,watertight --layout f32,rf16 --count 1000 --json "$dir/rows.json" >"$dir/out" 2>&1
+    awk -f tests/values/flat.awk "$dir/rows.json" |
+        sed -nE 's/^rows\.([0-9]+)\.(engine|layout|builder|box|tri)=(.*)/\1 \3/p' |
+        awk '{ row[$1] = row[$1] " " $2 } END { for (i in row) print row[i] }' | LC_ALL=C sort >"$dir/rows"
+    [ "$(wc -l <"$dir/rows")" -eq $((16 + 2 + 1 + 1)) ] && [ -z "$(uniq -d "$dir/rows")" ] ||
+        bad "leaks $scene: $(wc -l <"$dir/rows") rows, of which twice: $(uniq -d "$dir/rows" | head -n 1)"
+done
+
 # What is no world to be closed, and options that are of scenes.
 cat >"$dir/open.world.json" <<'JSON'
 {"raydiff_world": 1, "meshes": [{"scene": "sphere:n=2"}, {"scene": "terrain:k=2"}],
