@@ -19,6 +19,22 @@ product=$((product * $(cut -d . -f 3 "$dir/all" | sort -u | wc -l)))
 [ "$(wc -l <"$dir/all")" -eq $product ] || bad "conform --all: not all of $product combinations"
 cut -d . -f 1-6 "$dir/all" | sort -u | wc -l | grep -qx $product || bad 'conform --all: a combination stands twice'
 
+# What a way to be told of it has no use for is refused with its name.
+: >"$dir/waivers"
+unused() { # way, who does not use it, options with what they take
+    way=$1 who=$2
+    shift 2
+    for option; do
+        expect 2 "^raydiff conform: ${option%% *}: not used by $who" conform $way $option
+    done
+}
+unused --tap '--tap, which has a line per trial' --verbose '--summary --hard' --wide '--color always'
+unused --list --list '--count 9' '--brute 0' '--require cpu' "--waivers $dir/waivers" --verbose --tap "--junit $dir/x" \
+    '--threads 1' '--driver stock' '--device 0' '--workgroup 1' --wide '--color always'
+unused '--list --hard' --list '--require cpu' '--summary' "--markdown $dir/x" "--html $dir/x"
+unused --hard 'the hard cases' '--count 9' '--brute 0' --all '--store compact' '--displacement 9'
+unused 'closest.*' 'a PATTERN' --all --worlds
+
 # Its cases together take no longer than all of it, and this, in JUnit and as text, no longer than the command.
 begun=$(date +%s)
 expect 0 . conform 'closest.cpu.f32.median.*.mt.cornell.*.1' --count 200 --junit "$dir/xml"
