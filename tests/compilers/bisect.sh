@@ -135,6 +135,11 @@ expect 1 . bisect soup:n=30 --engine vulkan_brute --compiler "passes:ccp+$dir/co
 told 1
 has brute 'engine vulkan_brute symptom' 'shader trace_brute, function tri_sum'
 
+# A search that ended before its end proves nothing.
+expect 1 . bisect $scene --compiler "passes:ccp+$dir/drop+merge-return+if-conversion" --count 100 --tries 1 --json "$dir/j.json"
+told 1
+has 'a search of one try' '2 of 4, a smaller one may do: --tries was reached '
+
 # A name of conform, and a finding of fuzz, which does not say where a program was.
 expect 1 . bisect "closest.vulkan:passes:$dir/drop.f32.median.robust.mt.sphere.random.1"
 has 'a whole name' "passes [^ ]*/drop: 1 of 1"
