@@ -146,11 +146,32 @@ static void what_was_not_prepared_is_not_traced(void **state)
     stage_free(&s);
 }
 
+/* A device by its name, and behind it the driver. */
+static void engines_tell_their_device_and_its_driver(void **state)
+{
+    (void)state;
+    assert_int_equal(setenv("RAYDIFF_VULKAN_LIBRARY", "", 1), 0);
+    for (size_t i = 0; i < ARRAY_COUNT(engine_names); i++) {
+        const struct engine_options options = {.device = -1};
+        char text[400];
+        fake_reset();
+        (void)strcpy(fake.device[0].base.deviceName, "Card 7");
+        fake.device[0].driver_name = "Driver X";
+        fake.device[0].driver_info = "12.5";
+        engine_describe(engine_find(engine_names[i]), &options, text, sizeof text);
+        if (!strstr(text, "Card 7 (Driver X 12.5"))
+            fail_msg("%s: %s", engine_names[i], text);
+        must_be_clean(engine_names[i]);
+    }
+    assert_int_equal(unsetenv("RAYDIFF_VULKAN_LIBRARY"), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(buffers_hold_what_is_traced),
         cmocka_unit_test(what_was_not_prepared_is_not_traced),
+        cmocka_unit_test(engines_tell_their_device_and_its_driver),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
