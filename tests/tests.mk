@@ -106,7 +106,10 @@ $(B)/tests/test_device_wide: TEST_LIBS += -Wl,--wrap=vk_messages
 
 # What builders on a device compare is looked at.
 $(B)/tests/test_builders_compare: TEST_LIBS += -Wl,--wrap=wide_compare
-WRAPPED_TESTS := $(MEMORY_TESTS) $(B)/tests/test_judge_many $(B)/tests/test_builders_compare
+
+# Defects whose causes the test changes.
+$(B)/tests/test_known_cause: TEST_LIBS += -Wl,--wrap=hard_defect_of
+WRAPPED_TESTS := $(MEMORY_TESTS) $(addprefix $(B)/tests/test_,judge_many builders_compare known_cause)
 
 # A Vulkan within the program, which the loader of the library finds in it.
 FAKE_VULKAN_TESTS := $(addprefix $(B)/tests/test_,card gather rays_grow world_words ways freed unlike_devices) \
