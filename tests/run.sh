@@ -215,6 +215,7 @@ seldom)
     suite mutate sh tests/mutation/selftest.sh "$build"
     suite shader_mutants sh tests/shader_mutants/selftest.sh "$build"
     alone selftest make -s selftest-quick
+    waits golden_drawn sh tests/golden/golden.sh "$build/raydiff" --drawn
     suite values_charts sh tests/values/values_paper.sh "$build/raydiff" charts
     suite tutorial sh tests/house/tutorial.sh "$build"
     ;;

@@ -129,7 +129,8 @@ sub without_times {
     $text =~ s/raydiff(": "| )\d+\.\d+\.\d+/raydiff$1VERSION/g;
     my (@lines, @next, $columns, $speeds, $shares, @timed);
     $text =~ s/^raydiff [a-z]+: \d+ s[,:] .*\n//mg; # tells every ten seconds how far it is, and keeps that in a log
-    my ($log, $checkpoints) = ($name =~ /findings\.jsonl$/, scalar(() = $text =~ /^\{"checkpoint"/mg));
+    my $log = $name =~ /findings\.jsonl$/;
+    my $checkpoints = () = $text =~ /^\{"checkpoint"/mg;
     my $at = 0;
     $text =~ s/^(\{"checkpoint".*\n)/++$at > 1 && $at < $checkpoints ? '' : $1/mge if $log && $LONG;
     $text =~ s{(<th>(?:processor|system)</th>\n<td class="wrap">)[^\n]*}{$1#}g;
