@@ -122,6 +122,41 @@ static void what_cannot_be_drawn_is_left_out(void **state)
     free(text);
 }
 
+/* What no logarithm has stands on the axis, as a value or as the low end of a bar, and changes no
+ * other point; what is left out changes nothing. */
+static void zero_stands_on_the_axis(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 6; k++) {
+        struct plot_point point[4] = {point_at(0, 1, 0.25), point_at(1, 10, 40), point_at(0, 3, 7),
+                                      point_at(0, 3, 7)};
+        struct plot_figure figure = figure_of(point, 3);
+        double before[8][2], after[8][2];
+        char *text = drawn(&figure, 1);
+        const size_t count = circles(text, before, 8);
+        free(text);
+        double *const zero[] = {&point[3].y, &point[3].y_lo, &point[3].x_lo};
+        *zero[k % 3] = 0;
+        if (k >= 3) { /* not drawn at all */
+            point[3].x = k == 3 ? 0 : k == 4 ? NAN : -1;
+            point[3].y_hi = 1e9;
+        }
+        figure = figure_of(point, 4);
+        text = drawn(&figure, 1);
+        assert_int_equal(occurrences(text, "nan") + occurrences(text, "inf"), 0);
+        assert_int_equal(circles(text, after, 8), count + (k < 3));
+        assert_memory_equal(before, after, 3 * sizeof before[0]);
+        if (k == 0) { /* as low as the frame is */
+            double y, height;
+            const char *frame = strstr(text, "<rect x=\"");
+            assert_int_equal(sscanf(strstr(frame, " y=\""), " y=\"%lf\"", &y), 1);
+            assert_int_equal(sscanf(strstr(frame, "height=\""), "height=\"%lf\"", &height), 1);
+            assert_true(fabs(after[3][1] - (y + height)) < 0.2);
+        }
+        free(text);
+    }
+}
+
 static void an_upper_limit_has_an_arrow(void **state)
 {
     (void)state;
@@ -214,6 +249,7 @@ int main(void)
         cmocka_unit_test(documents_are_well_formed_whatever_the_texts),
         cmocka_unit_test(points_stand_where_their_logarithms_say),
         cmocka_unit_test(what_cannot_be_drawn_is_left_out),
+        cmocka_unit_test(zero_stands_on_the_axis),
         cmocka_unit_test(an_upper_limit_has_an_arrow),
         cmocka_unit_test(series_differ_without_their_colours),
         cmocka_unit_test(texts_end_within_the_document),

@@ -285,6 +285,35 @@ static void a_table_has_its_first_columns_and_rows(void **state)
     }
 }
 
+/* The first row has the columns; another row has those of its own that are among them. */
+static void the_first_row_has_the_columns(void **state)
+{
+    (void)state;
+    for (size_t of = 0; of < 3; of++) {
+        json_t *bench = bench_of(3, 1, 2), *rows = json_object_get(bench, "rows");
+        json_object_set_new(json_array_get(rows, of), "its-own", json_string("its-value"));
+        json_object_del(json_array_get(rows, (of + 1) % 3), "column-1");
+        char *page = page_of_part(REPORT_BENCH, bench);
+        assert_int_equal(occurrences(page, "<th>its-own</th>"), of == 0);
+        assert_int_equal(occurrences(page, "<td>its-value</td>"), of == 0);
+        assert_int_equal(occurrences(page, "<th>column-1</th>"), of != 2);
+        assert_int_equal(occurrences(page, "-of-1</td>"), of != 2 ? 2 : 0);
+        free(page);
+    }
+}
+
+/* The title is that of the document and that of its heading. */
+static void the_document_has_the_title(void **state)
+{
+    (void)state;
+    struct report report = empty();
+    char *page = page_of(&report);
+    assert_int_equal(occurrences(page, "<title>title &lt;&amp;&gt;</title>"), 1);
+    assert_int_equal(occurrences(page, ">title &lt;&amp;&gt;</h1>"), 1);
+    free(page);
+    report_free(&report);
+}
+
 static void a_part_has_its_first_benchmarks(void **state)
 {
     (void)state;
@@ -341,6 +370,8 @@ int main(void)
         cmocka_unit_test(the_first_handlers_are_shown),
         cmocka_unit_test(a_chart_has_its_first_samples),
         cmocka_unit_test(a_table_has_its_first_columns_and_rows),
+        cmocka_unit_test(the_first_row_has_the_columns),
+        cmocka_unit_test(the_document_has_the_title),
         cmocka_unit_test(a_part_has_its_first_benchmarks),
         cmocka_unit_test(a_part_has_its_first_pairs),
     };
