@@ -374,6 +374,12 @@ mixed() {
         ends "$(worst $who)" conform 'closest.*.sphere.random.1' --engine "$engines" --builder median --box robust --tri mt $small
         ends "$(worst $who)" conform 'hard.01*.closest.*' --engine "$engines" --builder median --box robust --tri mt --layout f32
     done
+    # What a report found counts although its numbers cannot be written.
+    [ ! -w /dev/full ] || for who in 'cpu' 'cpu blind' 'cpu missing' 'cpu dies' 'cpu blind dies'; do
+        engines=cpu
+        for one in ${who#cpu}; do eval "engines=\$engines,\$$one"; done
+        ends "$(worst $who gone)" report sphere:n=4 --engine "$engines" --parts check --quick $small --out "$dir/r.html" --json /dev/full
+    done
     # A named layout that refuses is told where the rows stand.
     "$raydiff" check sphere:n=100 --engine "cpu,$blind" --layout rf16,f32 --repeat 1 --count 100 >"$dir/text" 2>"$dir/err"
     code=$?
