@@ -112,7 +112,10 @@ grep -q "\"figures\": $drawings[,}]*\$" "$dir/f.json" || bad "--json counts the 
 # Folders are given as often as files are.
 of_one=$(sed -n 's/.*"findings": \([0-9]*\).*/\1/p' "$dir/f.json")
 export VK_DRIVER_FILES=/dev/null VK_ICD_FILENAMES=/dev/null
-expect 1 . report --findings "$dir/found" --findings "$dir/found" --out "$dir/f2.html" --json "$dir/f2.json" --parts machine
+expect 1 . report --findings "$dir/found" --findings "$dir/found" --out "$dir/f2.html" --json "$dir/f2.json" --parts machine --threads 1
+# What is passed on stands in each line that does it again.
+lines=$(grep -o '<pre class="line">raydiff replay [^<]*' "$dir/f2.html")
+[ "$(echo "$lines" | grep -c -- ' --threads 1')" -eq $((2 * of_one)) ] || bad "lines of findings without --threads: $(echo "$lines" | head -n 1)"
 grep -q "\"findings\": $((2 * of_one))[,}]*\$" "$dir/f2.json" || bad "--findings given twice: not the findings of both"
 sound "$dir/f2.html"
 
