@@ -17,7 +17,9 @@ expect 1 . conform 'closest.cpu.f32.gpu_lbvh63.robust.mt.cornell.axis.1'
 has 'trials without a device are skipped' ', 1 skipped$'
 unset RAYDIFF_VULKAN_LIBRARY
 
-expect 2 'median is no builder on a device' build sphere:n=4 --builder gpu_hploc,median
+for builders in median median,gpu_hploc gpu_hploc,median gpu_lbvh30,median,gpu_hploc; do
+    expect 2 '^raydiff build: --builder: median is no builder on a device' build sphere:n=4 --builder $builders
+done
 expect 2 'no scene given' build
 expect 2 'an engine or a builder on Vulkan' check sphere:n=4 --engine cpu --builder hploc --driver stock
 
@@ -47,7 +49,9 @@ for layouts in tiny8:1 tiny8,cwbvh80:2 'tiny8*:3' all:4 every:4; do
     expect 0 . build sphere:n=3 --builder gpu_lbvh63 --rounds 1 --layout "${layouts%:*}"
     [ "$(grep -c ' wide ' "$dir/out") $(grep -c ' words ' "$dir/out")" = "${layouts#*:} ${layouts#*:}" ] || bad "layouts $layouts"
 done
-expect 2 'f32 is not encoded on a device' build sphere:n=3 --layout tiny8,f32
+for layouts in f32 f32,tiny8 tiny8,f32; do
+    expect 2 '^raydiff build: --layout: f32 is not encoded on a device' build sphere:n=3 --layout $layouts
+done
 printf 'v %s\n' '0 0 0' '2e30 0 0' '0 2e30 0' >"$dir/far.obj"
 echo 'f 1 2 3' >>"$dir/far.obj"
 expect 0 . build "$dir/far.obj" --builder gpu_hploc --rounds 1 --json "$dir/rows.json"
