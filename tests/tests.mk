@@ -110,6 +110,9 @@ $(B)/tests/test_builders_compare: TEST_LIBS += -Wl,--wrap=wide_compare
 # Defects whose causes the test changes.
 $(B)/tests/test_known_cause: TEST_LIBS += -Wl,--wrap=hard_defect_of
 WRAPPED_TESTS := $(MEMORY_TESTS) $(addprefix $(B)/tests/test_,judge_many builders_compare known_cause)
+# What build --same asks of a match is looked at, and answered.
+$(B)/tests/test_build_same: TEST_LIBS += -Wl,--wrap=match_run
+WRAPPED_TESTS := $(MEMORY_TESTS) $(B)/tests/test_judge_many $(B)/tests/test_builders_compare $(B)/tests/test_build_same
 
 # A Vulkan within the program, which the loader of the library finds in it.
 FAKE_VULKAN_TESTS := $(addprefix $(B)/tests/test_,card gather rays_grow world_words ways freed unlike_devices) \

@@ -180,6 +180,66 @@ static void every_library_has_its_builds(void **state)
     scene_free(&scene);
 }
 
+/* Planted in what matches answer: how many answers of each build have other bits than in the first,
+ * how many are WRONG, and after how many builds the engine is absent; or NULL, and they are run. */
+static struct {
+    const size_t (*of)[2];
+    uint32_t asked, absent, threads[64];
+} made_up;
+
+void __real_match_run(struct match *match, const struct engine *engine, struct row *row);
+void __wrap_match_run(struct match *match, const struct engine *engine, struct row *row);
+
+void __wrap_match_run(struct match *match, const struct engine *engine, struct row *row)
+{
+    if (!made_up.of) {
+        __real_match_run(match, engine, row);
+        return;
+    }
+    const size_t *is = made_up.of[made_up.asked % (2 * SAME_THREADS)];
+    made_up.threads[made_up.asked % 64] = match->pool->options.threads;
+    made_up.asked++;
+    *row = (struct row){.status = made_up.asked > made_up.absent ? ROW_SKIPPED : ROW_OK,
+                        .rays = match->ray_count};
+    row->count[VERDICT_WRONG] = is[1];
+    memset(match->answer, 0, match->ray_count * sizeof *match->answer);
+    for (size_t i = 0; i < is[0]; i++)
+        match->answer[3 * i].u = 0.5f;
+}
+
+/* Each library has a build with each number of threads in each round; what is other and WRONG is
+ * that of all builds. */
+static void every_number_of_threads_asks_each_library(void **state)
+{
+    (void)state;
+    static const size_t of[2 * SAME_THREADS][2] = {{0, 1}, {3, 0}, {0, 20}, {5, 0},
+                                                   {0, 0}, {7, 4}, {1, 0},  {2, 300}};
+    const struct same_job job = {.rounds = 2, .seed = 3};
+    struct scene scene;
+    struct reason reason;
+    assert_int_equal(scene_open("soup:n=50", 1, &scene, &reason), STATUS_OK);
+    for (uint32_t absent = 0; absent <= 64; absent = absent ? 64 + absent : 64) {
+        struct same_engine one[SAME_ENGINES_MOST];
+        size_t count;
+        made_up.asked = 0;
+        made_up.absent = absent;
+        made_up.of = of;
+        assert_int_equal(same_engines(&job, &scene, one, &count, &reason), STATUS_OK);
+        made_up.of = NULL;
+        assert_true(count > 0 && count < 8);
+        assert_int_equal(made_up.asked, absent ? 8 * count : count);
+        for (uint32_t i = 0; i < made_up.asked && absent; i++)
+            assert_int_equal(made_up.threads[i], same_threads[i % SAME_THREADS]);
+        for (size_t i = 0; i < count; i++) {
+            assert_int_equal(one[i].absent, absent == 0);
+            assert_int_equal(one[i].builds, absent ? 8 : 0);
+            assert_int_equal(one[i].other, absent ? 3 + 5 + 7 + 1 + 2 : 0);
+            assert_int_equal(one[i].wrong, absent ? 325 : 0);
+        }
+    }
+    scene_free(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -189,6 +249,7 @@ int main(void)
         cmocka_unit_test(a_tree_of_another_size_is_seen),
         cmocka_unit_test(what_differs_is_a_mismatch),
         cmocka_unit_test(every_library_has_its_builds),
+        cmocka_unit_test(every_number_of_threads_asks_each_library),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
