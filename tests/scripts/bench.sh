@@ -194,6 +194,16 @@ expect 0 . bench fast --scene "$dir/square.obj" --rounds 1 --count 100 --engine 
     bad "bench fast --engine: $(cut -d , -f 4 "$dir/f.csv" | sort | uniq -c | tr '\n' ';')"
 expect 2 'runs on a GPU' bench fast --scene "$dir/square.obj" --engine vulkan
 expect 2 'tests every triangle' bench fast --scene "$dir/square.obj" --engine cpu,brute
+# What is wrong, or proves nothing, ends a run with 1, and its rows and figures are written all the same.
+for out in csv json svg; do
+    expect 1 . bench error --scene needles:n=1 --count 1 --rays random --engine cpu --layout f32 --tri mt --threads 1 --rounds 1 \
+        --$out "$dir/nothing.$out"
+    [ -s "$dir/nothing.$out" ] || bad "bench error: exit 1, and no --$out"
+done
+# A table is explained once, however many numbers of threads it is made for.
+expect 0 . bench matrix --scene "$dir/square.obj" --count 60 --engine cpu --layout f32 --rounds 1
+[ "$(grep -c 'agrees *cpu' "$dir/out")" -eq 2 ] && [ "$(grep -c '^lost of ' "$dir/out")" -eq 1 ] ||
+    bad "bench matrix: not two tables that are explained once"
 # What is left out of a scene is told once of it, not of each set of its rays.
 for list in sphere:n=2 'sphere:n=2;sphere:n=3'; do
     expect 0 . bench layouts --scene "$list" --count 10 --rounds 1 --driver no-such-driver
