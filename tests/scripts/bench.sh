@@ -200,6 +200,25 @@ for out in csv json svg; do
         --$out "$dir/nothing.$out"
     [ -s "$dir/nothing.$out" ] || bad "bench error: exit 1, and no --$out"
 done
+# A verdict has its colour, and the conclusion that of the exit code: what agrees is green, what is wrong or proves
+# nothing red, what is only counted dim.
+for of in needles:n=1 "$dir/square.obj"; do
+    for benchmark in layouts 'error --rays random' matrix; do
+        "$raydiff" bench $benchmark --scene "$of" --count 1 --rounds 1 --engine cpu --layout f32,rtrs_rf --threads 1 --color always \
+            >"$dir/out" 2>"$dir/err"
+        code=$?
+        esc=$(printf '\033')
+        sed -n "s/^$esc\[\([0-9;]*\)m\([a-zA-Z]*\) *$esc\[0m.*/\1 \2/p" "$dir/out" >"$dir/painted"
+        awk -v code="$code" '{ seen++ }
+            $2 == "bench" { want = code == 0 ? "32" : "1;31" }
+            $2 == "agrees" { want = "32" }
+            $2 == "counted" { want = "2" }
+            $2 ~ /^(WRONG|vacuous)$/ { want = "1;31" }
+            $1 != want { print "FAILED " $0; bad = 1 }
+            END { exit bad || (code < 2 && seen < 2) }' "$dir/painted" || bad "bench $benchmark $of: exit $code: $(sort "$dir/painted" | uniq -c)"
+    done
+done
+grep -q vacuous "$dir/painted" && bad 'a square that nothing hits'
 # A table is explained once, however many numbers of threads it is made for.
 expect 0 . bench matrix --scene "$dir/square.obj" --count 60 --engine cpu --layout f32 --rounds 1
 [ "$(grep -c 'agrees *cpu' "$dir/out")" -eq 2 ] && [ "$(grep -c '^lost of ' "$dir/out")" -eq 1 ] ||
