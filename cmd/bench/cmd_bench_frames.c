@@ -59,6 +59,11 @@ static enum status make_plans(const struct bench *bench, const struct painter_pl
     return status;
 }
 
+static const char *base_of(const struct bench *bench)
+{
+    return bench->picture.out ? bench->picture.out : "benchmark";
+}
+
 static enum status measure(struct bench *bench, const char *spec, const struct scene *scene,
                            struct reason *reason)
 {
@@ -91,8 +96,7 @@ static enum status measure(struct bench *bench, const char *spec, const struct s
     if (!status)
         bench_worse(bench,
                     frames_command("bench", plans->plan, plans->count, spec, scene, &bench->engines,
-                                   &settings, bench->picture.out ? bench->picture.out : "benchmark",
-                                   &bench->screen_is));
+                                   &settings, base_of(bench), &bench->screen_is));
     free(plans);
     bvh_free(&bvh);
     return status;
@@ -104,8 +108,10 @@ static int run(struct bench *bench)
     const char *spec = bench->scene_count ? bench->scene[0] : bench_frames.scenes;
     if (bench->scene_count > 1 || bench->box.count > 1 || bench->tri.count > 1)
         return usage_error("bench", "frames: one scene, one box test and one triangle test");
-    struct scene scene;
-    enum status status = scene_open(spec, bench->seed, &scene, &reason);
+    struct scene scene = {0};
+    enum status status = frames_try(base_of(bench), &reason);
+    if (!status)
+        status = scene_open(spec, bench->seed, &scene, &reason);
     if (!status)
         status = measure(bench, spec, &scene, &reason);
     scene_free(&scene);

@@ -45,6 +45,9 @@ enum status frames_session_measure(struct frames_session *session,
                                    const struct frames_settings *settings,
                                    struct reason *reason) MUST_USE;
 
+/* Tries each file that frames_write writes, before anything is opened. Errors: as output_try. */
+enum status frames_try(const char *base, struct reason *reason) MUST_USE;
+
 /* Ends a measuring command: prints a line per handler (bytes, times, ratio to about->base) and the
  * names of the files, or why the run failed. Returns the exit code. If a signal ended the run, that
  * is 128 + the signal, and the files hold what was measured. */

@@ -117,7 +117,9 @@ static int run(const struct render_settings *settings, const char *value)
         return EXIT_INTERNAL;
     b->progress = progress_make("render");
     frames_catch_signals();
-    enum status status = open_all(settings, b, &reason);
+    enum status status = frames_try(settings->benchmark.base, &reason);
+    if (!status)
+        status = open_all(settings, b, &reason);
     if (!status) /* fail now if a file cannot be written */
         status = frames_write(&b->run, &b->about, settings->benchmark.base, &reason);
     if (!status)

@@ -124,6 +124,19 @@ static void print_run(const struct frames_run *run, const struct frames_about *a
                       base, base);
 }
 
+enum status frames_try(const char *base, struct reason *reason)
+{
+    static const char *const ends[] = {"csv", "json", "svg", "png"};
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < ARRAY_COUNT(ends) && !status; i++) {
+        char path[4096];
+        if (snprintf(path, sizeof path, "%s.%s", base, ends[i]) >= (int)sizeof path)
+            return fail(reason, STATUS_INPUT, "%s: too long a name", file_label(base));
+        status = output_try(path, reason);
+    }
+    return status;
+}
+
 int frames_finish(const char *command, const struct frames_run *run,
                   const struct frames_about *about, const char *base, const struct screen *screen,
                   enum status status, const struct reason *reason)

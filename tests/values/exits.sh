@@ -493,7 +493,42 @@ unwritable() {
     unwritten precompute --scene soup:n=20 --builder median --out TO
     unwritten tree tests/golden/input/mine.tree --json TO
     unwritten gen sphere:n=4 --count 20 --out TO
+    unopened
     locked
+}
+# It is known before an engine or a device is opened: where none is here, too, that is what is told.
+unopened() {
+    none='--driver no-such-driver' there=$dir/no-such-folder/x
+    small='sphere:n=2 --width 8 --height 8 --engine vulkan'
+    while read -r command; do
+        tried=$((tried + 1))
+        # shellcheck disable=SC2086 # words of a command
+        timeout 20 "$raydiff" $command $none >"$dir/text" 2>"$dir/err" </dev/null
+        code=$?
+        [ "$code" -eq 2 ] && grep -qF "$there" "$dir/err" || bad "raydiff $command $none: exit $code: $(tail -n 1 "$dir/err")"
+    done <<END
+check sphere:n=2 --engine vulkan --json $there
+leaks sphere:n=3 --engine vulkan --layout f32 --json $there
+conform closest.vulkan.f32.* --junit $there
+explain sphere:n=3 --index 0 --engine vulkan --layout f32 --json $there
+fuzz --trials 2 --engine vulkan --corpus none --dir $dir/unopened --json $there
+replay fuzz/corpus/bad-rays.trial --engine vulkan --json $there
+build sphere:n=2 --json $there
+tree sphere:n=2 --from rayquery --json $there
+tree sphere:n=2 --from rayquery --save $there
+report sphere:n=2 --engine vulkan --parts check --out $there
+diff $small,cpu --out $there
+diff $small,cpu --json $there
+render $small --out $there
+render $small --out $dir/u.png --json $there
+render $small --out $dir/u.png --paths $there.csv
+render $small --out $dir/u.png --show t --csv $there
+render $small --benchmark --benchmark-out $there
+bench frames --scene sphere:n=2 --engine vulkan --layout f32 --frames 1 --size 8x8 --out $there
+bench error --scene sphere:n=2 --engine vulkan --count 10 --rounds 1 --csv $there
+bench error --scene sphere:n=2 --engine vulkan --count 10 --rounds 1 --svg $there
+bench matrix --scene sphere:n=2 --engine vulkan --count 10 --rounds 1 --json $there
+END
 }
 # A folder of findings that may only be read: to whom it is, who is not root.
 locked() {
