@@ -200,6 +200,27 @@ for out in csv json svg; do
         --$out "$dir/nothing.$out"
     [ -s "$dir/nothing.$out" ] || bad "bench error: exit 1, and no --$out"
 done
+# So are those of the scenes that can be read, beside one that cannot.
+for benchmark in error matrix; do
+    for list in "$dir/square.obj;$dir/none.obj" "$dir/none.obj;$dir/square.obj"; do
+        rm -f "$dir/one.csv" "$dir/one.svg"
+        expect 2 'none.obj: No such file' bench $benchmark --scene "$list" --count 60 --rounds 1 --engine cpu --layout f32 --threads 1 \
+            --csv "$dir/one.csv" --svg "$dir/one.svg"
+        grep -q "^$benchmark,$dir/square.obj,2," "$dir/one.csv" && grep -q '<svg' "$dir/one.svg" || bad "bench $benchmark of $list: no rows, or no figure"
+    done
+done
+# Whatever is named has its rows: each layout with each box test and each triangle test, once for each set of rays.
+expect 0 . bench error --scene "$dir/square.obj" --count 20 --rounds 1 --threads 1 --engine cpu,brute --layout f32,rf16 \
+    --box robust,watertight,rtrs --tri mt,woop --rays random,edges --csv "$dir/each.csv"
+for rays in random edges; do
+    for tri in mt woop; do
+        echo "$rays brute - - $tri"
+        for layout in f32 rf16; do for box in robust watertight rtrs; do echo "$rays cpu $layout $box $tri"; done; done
+    done
+done | sort >"$dir/named"
+awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) c[$i] = i; next } $c["engine"] ~ /^(cpu|brute)$/ {
+    print $c["rays"], $c["engine"], $c["layout"] == "" ? "-" : $c["layout"], $c["box"] == "" ? "-" : $c["box"], $c["tri"] }' \
+    "$dir/each.csv" | sort | diff "$dir/named" - >"$dir/out" || bad "bench error: not what was named: $(head -n 5 "$dir/out")"
 # A verdict has its colour, and the conclusion that of the exit code: what agrees is green, what is wrong or proves
 # nothing red, what is only counted dim.
 for of in needles:n=1 "$dir/square.obj"; do
