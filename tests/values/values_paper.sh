@@ -47,6 +47,8 @@ play_charts() {
     for chart in default teapot; do
         grep -q '</svg>' "$dir/x-$chart.svg" && [ -s "$dir/x-$chart.png" ] || bad "paper: no chart of its scene $chart"
     done
+    [ "$(grep -c ': less or more time, and the ratio of times' "$dir/text")" -eq 2 ] ||
+        bad 'paper: the words are not of both scenes'
 }
 # Both pipelines draw the same bits, or it ends with 1.
 play_special() {

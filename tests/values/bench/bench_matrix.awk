@@ -102,6 +102,9 @@ BEGIN { split("prim rand diff o-shad o-rand", kind, " ") }
         truth("worth using: " v["rows." i ".name"], index(", " shown ",", ", " v["rows." i ".name"] " (" v["rows." i ".worth"] "),") > 0)
         truth("worth using, but it loses hits", v["rows." i ".lost"] + v["rows." i ".leaks"] == 0)
         truth("worth using, but it is WRONG", v["rows." i ".judged_wrong"] == 0)
+        for (other = first; other < r; other++) # each on its best tree
+            if (v["rows." other ".engine"] == v["rows." i ".engine"] && v["rows." other ".layout"] == v["rows." i ".layout"] && v["rows." other ".store"] == v["rows." i ".store"])
+                truth("worth using, but not on its best tree", v["rows." other ".mean_ratio"] <= v["rows." i ".mean_ratio"])
     }
     equal("worth using", count, worth + 0)
     worths++
