@@ -178,6 +178,28 @@ static void the_least_offset_is_the_least(void **state)
     assert_true(many > 0); /* the search beyond single steps was needed: needles */
 }
 
+/* Moved to the wrong side a ray never is free, but where it is at once; and the point stays. */
+static void the_wrong_side_is_never_left(void **state)
+{
+    (void)state;
+    size_t never = 0;
+    struct field *f = opened(fields[0].spec, fields[0].scale, fields[0].offset);
+    shoot(f, fields[0].rays, "mt");
+    for (size_t i = 0; i < f->count && never < 200; i++) {
+        struct spawn_hit hit = f->hit[i];
+        float p[3], error[3], out[3] = {1e30f, 1e30f, 1e30f};
+        for (int k = 0; k < 3; k++)
+            hit.normal[k] = -hit.normal[k];
+        spawn_point_make(&hit, &f->scene, SPAWN_ALONG, p, error);
+        uint32_t steps = spawn_least(f->oracle, &f->scene, &hit, p, out);
+        assert_true(steps == 0 || steps == SPAWN_NEVER);
+        assert_memory_equal(out, p, sizeof p);
+        never += steps == SPAWN_NEVER;
+    }
+    assert_true(never > 100);
+    closed(f);
+}
+
 static void on_a_lattice_one_step_suffices(void **state)
 {
     (void)state;
@@ -205,6 +227,7 @@ int main(void)
         cmocka_unit_test(fuzz_is_of_every_coordinate),
         cmocka_unit_test(offset_0_hits_its_own_triangle_and_the_bound_never_does),
         cmocka_unit_test(the_least_offset_is_the_least),
+        cmocka_unit_test(the_wrong_side_is_never_left),
         cmocka_unit_test(on_a_lattice_one_step_suffices),
     };
     return cmocka_run_group_tests_name("spawn", tests, NULL, NULL) ? 1 : 0;
