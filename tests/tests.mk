@@ -93,6 +93,9 @@ $(COMMAND_TESTS): $(B)/libcommands.a
 $(COMMAND_TESTS): TEST_LIBS += $(B)/libraydiff.a $(LDLIBS) $(PROGRAM_LIBS)
 endif
 
+# Events are put into the queue of SDL's library.
+$(B)/obj/tests/scenes/test_window.o: CPPFLAGS += $(SDL2_CFLAGS)
+
 # Their allocations are made to fail, or measured.
 MEMORY_TESTS := $(addprefix $(B)/tests/test_,out_of_memory text_memory explain_memory cache_sim judge_memory oracle_world_memory hits_memory hits_tagged memory vulkan_memory world_memory worlds_memory library_memory wide_memory dump_memory dump_driver_memory world_life_memory traffic_no_memory accel_memory)
 $(MEMORY_TESTS): TEST_LIBS += \

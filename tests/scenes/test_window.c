@@ -6,6 +6,10 @@
 
 #include "have_sdl2.h"
 
+#if HAVE_SDL2
+#include <SDL2/SDL.h>
+#include <dlfcn.h>
+#endif
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -125,6 +129,61 @@ static void a_window_without_a_screen(void **state)
     window_close(window);
 }
 
+#if HAVE_SDL2
+/* What is told of an event alone, and of it behind others. */
+static void must_tell(struct window *window, int (*push)(SDL_Event *), const SDL_Event *event,
+                      bool quit, bool redraw)
+{
+    for (int others = 0; others < 3; others++) {
+        struct window_news news;
+        SDL_Event moved = {.type = SDL_MOUSEMOTION}, one = *event;
+        window_wait(window, 0, &news); /* what came of itself */
+        for (int i = 0; i < others; i++)
+            assert_int_equal(push(&moved), 1);
+        assert_int_equal(push(&one), 1);
+        for (int i = 0; i < others; i++)
+            assert_int_equal(push(&moved), 1);
+        window_wait(window, others == 1 ? 5 : 0, &news);
+        if (news.quit != quit || news.redraw != redraw)
+            fail_msg("event %x, %u: quit %d, redraw %d", event->type, event->window.event,
+                     news.quit, news.redraw);
+    }
+}
+
+/* Of what a window has lost, and of nothing else, it is told that it is to be drawn again. */
+static void every_event_is_told(void **state)
+{
+    (void)state;
+    struct reason reason = {""};
+    struct window *window;
+    int (*push)(SDL_Event *) = NULL;
+    assert_int_equal(setenv("SDL_VIDEODRIVER", "dummy", 1), 0);
+    if (window_open("test", 64, 48, &window, &reason) == STATUS_UNSUPPORTED) {
+        print_message("SKIP %s\n", reason.text);
+        skip();
+    }
+    void *library = dlopen("libSDL2-2.0.so.0", RTLD_NOW);
+    assert_non_null(library);
+    *(void **)&push = dlsym(library, "SDL_PushEvent");
+    assert_non_null(push);
+    SDL_Event event = {.type = SDL_QUIT};
+    must_tell(window, push, &event, true, false);
+    for (Uint8 what = SDL_WINDOWEVENT_SHOWN; what <= SDL_WINDOWEVENT_CLOSE; what++) {
+        event = (SDL_Event){.type = SDL_WINDOWEVENT};
+        event.window.event = what;
+        must_tell(window, push, &event, false,
+                  what == SDL_WINDOWEVENT_EXPOSED || what == SDL_WINDOWEVENT_SIZE_CHANGED);
+    }
+    for (int up = 0; up < 2; up++)
+        for (SDL_Keycode key = SDLK_ESCAPE; key < SDLK_ESCAPE + 100; key++) {
+            event = (SDL_Event){.type = up ? SDL_KEYUP : SDL_KEYDOWN};
+            event.key.keysym.sym = key;
+            must_tell(window, push, &event, key == SDLK_ESCAPE && !up, false);
+        }
+    window_close(window);
+}
+#endif
+
 static uint32_t word_at(const char *bytes, size_t i)
 {
     const unsigned char *at = (const unsigned char *)bytes + 4 * i;
@@ -172,6 +231,9 @@ int main(void)
         cmocka_unit_test(a_tap_is_seen),
         cmocka_unit_test(the_clock_wraps),
         cmocka_unit_test(a_turn_takes_two_seconds),
+#if HAVE_SDL2
+        cmocka_unit_test(every_event_is_told),
+#endif
         cmocka_unit_test(no_display_is_said),
         cmocka_unit_test(a_window_without_a_screen),
     };
