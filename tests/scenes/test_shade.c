@@ -266,6 +266,40 @@ static void shade_ray_has_the_range_of_its_job(void **state)
     }
 }
 
+/* A shadow ray begins off the surface, on the side of the light: along the shading normal as
+ * published, else along the triangle's. It goes to the light, as far as that is or beyond. */
+static void shadow_rays_begin_on_the_side_of_the_light(void **state)
+{
+    (void)state;
+    size_t asked[2] = {0};
+    for (int i = 0; i < 64; i++) {
+        const float up = i & 1 ? 3 : -3;
+        const struct shade_light light = {{i & 2 ? 1 : -2, up, i & 4 ? 2 : -1}, 1};
+        const struct frame_job job = {.look = i & 8 ? rtrs : repaired,
+                                      .light = &light,
+                                      .light_count = 1,
+                                      .tmax = 77,
+                                      .offset = 0.125f};
+        const bool published = i & 8;
+        const float n = i & 16 ? 1 : -1; /* the normals, which agree or do not */
+        struct shade_path path = {.n = {0, n, 0}, .g = {0, i & 32 ? n : -n, 0}, .dir = {0, -1, 0}};
+        const struct view view = {.right = {1}};
+        struct ray ray;
+        const bool lit = n * up > 0, seen = path.g.y * up > 0;
+        assert_int_equal(shade_ask(&job, &view, 0, &path, &ray), published || (lit && seen));
+        if (!published && !(lit && seen))
+            continue;
+        assert_true(ray.org[1] == (up > 0 ? 0.125f : -0.125f));
+        assert_true(ray.org[0] == 0 && ray.org[2] == 0);
+        assert_true(ray.dir[1] * up > 0 && ray.dir[0] * light.pos[0] > 0);
+        float far = sqrtf(9 + light.pos[0] * light.pos[0] + light.pos[2] * light.pos[2]);
+        assert_true(ray.tmax == (published ? 77 : far) && path.far == far);
+        assert_int_equal(path.segment.asked, 1);
+        asked[published]++;
+    }
+    assert_true(asked[0] == 8 && asked[1] == 32);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -276,6 +310,7 @@ int main(void)
         cmocka_unit_test(shade_eye_gives_light),
         cmocka_unit_test(shade_mirror_shows_the_wall),
         cmocka_unit_test(shade_weights_of_reflections_multiply),
+        cmocka_unit_test(shadow_rays_begin_on_the_side_of_the_light),
         cmocka_unit_test(shade_ray_has_the_range_of_its_job),
         cmocka_unit_test(shade_pixel_clamps_and_rounds),
         cmocka_unit_test(shade_pow_error_covers_the_worst_pow),

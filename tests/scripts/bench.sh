@@ -209,6 +209,10 @@ for benchmark in error matrix; do
         grep -q "^$benchmark,$dir/square.obj,2," "$dir/one.csv" && grep -q '<svg' "$dir/one.svg" || bad "bench $benchmark of $list: no rows, or no figure"
     done
 done
+# Without a name no layout as published is played: it tests every node, and its speed compares with nothing.
+expect 0 . bench matrix --scene "$dir/square.obj" --count 4 --rounds 1 --threads 1 --engine cpu --csv "$dir/own.csv"
+[ "$(grep -c ',cpu,f32,' "$dir/own.csv")" -eq 1 ] && [ "$(grep -c ',cpu,' "$dir/own.csv")" -gt 20 ] && ! grep -q ',rtrs_' "$dir/own.csv" ||
+    bad "bench matrix: of its own it plays $(grep ',rtrs_' "$dir/own.csv" | cut -d , -f 5-7)"
 # Whatever is named has its rows: each layout with each box test and each triangle test, once for each set of rays.
 expect 0 . bench error --scene "$dir/square.obj" --count 20 --rounds 1 --threads 1 --engine cpu,brute --layout f32,rf16 \
     --box robust,watertight,rtrs --tri mt,woop --rays random,edges --csv "$dir/each.csv"
