@@ -60,6 +60,12 @@ grep -q '^left out: 1 skin, 0 primitives with morph targets; they are placed at 
 sed 's/"attributes": {"POSITION": 0}/&, "targets": [{}]/' "$dir/placed.gltf" >"$dir/morphs.gltf"
 expect 0 . scene convert "$dir/morphs.gltf" "$dir/p.json"
 grep -q '^left out: 0 skins, 1 primitive with morph targets; they are placed at rest$' "$dir/out" || bad "morph targets: $(cat "$dir/out")"
+# It is told, too, where the vertices are moved.
+sed 's/"attributes": {"POSITION": 0[^}]*}/&, "targets": [{}]/' "$dir/s.gltf" >"$dir/moved.gltf"
+for bits in '' '--bits 12'; do
+    expect 0 . scene convert "$dir/moved.gltf" "$dir/p.ply" $bits
+    grep -q '^left out: 0 skins, 1 primitive with morph targets; they are placed at rest$' "$dir/out" || bad "morph targets with $bits: $(cat "$dir/out")"
+done
 
 # Files beside a file.
 mkdir "$dir/below"
