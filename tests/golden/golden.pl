@@ -103,7 +103,7 @@ for my $file ("$home/words.txt", sort glob("$home/tables/*.txt")) {
             $help{$command} //= `'$program' $command --help`;
             push @cases, limits_cases($table->{limits}, $help{$command});
         } elsif ($table->{edits}) {
-            push @cases, edits_cases($work, $table->{edits}, $table->{run}, $word{drawn} ? 600 : 40);
+            push @cases, edits_cases($work, $table->{edits}, $table->{run}, $word{drawn} ? 600 : 24);
         } elsif ($table->{chain}) {
             push @cases, ["chain $table->{chain}", @{$table->{steps}}];
         } else {

@@ -17,7 +17,7 @@
 
 #include <math.h>
 
-#define RAYS 25000
+#define RAYS 15000
 
 static const struct fixture_subject *const unknown = &subjects[SUBJECTS - 1];
 
