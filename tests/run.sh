@@ -80,8 +80,6 @@ plain)
     # and play here in `deep`; so does the published box test in a shader, which enters nearly every box.
     suite conform_hard sh tests/conform/conform.sh "$build/raydiff" "$logs/hard.xml" 8000 --hard --quick \
         --engine cpu,fast,brute,embree,embree_robust
-    suite conform_hard_vulkan sh tests/conform/conform.sh "$build/raydiff" "$logs/hard_vulkan.xml" 3000 --hard --quick \
-        --engine vulkan --box robust,watertight
     waits golden env JOBS=1 sh tests/golden/golden.sh "$build/raydiff"
     suite agree sh tests/scripts/agree.sh "$build" quick "$logs/agree"
     suite conform sh tests/conform/conform.sh "$build/raydiff" "$logs/conform.xml" 400 --fewest
@@ -215,6 +213,8 @@ seldom)
     suite mutate sh tests/mutation/selftest.sh "$build"
     suite shader_mutants sh tests/shader_mutants/selftest.sh "$build"
     alone selftest make -s selftest-quick
+    suite conform_hard_vulkan sh tests/conform/conform.sh "$build/raydiff" "$logs/hard_vulkan.xml" 3000 --hard --quick \
+        --engine vulkan --box robust,watertight
     waits golden_drawn sh tests/golden/golden.sh "$build/raydiff" --drawn
     suite values_charts sh tests/values/values_paper.sh "$build/raydiff" charts
     suite tutorial sh tests/house/tutorial.sh "$build"

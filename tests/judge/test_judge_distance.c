@@ -17,7 +17,7 @@
 
 #include <math.h>
 
-#define RAYS 15000
+#define RAYS 25000
 
 static const struct fixture_subject *const unknown = &subjects[SUBJECTS - 1];
 

@@ -24,7 +24,7 @@
 
 static uint64_t pairs_each(void)
 {
-    return getenv("RAYDIFF_SLOW") ? 4100 : 40;
+    return getenv("RAYDIFF_SLOW") ? 4100 : 60;
 }
 
 static void print_instance(const struct exact_placed *placed)

@@ -22,7 +22,7 @@
 
 static uint64_t pairs_each(void)
 {
-    return getenv("RAYDIFF_SLOW") ? 8000 : 100;
+    return getenv("RAYDIFF_SLOW") ? 8000 : 160;
 }
 
 /* Triangles at most 2^-size across at a distance of about 1, of any slope and shape, some of them

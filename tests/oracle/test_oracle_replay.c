@@ -159,7 +159,7 @@ static void excuses_what_the_formula_rejects(void **state)
     assert_int_equal(scene_make(3, 1, &scene), STATUS_OK);
     for (uint32_t i = 0; i < 3; i++)
         scene.index[i] = i;
-    for (int n = 0; n < 2000; n++) {
+    for (int n = 0; n < 4000; n++) {
         struct ray ray = {{0, 0, 0}, 0, {0, 0, 0}, INFINITY};
         for (int i = 0; i < 9; i++)
             scene.vertex[i] = rng_float(&rng) + (i % 3 == 2 ? 1.0f : 0.0f);

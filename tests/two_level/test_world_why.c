@@ -17,7 +17,7 @@
 #include "tests/two_level/world_stand.h"
 #include "tests/two_level/world_cheats.h"
 
-#define RAYS 1000
+#define RAYS 1500
 
 struct why_stand {
     struct world world;
