@@ -7,9 +7,6 @@
 #include <jansson.h>
 
 #include <stdlib.h>
-#include <string.h>
-
-#define PATH_MOST 4096
 
 const char *frames_clock(const struct frames_contestant *contestant)
 {
@@ -131,21 +128,25 @@ static enum status write_chart(const struct frames_run *run, const struct frames
     return chart_write(&chart, svg, png, reason);
 }
 
+enum status frames_file(const char *base, size_t file, char path[FRAMES_PATH_MOST],
+                        struct reason *reason)
+{
+    static const char *const end[FRAMES_FILES] = {"csv", "json", "svg", "png"};
+    if (snprintf(path, FRAMES_PATH_MOST, "%s.%s", base, end[file]) >= FRAMES_PATH_MOST)
+        return fail(reason, STATUS_INPUT, "%s: too long a name", file_label(base));
+    return STATUS_OK;
+}
+
 enum status frames_write(const struct frames_run *run, const struct frames_about *about,
                          const char *base, struct reason *reason)
 {
-    char path[PATH_MOST], png[PATH_MOST];
-    if (strlen(base) + 6 > sizeof path)
-        return fail(reason, STATUS_INPUT, "%s: too long a name", file_label(base));
-    snprintf(path, sizeof path, "%s.csv", base);
-    enum status status = write_csv(run, path, reason);
-    if (status)
-        return status;
-    snprintf(path, sizeof path, "%s.json", base);
-    status = write_json(run, about, path, reason);
-    if (status)
-        return status;
-    snprintf(path, sizeof path, "%s.svg", base);
-    snprintf(png, sizeof png, "%s.png", base);
-    return write_chart(run, about, path, png, reason);
+    char path[FRAMES_FILES][FRAMES_PATH_MOST];
+    enum status status = STATUS_OK;
+    for (size_t i = 0; i < FRAMES_FILES && !status; i++)
+        status = frames_file(base, i, path[i], reason);
+    if (!status)
+        status = write_csv(run, path[0], reason);
+    if (!status)
+        status = write_json(run, about, path[1], reason);
+    return status ? status : write_chart(run, about, path[2], path[3], reason);
 }

@@ -27,6 +27,14 @@ struct chart_series frames_series(const struct frames_run *run, size_t contestan
 struct chart frames_chart(const struct frames_run *run, const char *title,
                           const struct chart_series *series, size_t count);
 
+#define FRAMES_FILES     4
+#define FRAMES_PATH_MOST 4096
+
+/* The name of file 0 to FRAMES_FILES - 1 of those that frames_write writes. Errors: STATUS_INPUT
+ * too long a name (reason). */
+enum status frames_file(const char *base, size_t file, char path[FRAMES_PATH_MOST],
+                        struct reason *reason) MUST_USE;
+
 /* Writes the measurements so far, each file completely or not at all:
  *   BASE.csv   a row per handler and frame: handler, bytes, clock, frame, angle_deg, ms, and the
  *              handler's average_ms, min_ms, max_ms, median_ms

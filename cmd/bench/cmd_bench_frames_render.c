@@ -120,8 +120,6 @@ static int run(const struct render_settings *settings, const char *value)
     enum status status = frames_try(settings->benchmark.base, &reason);
     if (!status)
         status = open_all(settings, b, &reason);
-    if (!status) /* fail now if a file cannot be written */
-        status = frames_write(&b->run, &b->about, settings->benchmark.base, &reason);
     if (!status)
         status = frames_measure(&b->run, draw, tell, b, &reason);
     progress_end(&b->progress);

@@ -126,13 +126,12 @@ static void print_run(const struct frames_run *run, const struct frames_about *a
 
 enum status frames_try(const char *base, struct reason *reason)
 {
-    static const char *const ends[] = {"csv", "json", "svg", "png"};
+    char path[FRAMES_PATH_MOST];
     enum status status = STATUS_OK;
-    for (size_t i = 0; i < ARRAY_COUNT(ends) && !status; i++) {
-        char path[4096];
-        if (snprintf(path, sizeof path, "%s.%s", base, ends[i]) >= (int)sizeof path)
-            return fail(reason, STATUS_INPUT, "%s: too long a name", file_label(base));
-        status = output_try(path, reason);
+    for (size_t i = 0; i < FRAMES_FILES && !status; i++) {
+        status = frames_file(base, i, path, reason);
+        if (!status)
+            status = output_try(path, reason);
     }
     return status;
 }
