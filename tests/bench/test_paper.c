@@ -8,18 +8,11 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "tests/support/opened.h"
+
 #include <unistd.h>
 
 #define TEAPOT "scenes/fetched/utah-teapot.obj"
-
-static struct scene opened(const char *spec)
-{
-    struct scene scene;
-    struct reason reason;
-    if (scene_open(spec, 1, &scene, &reason))
-        fail_msg("%s", reason.text);
-    return scene;
-}
 
 static struct paper_tree tree_of(const struct scene *scene, uint32_t leaf)
 {
@@ -33,7 +26,7 @@ static struct paper_tree tree_of(const struct scene *scene, uint32_t leaf)
 static void the_default_scene_has_the_published_bytes(void **state)
 {
     (void)state;
-    struct scene scene = opened("rtrs");
+    struct scene scene = opened("rtrs", 1);
     struct paper_tree direct = tree_of(&scene, PAPER_LEAF_DIRECT);
     struct paper_tree rf = tree_of(&scene, PAPER_LEAF_RF);
     uint64_t geometry = paper_geometry(scene.tri_count);
@@ -54,7 +47,7 @@ static void bytes_follow_from_the_leaves(void **state)
     (void)state;
     static const char *const specs[] = {"rtrs", "sphere:n=6"};
     for (size_t i = 0; i < ARRAY_COUNT(specs); i++) {
-        struct scene scene = opened(specs[i]);
+        struct scene scene = opened(specs[i], 1);
         for (uint32_t leaf = 2; leaf <= 8; leaf += 2) {
             struct paper_tree tree = tree_of(&scene, leaf);
             uint64_t leaves = tree.stats.leaf_count;
@@ -73,7 +66,7 @@ static void bytes_follow_from_the_leaves(void **state)
 static void trees_that_do_not_fit_are_said(void **state)
 {
     (void)state;
-    struct scene scene = opened("soup:n=40,size=0.1");
+    struct scene scene = opened("soup:n=40,size=0.1", 1);
     struct paper_tree tree = tree_of(&scene, 40);
     assert_int_equal(tree.stats.leaf_count, 1);
     assert_int_equal(tree.direct, 48);
@@ -92,7 +85,7 @@ static void the_fetched_teapot_is_another_mesh(void **state)
         print_message("SKIP no " TEAPOT "\n");
         skip();
     }
-    struct scene scene = opened(TEAPOT);
+    struct scene scene = opened(TEAPOT, 1);
     struct paper_tree direct = tree_of(&scene, PAPER_LEAF_DIRECT);
     struct paper_tree rf = tree_of(&scene, PAPER_LEAF_RF);
     assert_int_equal(scene.tri_count, figure->tri_count);

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "tests/explain/explained.h"
+#include "tests/support/opened.h"
 #include "tests/support/faults.h"
 #include "ref/primitives/test_run.h"
 #include "ref/store.h"
@@ -18,15 +19,6 @@
 #include <math.h>
 
 #define RAYS 400
-
-static struct scene opened(const char *spec)
-{
-    struct scene scene;
-    struct reason reason = {""};
-    if (scene_open(spec, 1, &scene, &reason))
-        fail_msg("%s", reason.text);
-    return scene;
-}
 
 static void make_rays(const struct scene *scene, struct ray *ray, size_t count)
 {
@@ -67,7 +59,7 @@ static void a_plain_replay_gives_the_bits_of_the_traversal(void **state)
     static const char *const specs[] = {"soup:n=300", "grid", "platonic"};
     static struct ray ray[RAYS];
     for (size_t i = 0; i < ARRAY_COUNT(specs); i++) {
-        struct scene scene = opened(specs[i]);
+        struct scene scene = opened(specs[i], 1);
         make_rays(&scene, ray, RAYS);
         for (size_t b = 0; builders[b]; b++)
             for (size_t l = 0; layouts[l]; l++) {
@@ -89,7 +81,7 @@ static void wide_nodes_are_replayed_and_known(void **state)
     static const char *const names[] = {"bvh2_u12_scene", "bvh4_f16_world", "bvh8_u8_node",
                                         "cwbvh80"};
     static struct ray ray[RAYS];
-    struct scene scene = opened("soup:n=300");
+    struct scene scene = opened("soup:n=300", 1);
     make_rays(&scene, ray, RAYS);
     for (size_t l = 0; l < ARRAY_COUNT(names); l++) {
         struct subject s = subject_make(&scene, "median", 2, SEED_EPS, names[l]);
@@ -120,7 +112,7 @@ static void a_plain_replay_of_garbage_ends_as_the_traversal(void **state)
 {
     (void)state;
     static struct ray ray[RAYS];
-    struct scene scene = opened("soup:n=200");
+    struct scene scene = opened("soup:n=200", 1);
     struct rng rng = rng_make(5, 0);
     make_rays(&scene, ray, RAYS);
     for (size_t l = 0; layouts[l]; l++)
@@ -146,7 +138,7 @@ static void without_a_tree_it_is_brute_force(void **state)
 {
     (void)state;
     static struct ray ray[RAYS];
-    struct scene scene = opened("soup:n=100");
+    struct scene scene = opened("soup:n=100", 1);
     struct replay_change plain = {0};
     make_rays(&scene, ray, RAYS);
     for (size_t t = 0; tri_tests[t]; t++)
@@ -177,7 +169,7 @@ static void the_rules_give_the_bits_of_the_box_tests(void **state)
 {
     (void)state;
     static struct ray ray[RAYS];
-    struct scene scene = opened("soup:n=100");
+    struct scene scene = opened("soup:n=100", 1);
     make_rays(&scene, ray, RAYS);
     size_t hits = 0;
     for (size_t b = 0; box_tests[b]; b++) {
@@ -345,7 +337,7 @@ static void what_a_storage_holds_is_replayed(void **state)
         const char *store, *tri;
     } pairs[] = {{"gathered", "mt"}, {"edges", "mt"}, {"baldwin_webber", "baldwin_webber"}};
     static struct ray ray[RAYS];
-    struct scene scene = opened("soup:n=300");
+    struct scene scene = opened("soup:n=300", 1);
     make_rays(&scene, ray, RAYS);
     struct subject s = subject_make(&scene, "median", 4, SEED_EPS, "f32");
     for (size_t i = 0; i < ARRAY_COUNT(pairs); i++) {

@@ -11,20 +11,12 @@
 #include "scenes/render/diff_engines.h"
 #include "scenes/scenes.h"
 #include "tests/laws/in_use.h"
+#include "tests/support/opened.h"
 #include "tests/support/pictures.h"
 
 #define RAYS 50u
 
 static const struct engine_options options = {.threads = 1, .device = -1};
-
-static struct scene opened(const char *spec)
-{
-    struct scene scene;
-    struct reason reason = {""};
-    if (scene_open(spec, 1, &scene, &reason))
-        fail_msg("%s", reason.text);
-    return scene;
-}
 
 /* --- painters ------------------------------------------------------------------------------- */
 
@@ -57,7 +49,7 @@ static void painters_hold_no_more(void **state)
 {
     (void)state;
     static const char *const names[] = {"cpu", "brute", "fast", "kd"};
-    drawn = opened("rtrs");
+    drawn = opened("rtrs", 1);
     for (size_t i = 0; i < ARRAY_COUNT(names); i++)
         for (int look = 0; look < 4; look++) {
             const struct engine *engine = engine_find(names[i]);
@@ -159,7 +151,7 @@ static void measures_hold_no_more(void **state)
 {
     (void)state;
     const struct build_options build = {.leaf = 4};
-    drawn = opened("sphere:n=5");
+    drawn = opened("sphere:n=5", 1);
     assert_int_equal(bvh_build(builder_find("median"), &drawn, &build, &bvh, NULL), STATUS_OK);
     assert_int_equal(oracle_make(&drawn, &oracle, NULL), STATUS_OK);
     must_hold_no_more("measures", "of indices", measure, "indexed");

@@ -23,14 +23,7 @@
 #include <string.h>
 #include <cmocka.h> /* last: it has a macro `fail` */
 
-static struct scene opened(const char *spec)
-{
-    struct scene scene;
-    struct reason reason = {""};
-    if (scene_open(spec, 2, &scene, &reason))
-        fail_msg("%s: %s", spec, reason.text);
-    return scene;
-}
+#include "tests/support/opened.h"
 
 static void mirror(struct scene *scene)
 {
@@ -47,7 +40,7 @@ static void grids_end_on_both_sides(void **state)
     const float half = FLT_MAX / 2;
     const float sizes[] = {half / 4, nextafterf(half, 0), half, nextafterf(half, INFINITY),
                            FLT_MAX};
-    struct scene scene = opened("soup:n=4"), out;
+    struct scene scene = opened("soup:n=4", 2), out;
     struct quantised q;
     for (uint32_t n = 0; n < ARRAY_COUNT(sizes) * 2 * 3 * 2; n++) {
         const float size = sizes[n / 12];
@@ -68,7 +61,7 @@ static void numbers_of_even_grids_end_on_both_sides(void **state)
     (void)state;
     for (int32_t more = -2; more <= 2; more++)
         for (uint32_t n = 0; n < 6; n++) {
-            struct scene scene = opened("soup:n=4");
+            struct scene scene = opened("soup:n=4", 2);
             struct grid grid;
             for (uint32_t i = 0; i < 3 * scene.vertex_count; i++)
                 scene.vertex[i] = (float)(i % 7 + 1);
@@ -100,7 +93,7 @@ static void trees_cost_the_same(void **state)
     (void)state;
     static const float scale[] = {1, 0x1p120f, 0x1p-120f};
     for (size_t s = 0; s < ARRAY_COUNT(scale); s++) {
-        struct scene scene = opened("soup:n=300");
+        struct scene scene = opened("soup:n=300", 2);
         for (uint32_t i = 0; i < 3 * scene.vertex_count; i++)
             scene.vertex[i] = (scene.vertex[i] + 3) * scale[s];
         double cost[2][32];
@@ -128,7 +121,7 @@ static void turn_round(struct scene *scene, uint32_t a)
 static void must_part_alike(const char *spec)
 {
     const struct build_options options = {.leaf = 1, .eps = BUILD_EPS_DEFAULT, .presplit = 0.5f};
-    struct scene scene = opened(spec);
+    struct scene scene = opened(spec, 2);
     struct part *part[2];
     uint32_t count[2];
     assert_int_equal(presplit_make(&scene, &options, 1, &part[0], &count[0], NULL), STATUS_OK);
@@ -163,7 +156,7 @@ static void packed_trees_are_read_alike(void **state)
     size_t read = 0;
     for (size_t l = 0; layouts_all[l]; l++)
         for (uint32_t axis = 0; axis < 3; axis++) {
-            struct scene scene = opened("soup:n=40");
+            struct scene scene = opened("soup:n=40", 2);
             enum status status[2];
             for (uint32_t i = 0; i < scene.vertex_count; i++)
                 scene.vertex[3 * (size_t)i + axis] = 1000.3f + 0.0625f * (float)(i / 3 % 5);
@@ -203,7 +196,7 @@ static void packed_trees_are_read_alike(void **state)
 static void instances_need_the_same(void **state)
 {
     (void)state;
-    struct scene scene = opened("sphere:n=3");
+    struct scene scene = opened("sphere:n=3", 2);
     struct geometry geometry = {.count = scene.tri_count, .opaque = true};
     struct world_mesh mesh = {.scene = &scene, .geometry = &geometry, .geometry_count = 1};
     struct instance instance = {.mask = 255};

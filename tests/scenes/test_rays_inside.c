@@ -4,6 +4,7 @@
 #include "ref/primitives/primitives.h"
 #include "scenes/rays/rays.h"
 #include "tests/support/all_hits_fixture.h"
+#include "tests/support/opened.h"
 
 #include <math.h>
 
@@ -24,14 +25,6 @@ static struct topology topology_of(const struct scene *scene)
     return topology;
 }
 
-static struct scene opened(const char *spec)
-{
-    struct scene scene;
-    struct reason reason = {""};
-    stand_must(scene_open(spec, 1, &scene, &reason), &reason);
-    return scene;
-}
-
 static bool inside(const struct oracle *oracle, float x, float y, float z)
 {
     struct rng rng = rng_make(3, 0);
@@ -44,7 +37,7 @@ static bool inside(const struct oracle *oracle, float x, float y, float z)
 static void inside_is_odd_and_off_the_surface(void **state)
 {
     (void)state;
-    struct scene scene = opened("sphere");
+    struct scene scene = opened("sphere", 1);
     struct oracle *oracle = oracle_of(&scene);
     const float *v = scene.vertex;
     assert_true(inside(oracle, 0, 0, 0));
@@ -63,7 +56,7 @@ static void every_ray_leaves_the_mesh(void **state)
     (void)state;
     static const char *const specs[] = {"sphere", "flake", "platonic"};
     for (size_t s = 0; s < ARRAY_COUNT(specs); s++) {
-        struct scene scene = opened(specs[s]);
+        struct scene scene = opened(specs[s], 1);
         struct oracle *oracle = oracle_of(&scene);
         struct topology topology = topology_of(&scene);
         struct ray ray[RAYS];
@@ -96,7 +89,7 @@ static void every_ray_leaves_the_mesh(void **state)
 static void rays_go_where_they_are_aimed(void **state)
 {
     (void)state;
-    struct scene scene = opened("platonic");
+    struct scene scene = opened("platonic", 1);
     struct oracle *oracle = oracle_of(&scene);
     struct topology topology = topology_of(&scene);
     struct ray ray[RAYS];
@@ -142,7 +135,7 @@ static void rays_go_where_they_are_aimed(void **state)
 static void rays_depend_on_the_seed_alone(void **state)
 {
     (void)state;
-    struct scene scene = opened("sphere:n=4");
+    struct scene scene = opened("sphere:n=4", 1);
     struct oracle *oracle = oracle_of(&scene);
     struct topology topology = topology_of(&scene);
     struct ray ray[3][100];
